@@ -1,0 +1,55 @@
+#include "base/file.hpp"
+
+#include "base/error.hpp"
+
+#include <cerrno>
+#include <cstring>
+#include <fcntl.h>
+#include <unistd.h>
+
+namespace treacle {
+
+namespace {
+[[noreturn]] void fail(const std::filesystem::path& path, const std::string& verb) {
+    throw SimulationError({path.string(), "cannot " + verb, std::strerror(errno),
+                           "free some space or choose another folder with --out"});
+}
+
+void sync_path(const std::filesystem::path& path, int flags) {
+    const int file = ::open(path.c_str(), flags);
+    if (file < 0) fail(path, "open");
+    const int status = ::fsync(file);
+    ::close(file);
+    if (status != 0) fail(path, "sync");
+}
+} // namespace
+
+void sync_and_rename(const std::filesystem::path& temporary, const std::filesystem::path& path) {
+    sync_path(temporary, O_RDONLY);
+    if (::rename(temporary.c_str(), path.c_str()) != 0) fail(path, "rename to");
+    const auto folder = path.parent_path();
+    sync_path(folder.empty() ? "." : folder, O_RDONLY | O_DIRECTORY);
+}
+
+void write_file_atomically(const std::filesystem::path& path, const std::string& content) {
+    auto temporary = path;
+    temporary += ".tmp";
+    const int file = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644);
+    if (file < 0) fail(temporary, "create");
+    std::size_t done = 0;
+    while (done < content.size()) {
+        const ssize_t n = ::write(file, content.data() + done, content.size() - done);
+        if (n < 0) {
+            const int saved = errno;
+            ::close(file);
+            ::unlink(temporary.c_str());
+            errno = saved;
+            fail(path, "write");
+        }
+        done += static_cast<std::size_t>(n);
+    }
+    ::close(file);
+    sync_and_rename(temporary, path);
+}
+
+} // namespace treacle

@@ -1,0 +1,14 @@
+#pragma once
+#include <filesystem>
+#include <string>
+
+namespace treacle {
+
+// Replaces a file as a whole: writes a temporary name beside it, syncs, renames.
+// Throws SimulationError when the disk is full or the folder cannot be written; the old file then stands.
+void write_file_atomically(const std::filesystem::path& path, const std::string& content);
+
+// Syncs a finished temporary file to disk and gives it its final name (for writers that stream).
+void sync_and_rename(const std::filesystem::path& temporary, const std::filesystem::path& path);
+
+} // namespace treacle
