@@ -1,0 +1,123 @@
+#pragma once
+#include "base/vec3.hpp"
+#include "scene/shape.hpp"
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace treacle::scene {
+
+enum class FaceKind { wall, open, periodic };
+enum class Slip { free_slip, no_slip, slip_length };
+
+// One of the six sides of the domain, in the order x_min, x_max, y_min, y_max, z_min, z_max.
+struct Face {
+    FaceKind kind = FaceKind::wall;
+    Slip slip = Slip::free_slip;
+    double slip_length = 0; // [m]
+};
+
+struct Domain {
+    int dimensions = 3;      // 2: plane, z is ignored
+    Vec3 min{0, 0, 0};       // [m]
+    Vec3 max{1, 1, 1};       // [m]
+    std::array<Face, 6> faces;
+    double spacing = 0;      // particle spacing d or grid width dx [m]
+    Vec3 gravity{0, 0, 0};   // [m/s2]; default 9.81 m/s2 downwards: -y in the plane, -z in space
+};
+
+struct Liquid {
+    std::string name;
+    std::string material;                 // a preset of `treacle materials`, or empty
+    double density = 1000;                // [kg/m3]
+    double viscosity = 0;                 // [Pa s]
+    double surface_tension = 0;           // [N/m]
+    std::vector<Shape> shapes;
+    Vec3 velocity{0, 0, 0};               // [m/s]
+    std::string where;
+};
+
+enum class BodyKind { fixed, kinematic, dynamic };
+
+struct Keyframe {
+    double time = 0;               // [s]
+    Vec3 translation{0, 0, 0};     // [m] from the initial place
+    Vec3 rotation_axis{0, 0, 1};
+    double rotation_angle = 0;     // [rad] from the initial orientation
+};
+
+struct Body {
+    std::string name;
+    BodyKind kind = BodyKind::fixed;
+    Shape shape;
+    double density = 0;            // [kg/m3] dynamic
+    Slip slip = Slip::free_slip;
+    double slip_length = 0;        // [m]
+    Vec3 velocity{0, 0, 0};        // [m/s] dynamic: at the start
+    Vec3 angular_velocity{0, 0, 0};// [rad/s]
+    std::vector<Keyframe> keyframes;
+    std::string where;
+};
+
+enum class StepRule { fixed, cfl };
+
+struct Time {
+    double end = 1;                // [s]
+    StepRule rule = StepRule::cfl;
+    double step = 0;               // [s] fixed rule; with cfl the largest step, 0: none
+    double cfl = 0.3;              // largest move of a particle per step, in spacings
+    double min_step = 1e-7;        // [s] below it the run ends with exit code 3
+};
+
+struct Output {
+    std::string name = "frame";
+    double interval = 0;           // [s] between frames; 0: none
+    std::vector<std::string> fields{"velocity", "pressure", "density"};
+    bool double_precision = false;
+    double checkpoint_interval = 0;      // [s] simulated; 0: none
+    double checkpoint_wall_interval = 0; // [s] of the clock; 0: none
+    int checkpoints_kept = 2;
+    double log_interval = 0;       // [s] simulated between lines of the terminal; 0: every frame
+};
+
+struct Camera {
+    std::string name = "main";
+    Vec3 position{0, 0, 0};        // [m]
+    Vec3 target{0, 0, 0};          // [m]
+    Vec3 up{0, 0, 1};
+    double field_of_view = 0.7;    // vertical [rad]
+    int width = 1280, height = 720;// [pixels]
+    bool automatic = true;         // placed to see the whole domain
+};
+
+enum class MeasurementKind {
+    front,      // largest coordinate of the liquid along `axis`
+    height,     // height of the liquid along the axis against gravity in a column around `position`
+    flow,       // volume flow through the plane at `position` with normal `axis` [m3/s]
+};
+
+struct Measurement {
+    std::string name;
+    MeasurementKind kind = MeasurementKind::front;
+    int axis = 0;                  // 0 x, 1 y, 2 z
+    Vec3 position{0, 0, 0};        // [m]
+    double interval = 0;           // [s]; 0: every step
+};
+
+// Everything of the scene file that is not an option of a method.
+struct Scene {
+    int schema_version = 1;
+    std::string title;
+    Domain domain;
+    std::vector<Liquid> liquids;
+    std::vector<Body> bodies;
+    Time time;
+    Output output;
+    std::vector<Camera> cameras;
+    std::vector<Measurement> measurements;
+    double lost_limit = 0;         // share of the particles that may be lost before the run ends (exit code 3)
+};
+
+} // namespace treacle::scene
