@@ -1,0 +1,1 @@
+#include "base/vec3.hpp"
