@@ -1,0 +1,69 @@
+#pragma once
+#include <Kokkos_Core.hpp>
+#include <Kokkos_MathematicalFunctions.hpp>
+
+#include <cstdint>
+
+// The subset of Kokkos that compiles with 3.4 and with 4.x/5.x on every back end, under short names.
+namespace treacle {
+
+using Execution = Kokkos::DefaultExecutionSpace;
+using Memory = Execution::memory_space;
+
+template <class T>
+using Array = Kokkos::View<T*, Memory>;
+using Array3 = Kokkos::View<double* [3], Memory>;
+
+namespace math {
+#if KOKKOS_VERSION >= 30700
+using Kokkos::floor;
+using Kokkos::fabs;
+using Kokkos::sqrt;
+using Kokkos::isfinite;
+#else
+using Kokkos::Experimental::floor;
+using Kokkos::Experimental::fabs;
+using Kokkos::Experimental::sqrt;
+KOKKOS_INLINE_FUNCTION bool isfinite(double x) { return x - x == 0.0; }
+#endif
+inline constexpr double pi = 3.141592653589793238462643383279502884;
+
+template <class T>
+KOKKOS_INLINE_FUNCTION constexpr T min(T a, T b) {
+    return b < a ? b : a;
+}
+template <class T>
+KOKKOS_INLINE_FUNCTION constexpr T max(T a, T b) {
+    return a < b ? b : a;
+}
+} // namespace math
+
+// Grows an array to hold n entries and never shrinks it; the content is lost when it grows. The quarter to
+// spare keeps a slowly changing count from allocating again at every step.
+template <class View>
+void reserve(View& view, std::size_t n) {
+    if (view.extent(0) >= n) return;
+    const std::size_t capacity = n + n / 4 + 16;
+    const auto label = view.label();
+    view = View(); // frees before it allocates: the peak is one array, not two
+    view = View(Kokkos::view_alloc(Kokkos::WithoutInitializing, label), capacity);
+}
+
+// As reserve, but exact in size: for the arrays that carry most of the memory.
+template <class View>
+void reserve_keep(View& view, std::size_t n, std::size_t used) {
+    if (view.extent(0) >= n) return;
+    View larger(Kokkos::view_alloc(Kokkos::WithoutInitializing, view.label()), n + n / 8 + 16);
+    if (used > 0) {
+        const auto rows = Kokkos::make_pair(std::size_t(0), used);
+        if constexpr (View::rank == 1) {
+            Kokkos::deep_copy(Kokkos::subview(larger, rows), Kokkos::subview(view, rows));
+        } else {
+            Kokkos::deep_copy(Kokkos::subview(larger, rows, Kokkos::ALL()),
+                              Kokkos::subview(view, rows, Kokkos::ALL()));
+        }
+    }
+    view = larger;
+}
+
+} // namespace treacle

@@ -1,0 +1,170 @@
+#include "mpi/decomposition.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace treacle {
+
+namespace {
+// One box of the bisection still to be cut among the ranks [first, last).
+struct Part {
+    CellBox box;
+    int first, last;
+    int parent;   // node whose child this is, or -1
+    bool is_left;
+};
+
+int longest_axis(const CellBox& box) {
+    int axis = 0;
+    for (int k = 1; k < 3; ++k) {
+        if (box.hi[k] - box.lo[k] > box.hi[axis] - box.lo[axis]) axis = k;
+    }
+    return axis;
+}
+
+// The plane that splits a histogram closest to the wanted share; planes keep at least one layer on each side
+// while both sides have ranks and there are layers to give.
+int best_cut(std::span<const double> histogram, double share, int lo) {
+    double total = 0;
+    for (const double w : histogram) total += w;
+    const int n = static_cast<int>(histogram.size());
+    if (n <= 1) return lo + n;
+    if (total <= 0) return lo + std::clamp(static_cast<int>(std::lround(share * n)), 1, n - 1);
+    double below = 0, best = 1e300;
+    int cut = 1;
+    for (int k = 1; k < n; ++k) {
+        below += histogram[static_cast<std::size_t>(k - 1)];
+        const double miss = std::abs(below - share * total);
+        if (miss < best) {
+            best = miss;
+            cut = k;
+        }
+    }
+    return lo + cut;
+}
+} // namespace
+
+Decomposition::Decomposition(const Comm& comm, const CellGrid& grid)
+    : comm_(comm), grid_(grid), boxes_(static_cast<std::size_t>(comm.size())) {
+    recut({}, {});
+}
+
+void Decomposition::recut(std::span<const int> cells, std::span<const double> weights) {
+    const std::size_t n = weights.size();
+    std::vector<int> part_of(n, 0); // which open part each weighted cell lies in
+    std::vector<Part> parts{{grid_.all(), 0, comm_.size(), -1, false}};
+    nodes_.clear();
+    int root = -1;
+    while (!parts.empty()) {
+        std::vector<std::size_t> start{0};
+        std::vector<int> axes;
+        for (const auto& part : parts) {
+            axes.push_back(longest_axis(part.box));
+            const int k = axes.back();
+            start.push_back(start.back() + static_cast<std::size_t>(std::max(0, part.box.hi[k] - part.box.lo[k])));
+        }
+        std::vector<double> histogram(start.back(), 0.0);
+        for (std::size_t i = 0; i < n; ++i) {
+            const int p = part_of[i];
+            if (p < 0) continue;
+            const auto u = static_cast<std::size_t>(p);
+            const int layer = cells[3 * i + static_cast<std::size_t>(axes[u])] - parts[u].box.lo[axes[u]];
+            histogram[start[u] + static_cast<std::size_t>(layer)] += weights[i];
+        }
+        comm_.sum(std::span(histogram));
+
+        std::vector<Part> next;
+        std::vector<int> left_of(parts.size(), -1), right_of(parts.size(), -1);
+        std::vector<int> cuts(parts.size(), 0);
+        for (std::size_t p = 0; p < parts.size(); ++p) {
+            const auto& part = parts[p];
+            const int ranks = part.last - part.first;
+            int value = -1 - part.first;
+            if (ranks == 1) {
+                boxes_[static_cast<std::size_t>(part.first)] = part.box;
+            } else {
+                const int k = axes[p];
+                const int left_ranks = ranks / 2;
+                const double share = double(left_ranks) / ranks;
+                cuts[p] = best_cut(std::span(histogram).subspan(start[p], start[p + 1] - start[p]), share,
+                                   part.box.lo[k]);
+                value = static_cast<int>(nodes_.size());
+                nodes_.push_back({k, cuts[p], 0, 0});
+                Part left{part.box, part.first, part.first + left_ranks, value, true};
+                Part right{part.box, part.first + left_ranks, part.last, value, false};
+                left.box.hi[k] = cuts[p];
+                right.box.lo[k] = cuts[p];
+                left_of[p] = static_cast<int>(next.size());
+                next.push_back(left);
+                right_of[p] = static_cast<int>(next.size());
+                next.push_back(right);
+            }
+            if (part.parent < 0) {
+                root = value;
+            } else {
+                auto& parent = nodes_[static_cast<std::size_t>(part.parent)];
+                (part.is_left ? parent.left : parent.right) = value;
+            }
+        }
+        for (std::size_t i = 0; i < n; ++i) {
+            if (part_of[i] < 0) continue;
+            const auto p = static_cast<std::size_t>(part_of[i]);
+            if (left_of[p] < 0) {
+                part_of[i] = -1;
+            } else {
+                const bool is_left = cells[3 * i + static_cast<std::size_t>(axes[p])] < cuts[p];
+                part_of[i] = is_left ? left_of[p] : right_of[p];
+            }
+        }
+        parts = std::move(next);
+    }
+    upload(nodes_, root);
+}
+
+void Decomposition::upload(const std::vector<Node>& nodes, int root) {
+    const auto copy = [&](Array<int>& to, int Node::*member) {
+        to = Array<int>("treacle::tree", nodes.size());
+        auto host = Kokkos::create_mirror_view(to);
+        for (std::size_t k = 0; k < nodes.size(); ++k) host(k) = nodes[k].*member;
+        Kokkos::deep_copy(to, host);
+    };
+    copy(tree_.axis, &Node::axis);
+    copy(tree_.cut, &Node::cut);
+    copy(tree_.left, &Node::left);
+    copy(tree_.right, &Node::right);
+    tree_.root = root;
+}
+
+// Layout: ranks, root, boxes [rank][6], nodes [node][4].
+std::vector<std::int64_t> Decomposition::state() const {
+    std::vector<std::int64_t> out{static_cast<std::int64_t>(boxes_.size()), tree_.root};
+    for (const auto& box : boxes_) {
+        for (const int v : box.lo) out.push_back(v);
+        for (const int v : box.hi) out.push_back(v);
+    }
+    for (const auto& node : nodes_) {
+        for (const int v : {node.axis, node.cut, node.left, node.right}) out.push_back(v);
+    }
+    return out;
+}
+
+void Decomposition::restore(std::span<const std::int64_t> state) {
+    std::size_t at = 2;
+    const auto next = [&] { return static_cast<int>(state[at++]); };
+    for (auto& box : boxes_) {
+        for (int& v : box.lo) v = next();
+        for (int& v : box.hi) v = next();
+    }
+    nodes_.clear();
+    while (at + 4 <= state.size()) {
+        Node node{};
+        node.axis = next();
+        node.cut = next();
+        node.left = next();
+        node.right = next();
+        nodes_.push_back(node);
+    }
+    upload(nodes_, static_cast<int>(state[1]));
+}
+
+} // namespace treacle

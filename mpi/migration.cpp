@@ -1,0 +1,124 @@
+#include "mpi/migration.hpp"
+
+#include "mpi/pack.hpp"
+
+#include <algorithm>
+#include <cstring>
+#include <numeric>
+
+namespace treacle {
+
+int state_width(const ParticleStore& store) {
+    int width = 0;
+    for (const auto& field : store.fields()) {
+        if (field.role == FieldRole::state) width += components(field);
+    }
+    return width;
+}
+
+void pack_state(const ParticleStore& store, const Array<int>& rows, int n, const Array<double>& buffer) {
+    const int width = state_width(store);
+    int column = 0;
+    for (const auto& field : store.fields()) {
+        if (field.role != FieldRole::state) continue;
+        std::visit([&](const auto& view) { pack_rows(view, rows, n, buffer, width, column); }, field.array);
+        column += components(field);
+    }
+}
+
+void unpack_state(const ParticleStore& store, int first, int n, const Array<double>& buffer) {
+    const int width = state_width(store);
+    int column = 0;
+    for (const auto& field : store.fields()) {
+        if (field.role != FieldRole::state) continue;
+        std::visit([&](const auto& view) { unpack_rows(view, first, n, buffer, width, column); }, field.array);
+        column += components(field);
+    }
+}
+
+namespace {
+// Writes the rows whose flag matches to a list, in order; returns how many.
+int select_rows(const Array<int>& destination, int n, int self, bool staying, const Array<int>& list) {
+    int count = 0;
+    Kokkos::parallel_scan("treacle::select_rows", n, KOKKOS_LAMBDA(int i, int& sum, bool last) {
+        const bool chosen = (destination(i) == self) == staying;
+        if (last && chosen) list(sum) = i;
+        sum += static_cast<int>(chosen);
+    }, count);
+    return count;
+}
+
+int find_destinations(const ParticleStore& store, const Decomposition& decomposition,
+                      const Array<int>& destination) {
+    const auto grid = decomposition.grid();
+    const auto box = decomposition.box();
+    const auto tree = decomposition.tree();
+    const int self = decomposition.comm().rank();
+    const auto x = store.position();
+    int leaving = 0;
+    Kokkos::parallel_reduce("treacle::find_destinations", store.owned(), KOKKOS_LAMBDA(int i, int& sum) {
+        int c[3];
+        grid.locate(x(i, 0), x(i, 1), x(i, 2), c);
+        destination(i) = box.contains(c) ? self : tree.owner(c);
+        sum += static_cast<int>(destination(i) != self);
+    }, leaving);
+    return leaving;
+}
+} // namespace
+
+std::int64_t Migration::to_owner(ParticleStore& store, const Decomposition& decomposition) {
+    const Comm& comm = decomposition.comm();
+    if (comm.size() == 1) return 0;
+    const int n = store.owned();
+    reserve(destination_, static_cast<std::size_t>(n));
+    reserve(keep_, static_cast<std::size_t>(n));
+    const int leaving = find_destinations(store, decomposition, destination_);
+    const int width = state_width(store);
+
+    std::vector<Message> outgoing;
+    if (leaving > 0) {
+        reserve(leave_, static_cast<std::size_t>(leaving));
+        select_rows(destination_, n, comm.rank(), false, leave_);
+        // The migrants alone pass through the host, to be dealt out by receiver.
+        const Array<double> packed("treacle::migrants", static_cast<std::size_t>(leaving) * width);
+        pack_state(store, leave_, leaving, packed);
+        const auto host = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), packed);
+        const auto rows = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), leave_);
+        const auto targets = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), destination_);
+        std::vector<int> order(static_cast<std::size_t>(leaving));
+        std::iota(order.begin(), order.end(), 0);
+        std::stable_sort(order.begin(), order.end(),
+                         [&](int a, int b) { return targets(rows(a)) < targets(rows(b)); });
+        const std::size_t row_bytes = static_cast<std::size_t>(width) * sizeof(double);
+        for (const int k : order) {
+            const int target = targets(rows(k));
+            if (outgoing.empty() || outgoing.back().rank != target) outgoing.push_back({target, {}});
+            auto& bytes = outgoing.back().bytes;
+            bytes.resize(bytes.size() + row_bytes);
+            std::memcpy(bytes.data() + bytes.size() - row_bytes, host.data() + std::size_t(k) * width, row_bytes);
+        }
+        const int staying = select_rows(destination_, n, comm.rank(), true, keep_);
+        store.permute(keep_, staying);
+    }
+
+    const auto incoming = exchange_sparse(comm, outgoing);
+    std::size_t arriving_bytes = 0;
+    for (const auto& message : incoming) arriving_bytes += message.bytes.size();
+    if (arriving_bytes > 0) {
+        const Array<double> arrived("treacle::arrivals", arriving_bytes / sizeof(double));
+        auto host = Kokkos::create_mirror_view(arrived);
+        char* at = reinterpret_cast<char*>(host.data());
+        for (const auto& message : incoming) {
+            std::memcpy(at, message.bytes.data(), message.bytes.size());
+            at += message.bytes.size();
+        }
+        Kokkos::deep_copy(arrived, host);
+        const int first = store.owned();
+        const int count = static_cast<int>(arriving_bytes / sizeof(double)) / width;
+        store.resize_owned(first + count);
+        unpack_state(store, first, count, arrived);
+    }
+    return leaving;
+}
+
+} // namespace treacle

@@ -1,0 +1,27 @@
+#pragma once
+#include "kokkos/particle_store.hpp"
+#include "mpi/decomposition.hpp"
+#include "mpi/exchange.hpp"
+
+namespace treacle {
+
+// Sends each owned particle whose cell belongs to another rank there, with all its state fields.
+class Migration {
+public:
+    // Collective. Positions must lie in the grid. Rows keep no order afterwards: sort next.
+    // Returns the number of particles that left this rank.
+    std::int64_t to_owner(ParticleStore& store, const Decomposition& decomposition);
+
+private:
+    Array<int> destination_{"treacle::destination", 0};
+    Array<int> keep_{"treacle::keep", 0};
+    Array<int> leave_{"treacle::leave", 0};
+};
+
+// Number of 8-byte words of one particle's state in a message.
+int state_width(const ParticleStore& store);
+// Writes the state of rows[0..n) to buffer [n][state_width], and back to rows first + [0..n).
+void pack_state(const ParticleStore& store, const Array<int>& rows, int n, const Array<double>& buffer);
+void unpack_state(const ParticleStore& store, int first, int n, const Array<double>& buffer);
+
+} // namespace treacle
