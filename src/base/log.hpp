@@ -1,0 +1,37 @@
+#pragma once
+#include <cstdio>
+#include <string>
+
+namespace treacle {
+
+enum class Voice { speaks, silent };
+
+// Lines on the terminal. Only rank 0 speaks; the other ranks hold a silent one and call it just the same.
+// The progress bar is drawn only when the stream is a terminal.
+class Log {
+public:
+    explicit Log(Voice voice, std::FILE* stream = stdout);
+    ~Log();
+    Log(const Log&) = delete;
+    Log& operator=(const Log&) = delete;
+
+    void line(const std::string& text);
+    void warn(const std::string& text);
+
+    // Redraws the bar under the last line; `share` in [0, 1], `text` behind it.
+    void progress(double share, const std::string& text);
+    void clear_progress();
+
+    bool is_terminal() const { return is_terminal_; }
+
+private:
+    Voice voice_;
+    std::FILE* stream_;
+    bool is_terminal_;
+    bool bar_shown_ = false;
+};
+
+// "[#####.....]  50 %  text"
+std::string progress_bar(double share, const std::string& text);
+
+} // namespace treacle

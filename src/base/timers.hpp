@@ -1,0 +1,53 @@
+#pragma once
+#include <chrono>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace treacle {
+
+// Wall-clock seconds and calls per named phase. The first use of a name allocates, later ones do not.
+// A phase measured inside another counts in both.
+class PhaseTimers {
+public:
+    struct Phase {
+        std::string name;
+        double seconds = 0;
+        std::int64_t calls = 0;
+    };
+
+    // Adds the time from its making to its end to a phase.
+    class Scope {
+    public:
+        Scope(PhaseTimers& timers, std::size_t phase);
+        ~Scope();
+        Scope(const Scope&) = delete;
+        Scope& operator=(const Scope&) = delete;
+
+    private:
+        PhaseTimers& timers_;
+        std::size_t phase_;
+        std::chrono::steady_clock::time_point start_;
+    };
+
+    [[nodiscard]] Scope scope(std::string_view name) { return Scope(*this, index(name)); }
+
+    // In the order of first use.
+    const std::vector<Phase>& phases() const { return phases_; }
+
+    // Zero for a phase that has not run.
+    double seconds(std::string_view name) const;
+    std::int64_t calls(std::string_view name) const;
+
+    // Sets all to zero and keeps the names.
+    void reset();
+
+private:
+    std::size_t index(std::string_view name);
+    const Phase* find(std::string_view name) const;
+
+    std::vector<Phase> phases_;
+};
+
+} // namespace treacle
