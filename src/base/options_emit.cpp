@@ -8,7 +8,7 @@ namespace treacle {
 
 namespace {
 
-std::string quoted(const std::string& text) {
+std::string in_quotes(const std::string& text) {
     std::string out = "\"";
     for (const char c : text) {
         if (c == '"' || c == '\\') {
@@ -43,12 +43,12 @@ public:
         line(key, value ? "true" : "false");
     }
     void text(const std::string& key, std::string& value, const std::string&) override {
-        line(key, quoted(value));
+        line(key, in_quotes(value));
     }
     void texts(const std::string& key, std::vector<std::string>& value, const std::string&,
                const std::vector<std::string>&) override {
         std::vector<std::string> words;
-        for (const auto& word : value) words.push_back(quoted(word));
+        for (const auto& word : value) words.push_back(in_quotes(word));
         line(key, "[" + join(words, ", ") + "]");
     }
     void vec3(const std::string& key, Vec3& value, const Unit& unit, const std::string&, VectorKind) override {
@@ -60,11 +60,13 @@ public:
     void block_of(const std::string& key, const Members& members, const std::string&,
                   const std::string&) override {
         const auto before = out_.size();
+        const bool first_before = first_;
         line(key, "");
         Emitter inside(out_, indent_ + 2);
         members(inside);
         if (!inside.wrote_nothing()) return;
         out_.resize(before);
+        first_ = first_before;
         line(key, "{}");
     }
     bool optional_block(const std::string& key, bool present, const Members& members,
