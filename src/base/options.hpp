@@ -113,8 +113,9 @@ public:
     virtual bool given(const std::string&) const { return false; }
     // "scene.yaml:14", where the current block starts; empty when not parsing.
     virtual std::string place() const { return ""; }
-    // Plane scenes: vectors declared from here on may have two numbers.
+    // Plane scenes: vectors declared from here on may be read, and are emitted, with two numbers.
     virtual void allow_plane_vectors() {}
+    virtual bool plane_vectors() const { return false; }
 
     template <class T>
     static void declare_members(Declaration& d, T& value) {

@@ -24,9 +24,15 @@ std::string in_quotes(const std::string& text) {
     return out + "\"";
 }
 
+// Shared by the emitters of all blocks.
+struct Sheet {
+    std::string text;
+    bool plane_vectors = false;
+};
+
 class Emitter : public Declaration {
 public:
-    Emitter(std::string& out, std::size_t indent) : out_(out), indent_(indent) {}
+    Emitter(Sheet& sheet, std::size_t indent) : sheet_(sheet), out_(sheet.text), indent_(indent) {}
 
     // The first key of a list item stands behind the dash.
     void start_item() { dash_ = true; }
@@ -51,9 +57,11 @@ public:
         for (const auto& word : value) words.push_back(in_quotes(word));
         line(key, "[" + join(words, ", ") + "]");
     }
-    void vec3(const std::string& key, Vec3& value, const Unit& unit, const std::string&, VectorKind) override {
+    void vec3(const std::string& key, Vec3& value, const Unit& unit, const std::string&,
+              VectorKind kind) override {
         std::vector<std::string> parts;
         for (const double x : value) parts.push_back(with_unit(format_number(x), unit));
+        if (plane_vectors() && kind == VectorKind::in_plane) parts.pop_back();
         line(key, "[" + join(parts, ", ") + "]");
     }
 
@@ -62,7 +70,7 @@ public:
         const auto before = out_.size();
         const bool first_before = first_;
         line(key, "");
-        Emitter inside(out_, indent_ + 2);
+        Emitter inside(sheet_, indent_ + 2);
         members(inside);
         if (!inside.wrote_nothing()) return;
         out_.resize(before);
@@ -81,12 +89,14 @@ public:
         }
         line(key, "");
         for (std::size_t i = 0; i < items.size(); ++i) {
-            Emitter item(out_, indent_ + 4);
+            Emitter item(sheet_, indent_ + 4);
             item.start_item();
             items.declare(i, item);
         }
     }
     void required(const std::string&) override {}
+    void allow_plane_vectors() override { sheet_.plane_vectors = true; }
+    bool plane_vectors() const override { return sheet_.plane_vectors; }
 
 protected:
     void choose(const std::string& key, std::size_t& index, const std::vector<std::string>& names,
@@ -108,6 +118,7 @@ private:
         out_ += key + ":" + (value.empty() ? "" : " " + value) + "\n";
     }
 
+    Sheet& sheet_;
     std::string& out_;
     std::size_t indent_;
     bool dash_ = false;
@@ -117,10 +128,10 @@ private:
 } // namespace
 
 std::string emit(const Declaration::Members& root) {
-    std::string out;
-    Emitter emitter(out, 0);
+    Sheet sheet;
+    Emitter emitter(sheet, 0);
     root(emitter);
-    return out;
+    return sheet.text;
 }
 
 } // namespace treacle

@@ -153,13 +153,16 @@ public:
         const Node* node = node_.find(key);
         Node absent;
         absent.place = node_.place;
-        add(node ? *node : absent, key, complaint, node ? node->brief() : "");
+        const bool shown = node && node->kind != Node::Kind::block &&
+                           std::ranges::all_of(node->items, [](auto& item) { return item.kind == Node::Kind::scalar; });
+        add(node ? *node : absent, key, complaint, shown ? node->brief() : "");
     }
 
     bool parsing() const override { return true; }
     bool given(const std::string& key) const override { return node_.find(key) != nullptr; }
     std::string place() const override { return node_.place; }
     void allow_plane_vectors() override { session_.plane_vectors = true; }
+    bool plane_vectors() const override { return session_.plane_vectors; }
 
     // After the declaration: what the block has and nobody declared.
     void reject_unknown_keys() {

@@ -149,6 +149,8 @@ private:
     }
 
     void add_member(Open& parent, Node value) {
+        // An empty value has its mark where the next token starts.
+        if (value.kind == Node::Kind::null) value.place = parent.key_place;
         for (const auto& member : parent.node.members) {
             if (member.key != parent.key) continue;
             tree_.problems.push_back({parent.key_place, "the key " + parent.key + " stands twice",

@@ -1,1 +1,79 @@
-#include "base/vec3.hpp"
+#include "scene/data_files.hpp"
+
+#include "base/error.hpp"
+
+#include <cstdlib>
+
+namespace treacle::scene {
+
+namespace fs = std::filesystem;
+
+std::vector<fs::path> data_search_path(const fs::path& scene_file, const std::vector<fs::path>& data_folders) {
+    const auto folder = scene_file.parent_path();
+    std::vector<fs::path> out{folder.empty() ? fs::path(".") : folder};
+    out.insert(out.end(), data_folders.begin(), data_folders.end());
+    const char* variable = std::getenv("TREACLE_DATA");
+    std::string rest = variable ? variable : "";
+    while (!rest.empty()) {
+        const auto end = std::min(rest.find(':'), rest.size());
+        if (end > 0) out.emplace_back(rest.substr(0, end));
+        rest.erase(0, end + 1);
+    }
+    return out;
+}
+
+fs::path find_data_file(const fs::path& name, const std::vector<fs::path>& search_path) {
+    std::error_code ignored;
+    if (name.is_absolute()) return fs::is_regular_file(name, ignored) ? name : fs::path();
+    for (const auto& folder : search_path) {
+        const auto path = folder / name;
+        if (fs::is_regular_file(path, ignored)) return fs::absolute(path).lexically_normal();
+    }
+    return {};
+}
+
+namespace {
+
+std::string list_folders(const std::vector<fs::path>& folders) {
+    std::string out;
+    for (const auto& folder : folders) out += (out.empty() ? "" : ", ") + folder.string();
+    return out;
+}
+
+struct Outcome {
+    std::vector<std::string> replaced;
+    std::vector<Diagnostic> missing;
+};
+
+void resolve(Shape& shape, const std::vector<fs::path>& search_path, Outcome& outcome) {
+    if (shape.kind != ShapeKind::mesh) return;
+    const auto path = find_data_file(shape.file, search_path);
+    if (!path.empty()) {
+        shape.file = path.string();
+    } else if (!shape.fallback.empty()) {
+        outcome.replaced.push_back(shape.where + ": the mesh " + shape.file +
+                                   " was not found; its fallback is used instead. Name its folder with --data or "
+                                   "TREACLE_DATA to use it.");
+        const Shape fallback = shape.fallback.front();
+        shape = fallback;
+    } else {
+        const bool absolute = fs::path(shape.file).is_absolute();
+        outcome.missing.push_back({shape.where, "the mesh " + shape.file + " was not found",
+                                   absolute ? "" : "looked in " + list_folders(search_path),
+                                   "name its folder with --data or TREACLE_DATA, or add a fallback"});
+    }
+}
+
+} // namespace
+
+std::vector<std::string> resolve_data_files(Scene& scene, const std::vector<fs::path>& search_path) {
+    Outcome outcome;
+    for (auto& liquid : scene.liquids) {
+        for (auto& shape : liquid.shapes) resolve(shape, search_path, outcome);
+    }
+    for (auto& body : scene.bodies) resolve(body.shape, search_path, outcome);
+    if (!outcome.missing.empty()) throw InputError(std::move(outcome.missing));
+    return outcome.replaced;
+}
+
+} // namespace treacle::scene

@@ -1,1 +1,123 @@
-#include "base/vec3.hpp"
+#include "scene/scene.hpp"
+
+#include "base/options.hpp"
+#include "scene/names.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <numbers>
+
+namespace treacle::scene {
+
+namespace {
+
+constexpr double degree = std::numbers::pi / 180;
+
+const Range interval_range =
+    range_at_least(0).because("it is a length of time; 0 switches it off", "write for instance 10 ms");
+
+std::string standard_name(const Measurement& measurement) {
+    switch (measurement.kind) {
+    case MeasurementKind::front: return "front";
+    case MeasurementKind::height: return "height";
+    case MeasurementKind::flow: return "flow";
+    }
+    return "measurement";
+}
+
+} // namespace
+
+void Time::declare(Declaration& d) {
+    d.number("end", end, unit::time, range_above(0).because("the run starts at 0", "write for instance 2 s"),
+             "When the run ends.");
+    d.choice<StepRule>("rule", rule, {{"cfl", StepRule::cfl}, {"fixed", StepRule::fixed}},
+                       "Steps that follow the largest velocity, or all the same.");
+    d.number("step", step, unit::time, range_at_least(0),
+             "With rule: fixed the time step; with rule: cfl the largest one, 0 for no such limit.");
+    d.number("cfl", cfl, unit::none,
+             range_above_to(0, 1).because("beyond 1 a particle would jump over its neighbours", "0.3 is usual"),
+             "Largest move of a particle per step, in spacings.");
+    d.number("min_step", min_step, unit::time, range_above(0),
+             "When the rule asks for a smaller step, the run ends with exit code 3.");
+    d.check(rule != StepRule::fixed || step > 0, "step",
+            {"must be > 0 with rule: fixed", "it is the time step", "write for instance 1 ms"});
+    d.check(step == 0 || step >= min_step, "step", {"must be at least min_step", "the run would end at once", ""});
+}
+
+void Output::declare(Declaration& d) {
+    d.text("name", name, "Start of the names of the frames' files.");
+    const auto fits = [](unsigned char c) { return c < 0x80 && (std::isalnum(c) || c == '_' || c == '-'); };
+    d.check(!name.empty() && std::ranges::all_of(name, fits), "name",
+            {"must have letters, digits, _ and - only", "it is the start of a file name", ""});
+    d.number("interval", interval, unit::time, interval_range, "Simulated time between frames; 0 for none.");
+    d.texts("fields", fields, "Values per particle in the frames.");
+    d.boolean("double_precision", double_precision, "Frames in 64 bits a number instead of 32.");
+    d.number("checkpoint_interval", checkpoint_interval, unit::time, interval_range,
+             "Simulated time between checkpoints; 0 for none.");
+    d.number("checkpoint_wall_interval", checkpoint_wall_interval, unit::time, interval_range,
+             "Time of the clock between checkpoints; 0 for none.");
+    d.integer("checkpoints_kept", checkpoints_kept, range_at_least(1), "How many of the newest are kept.");
+    d.number("log_interval", log_interval, unit::time, interval_range,
+             "Simulated time between lines on the terminal; 0 for one per frame.");
+}
+
+void Camera::declare(Declaration& d) {
+    declare_name(d, name, "Part of the pictures' names.");
+    if (d.parsing()) automatic = !d.given("position");
+    d.boolean("automatic", automatic, "Placed to see the whole domain; by default when no position is given.");
+    d.vec3("position", position, unit::length, "Where the camera is.", VectorKind::in_space);
+    d.vec3("target", target, unit::length, "The point in the middle of the picture.", VectorKind::in_space);
+    d.direction("up", up, "Direction that is upwards in the picture.");
+    d.number("field_of_view", field_of_view, unit::angle, range_between(0.1 * degree, 170 * degree),
+             "Vertical angle of view.");
+    d.integer("width", width, range_between(16, 16384), "Pixels.");
+    d.integer("height", height, range_between(16, 16384), "Pixels.");
+    d.check(automatic || position != target, "position",
+            {"must differ from target", "the camera would look nowhere", "move it away"});
+    d.check(!automatic || position == Vec3{0, 0, 0}, "position",
+            {"has no effect", "automatic is true", "remove one of them"});
+    d.check(!automatic || target == Vec3{0, 0, 0}, "target",
+            {"has no effect", "the camera is placed automatically", "give a position as well"});
+}
+
+void Measurement::declare(Declaration& d) {
+    declare_name(d, name, "Name of the column; by default its kind.");
+    d.choice<MeasurementKind>("kind", kind,
+                              {{"front", MeasurementKind::front},
+                               {"height", MeasurementKind::height},
+                               {"flow", MeasurementKind::flow}},
+                              "The largest coordinate of the liquid along an axis, its height above a point, or "
+                              "the volume flow through a plane.");
+    d.required("kind");
+    d.choice<int>("axis", axis, {{"x", 0}, {"y", 1}, {"z", 2}}, "Axis of the front, normal of the plane.");
+    d.check(axis < 2 || !d.plane_vectors(), "axis", {"must be x or y", "the scene is plane", ""});
+    d.vec3("position", position, unit::length, "The point of the height, a point of the plane.");
+    d.number("interval", interval, unit::time, interval_range, "Simulated time between values; 0 for every step.");
+}
+
+void Scene::declare(Declaration& d) {
+    d.integer("schema_version", schema_version, range_any(), "Version of the layout of this file.");
+    d.required("schema_version");
+    d.check(schema_version == 1, "schema_version",
+            {"must be 1", "it is the only version that this program knows", "`treacle schema` shows its keys"});
+    d.text("title", title, "One line for people.");
+    d.block("domain", domain, "The region of the simulation, its sides and its resolution.");
+    d.list("liquids", liquids, "The liquids.");
+    d.required("liquids");
+    d.check(!liquids.empty(), "liquids", {"must not be empty", "there would be nothing to simulate", "add a liquid"});
+    settle_names(d, "liquids", liquids, [](const Liquid& liquid) {
+        return liquid.material == "none" ? std::string("liquid") : liquid.material;
+    });
+    d.list("bodies", bodies, "The solids besides the sides of the domain.");
+    settle_names(d, "bodies", bodies, [](const Body&) { return std::string("body"); });
+    d.block("time", time, "How long the run is and its steps.");
+    d.block("output", output, "Frames, checkpoints and lines on the terminal.");
+    d.list("cameras", cameras, "Views for `treacle render`; without one a view of the whole domain.");
+    settle_names(d, "cameras", cameras, [](const Camera&) { return std::string("main"); });
+    d.list("measurements", measurements, "Values that become columns of measurements.csv.");
+    settle_names(d, "measurements", measurements, standard_name);
+    d.number("lost_limit", lost_limit, unit::none, range_between(0, 1),
+             "Share of the particles that may be lost before the run ends with exit code 3.");
+}
+
+} // namespace treacle::scene

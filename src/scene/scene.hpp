@@ -7,6 +7,10 @@
 #include <string>
 #include <vector>
 
+namespace treacle {
+class Declaration;
+}
+
 namespace treacle::scene {
 
 enum class FaceKind { wall, open, periodic };
@@ -17,26 +21,33 @@ struct Face {
     FaceKind kind = FaceKind::wall;
     Slip slip = Slip::free_slip;
     double slip_length = 0; // [m]
+
+    void declare(Declaration& d);
+    bool operator==(const Face&) const = default;
 };
 
 struct Domain {
-    int dimensions = 3;      // 2: plane, z is ignored
+    int dimensions = 3;      // 2: plane, every z is 0
     Vec3 min{0, 0, 0};       // [m]
     Vec3 max{1, 1, 1};       // [m]
     std::array<Face, 6> faces;
     double spacing = 0;      // particle spacing d or grid width dx [m]
-    Vec3 gravity{0, 0, 0};   // [m/s2]; default 9.81 m/s2 downwards: -y in the plane, -z in space
+    Vec3 gravity{0, 0, -9.81}; // [m/s2]; in a plane scene {0, -9.81, 0} unless given
+
+    void declare(Declaration& d);
 };
 
 struct Liquid {
     std::string name;
-    std::string material;                 // a preset of `treacle materials`, or empty
+    std::string material = "none";        // a preset of `treacle materials`, or "none"
     double density = 1000;                // [kg/m3]
     double viscosity = 0;                 // [Pa s]
     double surface_tension = 0;           // [N/m]
     std::vector<Shape> shapes;
     Vec3 velocity{0, 0, 0};               // [m/s]
     std::string where;
+
+    void declare(Declaration& d);
 };
 
 enum class BodyKind { fixed, kinematic, dynamic };
@@ -46,6 +57,8 @@ struct Keyframe {
     Vec3 translation{0, 0, 0};     // [m] from the initial place
     Vec3 rotation_axis{0, 0, 1};
     double rotation_angle = 0;     // [rad] from the initial orientation
+
+    void declare(Declaration& d);
 };
 
 struct Body {
@@ -59,6 +72,8 @@ struct Body {
     Vec3 angular_velocity{0, 0, 0};// [rad/s]
     std::vector<Keyframe> keyframes;
     std::string where;
+
+    void declare(Declaration& d);
 };
 
 enum class StepRule { fixed, cfl };
@@ -69,6 +84,8 @@ struct Time {
     double step = 0;               // [s] fixed rule; with cfl the largest step, 0: none
     double cfl = 0.3;              // largest move of a particle per step, in spacings
     double min_step = 1e-7;        // [s] below it the run ends with exit code 3
+
+    void declare(Declaration& d);
 };
 
 struct Output {
@@ -80,6 +97,8 @@ struct Output {
     double checkpoint_wall_interval = 0; // [s] of the clock; 0: none
     int checkpoints_kept = 2;
     double log_interval = 0;       // [s] simulated between lines of the terminal; 0: every frame
+
+    void declare(Declaration& d);
 };
 
 struct Camera {
@@ -90,6 +109,8 @@ struct Camera {
     double field_of_view = 0.7;    // vertical [rad]
     int width = 1280, height = 720;// [pixels]
     bool automatic = true;         // placed to see the whole domain
+
+    void declare(Declaration& d);
 };
 
 enum class MeasurementKind {
@@ -104,9 +125,12 @@ struct Measurement {
     int axis = 0;                  // 0 x, 1 y, 2 z
     Vec3 position{0, 0, 0};        // [m]
     double interval = 0;           // [s]; 0: every step
+
+    void declare(Declaration& d);
 };
 
-// Everything of the scene file that is not an option of a method.
+// Everything of the scene file that is not an option of a method. Declares its blocks side by side into the
+// root; what parses is consistent in itself, but shapes and meshes have not been looked at.
 struct Scene {
     int schema_version = 1;
     std::string title;
@@ -118,6 +142,8 @@ struct Scene {
     std::vector<Camera> cameras;
     std::vector<Measurement> measurements;
     double lost_limit = 0;         // share of the particles that may be lost before the run ends (exit code 3)
+
+    void declare(Declaration& d);
 };
 
 } // namespace treacle::scene

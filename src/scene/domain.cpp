@@ -1,0 +1,91 @@
+#include "base/options.hpp"
+#include "scene/scene.hpp"
+
+#include <array>
+
+namespace treacle::scene {
+
+namespace {
+
+const std::array<std::string, 6> face_names{"x_min", "x_max", "y_min", "y_max", "z_min", "z_max"};
+
+void declare_boundaries(Declaration& d, Domain& domain) {
+    for (std::size_t i = 0; i < face_names.size(); ++i) {
+        d.block(face_names[i], domain.faces[i],
+                "The side of the domain at the " + std::string(i % 2 == 0 ? "lower" : "upper") + " end of " +
+                    face_names[i].substr(0, 1) + ".",
+                "kind");
+    }
+    for (std::size_t i = 0; i < face_names.size(); i += 2) {
+        const auto& low = domain.faces[i];
+        const auto& high = domain.faces[i + 1];
+        const bool one_sided = (low.kind == FaceKind::periodic) != (high.kind == FaceKind::periodic);
+        const bool low_periodic = low.kind == FaceKind::periodic;
+        d.check(!one_sided, face_names[low_periodic ? i + 1 : i],
+                {"must be periodic as " + face_names[low_periodic ? i : i + 1] + " is",
+                 "what leaves one side enters at the other", "make both periodic or none"});
+        const bool plane = i == 4 && domain.dimensions == 2;
+        for (const std::size_t face : {i, i + 1}) {
+            d.check(!plane || domain.faces[face] == Face{}, face_names[face],
+                    {"must not be given", "a plane scene has no sides in z", "remove it"});
+        }
+    }
+}
+
+// Cells are counted in 64 bits over three axes; a longer domain is a slip of a unit anyway.
+constexpr double most_spacings = 1e6;
+
+void check_extent(Declaration& d, const Domain& domain) {
+    for (std::size_t i = 0; i < static_cast<std::size_t>(domain.dimensions); ++i) {
+        const std::string axis(1, "xyz"[i]);
+        const double length = domain.max[i] - domain.min[i];
+        d.check(length > 0, "max", {"must be greater than min in " + axis, "the domain has no volume",
+                                    "swap the corners or make it larger"});
+        if (!(length > 0)) continue;
+        d.check(domain.spacing <= length, "spacing",
+                {"must be at most the length of the domain in " + axis, "not one particle fits", "make it smaller"});
+        d.check(length / domain.spacing <= most_spacings, "spacing",
+                {"must be at least a millionth of the length of the domain in " + axis,
+                 "cells of the size of a spacing are counted", "check the units of spacing, min and max"});
+    }
+}
+
+} // namespace
+
+void Face::declare(Declaration& d) {
+    d.choice<FaceKind>("kind", kind,
+                       {{"wall", FaceKind::wall}, {"open", FaceKind::open}, {"periodic", FaceKind::periodic}},
+                       "Whether liquid stops here, leaves, or enters again at the opposite side.");
+    d.choice<Slip>("slip", slip,
+                   {{"free_slip", Slip::free_slip}, {"no_slip", Slip::no_slip}, {"slip_length", Slip::slip_length}},
+                   "How a wall holds viscous liquid.");
+    d.number("slip_length", slip_length, unit::length, range_at_least(0),
+             "With slip: slip_length, the depth behind the wall at which the velocity would be that of the wall.");
+    d.check(slip != Slip::slip_length || slip_length > 0, "slip_length",
+            {"must be > 0 with slip: slip_length", "0 is no_slip", "give a length or write slip: no_slip"});
+    d.check(slip == Slip::slip_length || slip_length == 0, "slip_length",
+            {"has no effect", "slip is not slip_length", "add slip: slip_length or remove it"});
+    d.check(kind == FaceKind::wall || slip == Slip::free_slip, "slip",
+            {"has no effect", "the side is not a wall", "remove it or write kind: wall"});
+}
+
+void Domain::declare(Declaration& d) {
+    d.integer("dimensions", dimensions, range_between(2, 3),
+              "2 for a plane scene in x and y, where vectors have two numbers; 3 for space.");
+    if (dimensions == 2) d.allow_plane_vectors();
+    if (d.parsing()) gravity = dimensions == 2 ? Vec3{0, -9.81, 0} : Vec3{0, 0, -9.81};
+    d.vec3("min", min, unit::length, "Lower corner.");
+    d.vec3("max", max, unit::length, "Upper corner.");
+    d.required("max");
+    if (d.parsing() && dimensions == 2) min[2] = max[2] = 0;
+    d.number("spacing", spacing, unit::length,
+             range_above(0).because("it is the distance of neighbouring particles", "write for instance 5 mm"),
+             "Distance of neighbouring particles, or width of the grid's cells.");
+    d.required("spacing");
+    d.vec3("gravity", gravity, unit::acceleration, "Acceleration; in a plane scene by default [0, -9.81].");
+    d.block_of("boundaries", [this](Declaration& inside) { declare_boundaries(inside, *this); },
+               "The sides of the domain.");
+    check_extent(d, *this);
+}
+
+} // namespace treacle::scene

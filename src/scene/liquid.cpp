@@ -1,0 +1,49 @@
+#include "base/options.hpp"
+#include "scene/materials.hpp"
+#include "scene/names.hpp"
+#include "scene/scene.hpp"
+#include "scene/shape_options.hpp"
+
+namespace treacle::scene {
+
+namespace {
+
+std::vector<std::pair<std::string, std::string>> material_choices() {
+    std::vector<std::pair<std::string, std::string>> choices{{"none", "none"}};
+    for (const auto& material : materials()) {
+        choices.emplace_back(std::string(material.name), std::string(material.name));
+    }
+    return choices;
+}
+
+} // namespace
+
+void Liquid::declare(Declaration& d) {
+    if (d.parsing()) where = d.place();
+    declare_name(d, name, "How messages, overrides and results call it; by default its material.");
+    d.choice("material", material, material_choices(),
+             "Preset of `treacle materials`, for the density, viscosity and surface tension that are not given.");
+    const auto* preset = find_material(material);
+    if (preset && d.parsing()) {
+        density = preset->density;
+        viscosity = preset->viscosity;
+        surface_tension = preset->surface_tension;
+    }
+    d.number("density", density, unit::density,
+             range_above(0).because("it is mass per volume", "water is about 1000 kg/m3, honey about 1400 kg/m3"),
+             "Mass per volume.");
+    d.number("viscosity", viscosity, unit::viscosity_of(density),
+             range_at_least(0).because("a Newtonian viscosity is positive",
+                                       "honey is about 10 Pa s, water 0.001 Pa s"),
+             "Dynamic viscosity; a kinematic one is accepted with its unit and multiplied by the density.");
+    d.number("surface_tension", surface_tension, unit::surface_tension,
+             range_at_least(0).because("a liquid with a negative one would fly apart", "water has 72 mN/m"),
+             "Surface tension against air.");
+    d.list("shapes", shapes, "Where the liquid is at the start: the union of these shapes.");
+    d.required("shapes");
+    d.check(!shapes.empty(), "shapes", {"must not be empty", "the liquid would have no particles",
+                                        "add a shape, for instance - box: {min: [0, 0, 0], max: [1, 1, 1]}"});
+    d.vec3("velocity", velocity, unit::velocity, "Velocity at the start.");
+}
+
+} // namespace treacle::scene
