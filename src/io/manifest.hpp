@@ -1,0 +1,45 @@
+#pragma once
+#include "io/value.hpp"
+#include "mpi/comm.hpp"
+
+#include <filesystem>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace treacle::io {
+
+// What a result is made with.
+struct BuildInfo {
+    std::string version;  // of the program
+    std::string commit;   // of its sources; "unknown" outside of a repository
+    std::string state;    // of its sources: "clean", "modified", "unknown"
+    std::string compiler; // name and version
+    std::string flags;
+    std::string type; // "Release"
+};
+BuildInfo build_info();
+
+using Versions = std::vector<std::pair<std::string, std::string>>;
+// The libraries that this folder knows: HDF5 (as loaded) and MPI (as compiled against).
+Versions library_versions();
+
+// 64-bit FNV-1a of a text as 16 hexadecimal digits: tells scenes apart, no protection against intent.
+std::string text_hash(const std::string& text);
+
+struct Manifest {
+    std::vector<std::string> command; // the command line
+    std::string input;                // path of the scene
+    std::string input_text;           // the scene in effect, of which the hash is taken
+    Versions libraries;               // of other folders; those of library_versions() are added
+    Value extra;                      // further entries (an object), or null
+};
+
+// Collective: writes manifest.json with version, sources, compiler, libraries, ranks, hosts, start time (UTC)
+// and hash of the input. Throws SimulationError.
+void write_manifest(const Comm& comm, const std::filesystem::path& path, const Manifest& manifest);
+
+// Collective: rank 0 writes the object, e.g. summary.json. Throws SimulationError on every rank.
+void write_summary(const Comm& comm, const std::filesystem::path& path, const Value& summary);
+
+} // namespace treacle::io

@@ -1,0 +1,42 @@
+#pragma once
+#include "mpi/comm.hpp"
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace treacle::io {
+
+// What to do with a folder that is not empty.
+enum class ExistingFiles { refuse, overwrite };
+
+// Where the results of a run are.
+struct RunFolder {
+    std::filesystem::path root;
+
+    std::filesystem::path effective_scene() const { return root / "effective.yaml"; }
+    std::filesystem::path manifest() const { return root / "manifest.json"; }
+    std::filesystem::path summary() const { return root / "summary.json"; }
+    std::filesystem::path steps() const { return root / "steps.csv"; }
+    std::filesystem::path measurements() const { return root / "measurements.csv"; }
+    std::filesystem::path bodies() const { return root / "bodies.csv"; }
+    std::filesystem::path lost_particles() const { return root / "lost_particles.csv"; }
+    std::filesystem::path frames() const { return root / "frames"; }
+    std::filesystem::path checkpoints() const { return root / "checkpoints"; }
+    // A file of this name asks the run to stop.
+    std::filesystem::path stop() const { return root / "STOP"; }
+};
+
+// Collective: makes the folder with frames/ and checkpoints/ in it. Throws InputError on every rank when the
+// path is a file, when the folder is not empty and existing files are refused, or when it cannot be made;
+// nothing is changed then. Overwriting removes the files that a run makes, by name, and no other file.
+RunFolder prepare_run_folder(const Comm& comm, const std::filesystem::path& path, ExistingFiles existing);
+
+// Collective: the folder of a run to look at or to go on with. Throws InputError on every rank when it is
+// missing or holds no effective.yaml.
+RunFolder open_run_folder(const Comm& comm, const std::filesystem::path& path);
+
+// The files that overwriting would remove, sorted; on this rank alone.
+std::vector<std::filesystem::path> files_of_run(const RunFolder& folder);
+
+} // namespace treacle::io
