@@ -1,0 +1,191 @@
+#include "app/build_scene.hpp"
+
+#include "base/error.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace treacle::app {
+
+namespace {
+constexpr const char* side_names[domain_sides] = {"x_min", "x_max", "y_min", "y_max", "z_min", "z_max"};
+
+double friction_of(scene::Slip slip) { return slip == scene::Slip::no_slip ? 1.0 : 0.0; }
+} // namespace
+
+std::vector<std::string> load_names(const Input& input) {
+    std::vector<std::string> names(side_names, side_names + domain_sides);
+    for (const auto& body : input.scene.bodies) names.push_back(body.name);
+    return names;
+}
+
+void check_supported(const Input& input) {
+    std::vector<Diagnostic> problems;
+    const auto& liquids = input.scene.liquids;
+    for (const auto& liquid : liquids) {
+        if (liquid.density != liquids.front().density || liquid.viscosity != liquids.front().viscosity) {
+            problems.push_back({liquid.where,
+                                "liquids." + liquid.name + " differs from liquids." + liquids.front().name +
+                                    " in density or viscosity",
+                                "method sph takes one density and one viscosity", "give both liquids the same"});
+        }
+        if (liquid.surface_tension > 0 && liquid.material == "none") {
+            problems.push_back({liquid.where, "liquids." + liquid.name + ".surface_tension is not modelled by method sph",
+                                "it would be ignored", "leave it out"});
+        }
+    }
+    for (const auto& body : input.scene.bodies) {
+        if (body.kind != scene::BodyKind::fixed) {
+            problems.push_back({body.where, "bodies." + body.name + " moves", "method sph takes fixed bodies only",
+                                "set its kind to fixed"});
+        }
+        if (body.slip == scene::Slip::slip_length) {
+            problems.push_back({body.where, "bodies." + body.name + ".slip: a slip length is not modelled by method sph",
+                                "", "choose free_slip or no_slip"});
+        }
+    }
+    for (std::size_t k = 0; k < domain_sides; ++k) {
+        if (input.scene.domain.faces[k].slip == scene::Slip::slip_length) {
+            problems.push_back({"", std::string("domain.boundaries.") + side_names[k] +
+                                        ".slip: a slip length is not modelled by method sph",
+                                "", "choose free_slip or no_slip"});
+        }
+    }
+    if (!problems.empty()) throw InputError(std::move(problems));
+}
+
+std::unique_ptr<sph::IsphStep> make_solver(const Comm& comm, const Input& input, const Geometry& geometry) {
+    sph::IsphSetup setup;
+    setup.options = input.method;
+    setup.constants = make_constants(input);
+    const auto& domain = input.scene.domain;
+    setup.domain = sph::make_domain_box(domain, geometry.offset + 0.5 * domain.spacing);
+    setup.grid = sph::make_cell_grid(domain, setup.constants.support);
+    setup.forces.gravity = domain.gravity;
+    setup.forces.viscosity = input.scene.liquids.front().viscosity;
+    for (const auto& face : domain.faces) setup.forces.friction.push_back(friction_of(face.slip));
+    for (const auto& body : input.scene.bodies) setup.forces.friction.push_back(friction_of(body.slip));
+    setup.bodies = domain_sides + static_cast<int>(input.scene.bodies.size());
+    setup.forces.artificial = input.method.viscosity.artificial * setup.constants.support *
+                              input.method.viscosity.reference_speed;
+    return std::make_unique<sph::IsphStep>(comm, setup);
+}
+
+namespace {
+// The cells of a rank as a box of space; the outermost ones reach to infinity.
+scene::Bounds part_of(const CellGrid& grid, const CellBox& box) {
+    scene::Bounds part;
+    for (int k = 0; k < 3; ++k) {
+        const auto u = static_cast<std::size_t>(k);
+        if (box.lo[k] > 0) part.min[u] = grid.origin[k] + box.lo[k] / grid.inverse_width[k];
+        if (box.hi[k] < grid.count[k]) part.max[u] = grid.origin[k] + box.hi[k] / grid.inverse_width[k];
+    }
+    return part;
+}
+
+bool inside(const scene::Bounds& part, const Vec3& x) {
+    for (std::size_t k = 0; k < 3; ++k) {
+        if (x[k] < part.min[k] || x[k] >= part.max[k]) return false;
+    }
+    return true;
+}
+
+// Host copies of the fields of a store, to be filled row by row.
+template <class View>
+class Column {
+public:
+    explicit Column(const View& view) : view_(view), host_(Kokkos::create_mirror_view(view)) {}
+    ~Column() { Kokkos::deep_copy(view_, host_); }
+    auto& operator*() { return host_; }
+
+private:
+    View view_;
+    typename View::HostMirror host_;
+};
+
+void add_liquid(const Input& input, const Geometry& geometry, const scene::Bounds& part, sph::IsphStep& solver) {
+    scene::VolumeFill fill;
+    fill.liquids = geometry.liquids;
+    fill.solids = geometry.bodies;
+    fill.clearance = (0.5 - 1e-9) * geometry.lattice.spacing;
+    fill.lattice = geometry.lattice;
+    fill.part = part;
+    const auto samples = scene::fill_volume(fill);
+    auto& liquid = solver.liquid();
+    liquid.store.resize_owned(static_cast<int>(samples.positions.size()));
+    Column x(liquid.position()), u(liquid.velocity());
+    Column id(liquid.id());
+    Column which(liquid.liquid());
+    Column p(liquid.pressure());
+    for (std::size_t i = 0; i < samples.positions.size(); ++i) {
+        const auto& velocity = input.scene.liquids[static_cast<std::size_t>(samples.liquids[i])].velocity;
+        for (int k = 0; k < 3; ++k) {
+            const auto c = static_cast<std::size_t>(k);
+            (*x)(i, k) = solver.setup().domain.wrap(k, samples.positions[i][c]);
+            (*u)(i, k) = velocity[c];
+        }
+        (*id)(i) = static_cast<std::int64_t>(samples.ids[i]);
+        (*which)(i) = samples.liquids[i];
+        (*p)(i) = 0;
+    }
+}
+
+struct SolidSample {
+    Vec3 position;
+    std::int64_t id;
+    int body;
+};
+
+std::vector<SolidSample> sample_solids(const Geometry& geometry, const scene::Bounds& part) {
+    std::vector<SolidSample> out;
+    auto walls = geometry.walls;
+    walls.part = part;
+    const auto samples = scene::sample_domain_walls(walls);
+    for (std::size_t i = 0; i < samples.positions.size(); ++i) {
+        out.push_back({samples.positions[i], static_cast<std::int64_t>(samples.ids[i]), samples.faces[i]});
+    }
+    auto next = static_cast<std::int64_t>(scene::count_domain_walls(geometry.walls));
+    for (std::size_t b = 0; b < geometry.bodies.size(); ++b) {
+        const auto surface = scene::sample_surface(
+            geometry.bodies[b],
+            {geometry.lattice.spacing, geometry.offset, {geometry.lattice.min, geometry.lattice.max}});
+        for (const auto& position : surface.positions) {
+            const std::int64_t id = next++;
+            if (inside(part, position)) out.push_back({position, id, domain_sides + static_cast<int>(b)});
+        }
+    }
+    return out;
+}
+
+void add_solids(const Geometry& geometry, const scene::Bounds& part, sph::IsphStep& solver) {
+    const auto samples = sample_solids(geometry, part);
+    auto& solid = solver.solid();
+    solid.store.resize_owned(static_cast<int>(samples.size()));
+    Column x(solid.position()), v(solid.velocity());
+    Column id(solid.id());
+    Column body(solid.body());
+    Column volume(solid.volume());
+    for (std::size_t i = 0; i < samples.size(); ++i) {
+        for (int k = 0; k < 3; ++k) {
+            (*x)(i, k) = solver.setup().domain.wrap(k, samples[i].position[static_cast<std::size_t>(k)]);
+            (*v)(i, k) = 0;
+        }
+        (*id)(i) = samples[i].id;
+        (*body)(i) = samples[i].body;
+        (*volume)(i) = 0;
+    }
+}
+} // namespace
+
+void fill_solver(const Input& input, const Geometry& geometry, sph::IsphStep& solver) {
+    const auto part = part_of(solver.setup().grid, solver.decomposition().box());
+    const bool empty = solver.decomposition().box().empty();
+    solver.comm().guard([&] {
+        if (empty) return;
+        add_liquid(input, geometry, part, solver);
+        add_solids(geometry, part, solver);
+    });
+    solver.start();
+}
+
+} // namespace treacle::app

@@ -1,0 +1,162 @@
+#include "app/geometry.hpp"
+
+#include "base/error.hpp"
+#include "base/text.hpp"
+
+#include <cmath>
+#include <fstream>
+#include <sstream>
+
+namespace treacle::app {
+
+namespace {
+scene::Side side_of(const scene::Face& face) {
+    switch (face.kind) {
+    case scene::FaceKind::wall: return scene::Side::wall;
+    case scene::FaceKind::open: return scene::Side::open;
+    case scene::FaceKind::periodic: return scene::Side::periodic;
+    }
+    return scene::Side::wall;
+}
+
+sph::WallSetup wall_setup(const Input& input) {
+    const auto& domain = input.scene.domain;
+    return {input.method.kernel, domain.dimensions, input.method.support_ratio * domain.spacing, domain.spacing,
+            domain.spacing};
+}
+} // namespace
+
+Geometry build_geometry(const Input& input, const std::vector<std::string>& folders) {
+    const auto& domain = input.scene.domain;
+    Geometry out;
+    out.lattice = {domain.spacing, domain.min, domain.max, domain.dimensions};
+    const scene::RegionOptions options{domain.dimensions, folders};
+    const auto add = [&](const scene::Shape& shape, scene::Regions& regions) {
+        regions.emplace_back(shape, options);
+        if (regions.back().used_fallback()) {
+            out.notes.push_back(shape.where + ": mesh " + shape.file + " was not found, its fallback is used");
+        }
+    };
+    for (const auto& liquid : input.scene.liquids) {
+        auto& regions = out.liquids.emplace_back();
+        for (const auto& shape : liquid.shapes) add(shape, regions);
+    }
+    for (const auto& body : input.scene.bodies) add(body.shape, out.bodies);
+    // A resting lattice keeps its rest density next to a wall when the layer stands this far behind the surface.
+    const auto& density = input.method.density;
+    out.offset = sph::rest_gap(wall_setup(input), density.blend_from, density.blend_to) - domain.spacing / 2;
+    out.walls.lattice = out.lattice;
+    for (std::size_t k = 0; k < 6; ++k) out.walls.sides[k] = side_of(domain.faces[k]);
+    if (domain.dimensions == 2) out.walls.sides[4] = out.walls.sides[5] = scene::Side::open;
+    out.walls.outset = out.offset;
+    return out;
+}
+
+ParticleCounts estimate_particles(const Geometry& geometry) {
+    ParticleCounts counts;
+    scene::VolumeFill fill;
+    fill.liquids = geometry.liquids;
+    fill.solids = geometry.bodies;
+    fill.clearance = geometry.lattice.spacing / 2;
+    fill.lattice = geometry.lattice;
+    for (const auto count : scene::estimate_liquid_counts(fill)) counts.liquid += count;
+    counts.solid = scene::count_domain_walls(geometry.walls);
+    for (const auto& body : geometry.bodies) {
+        scene::SurfaceSampling sampling{geometry.lattice.spacing, geometry.offset,
+                                        {geometry.lattice.min, geometry.lattice.max}};
+        counts.solid += scene::estimate_surface_count(body, sampling);
+    }
+    return counts;
+}
+
+double bytes_per_particle(const Input& input) {
+    const auto& domain = input.scene.domain;
+    const auto lattice = sph::measure_lattice(input.method.kernel, domain.dimensions,
+                                              input.method.support_ratio * domain.spacing, domain.spacing);
+    // State, work arrays and solver vectors; per neighbour the list, the matrix and half of it factorised.
+    return 500 + 22.0 * (lattice.neighbours + 1);
+}
+
+namespace {
+// Memory that can still be allocated on this machine [bytes]; 0 when unknown.
+double available_memory() {
+    std::ifstream file("/proc/meminfo");
+    std::string key;
+    double kilobytes = 0;
+    while (file >> key >> kilobytes) {
+        if (key == "MemAvailable:") return 1024 * kilobytes;
+        file.ignore(256, '\n');
+    }
+    return 0;
+}
+
+std::string place(const Vec3& x) {
+    std::ostringstream out;
+    out << "(" << x[0] << ", " << x[1] << ", " << x[2] << ") m";
+    return out.str();
+}
+
+void check_overlaps(const Input& input, const Geometry& geometry, std::vector<Diagnostic>& problems) {
+    for (std::size_t k = 0; k < geometry.liquids.size(); ++k) {
+        const auto& liquid = input.scene.liquids[k];
+        const auto outside = scene::find_outside(geometry.liquids[k], geometry.lattice);
+        if (outside.count > 0) {
+            problems.push_back({liquid.where,
+                                "liquids." + liquid.name + " reaches outside of the domain, as at " +
+                                    place(outside.example),
+                                std::to_string(outside.count) + " of its " + std::to_string(outside.total) +
+                                    " particles would start there",
+                                "move or shrink its shapes, or enlarge domain.min and domain.max"});
+        }
+        for (std::size_t b = 0; b < geometry.bodies.size(); ++b) {
+            const auto overlap =
+                scene::find_overlap(geometry.liquids[k], scene::Regions{geometry.bodies[b]}, geometry.lattice);
+            if (overlap.count == 0) continue;
+            problems.push_back({liquid.where,
+                                "liquids." + liquid.name + " overlaps bodies." + input.scene.bodies[b].name +
+                                    ", as at " + place(overlap.example),
+                                std::to_string(overlap.count) + " of its " + std::to_string(overlap.total) +
+                                    " particles would start inside the solid",
+                                "move one of the two, or make the liquid of shapes around the body"});
+        }
+    }
+}
+} // namespace
+
+void validate_geometry(const Input& input, const Geometry& geometry, const Comm& comm) {
+    std::vector<Diagnostic> problems;
+    check_overlaps(input, geometry, problems);
+    const auto counts = estimate_particles(geometry);
+    if (counts.liquid == 0) {
+        problems.push_back({"", "the scene has no liquid particle", "no point of the particle lattice lies in its liquids",
+                            "enlarge the liquid's shapes, or refine domain.spacing"});
+    }
+    const double needed = bytes_per_particle(input) * double(counts.liquid) + 200.0 * double(counts.solid);
+    const double available = available_memory();
+    if (available > 0 && needed > available) {
+        problems.push_back({"",
+                            "the run needs about " + format_bytes(static_cast<std::uint64_t>(needed)) + " of memory for " +
+                                std::to_string(counts.liquid) + " liquid and " + std::to_string(counts.solid) +
+                                " solid particles",
+                            "this machine has " + format_bytes(static_cast<std::uint64_t>(available)) + " to spare for its " +
+                                std::to_string(comm.size()) + " ranks",
+                            "enlarge domain.spacing, or use more machines"});
+    }
+    if (!problems.empty()) throw InputError(std::move(problems));
+}
+
+sph::Constants make_constants(const Input& input) {
+    const auto& domain = input.scene.domain;
+    sph::Constants out;
+    out.dimensions = domain.dimensions;
+    out.spacing = domain.spacing;
+    out.support = input.method.support_ratio * domain.spacing;
+    const auto lattice = sph::measure_lattice(input.method.kernel, domain.dimensions, out.support, domain.spacing);
+    out.rest_density = input.scene.liquids.front().density;
+    out.rest_volume = lattice.volume;
+    out.mass = out.rest_density * lattice.volume;
+    out.number_density = lattice.number_density;
+    return out;
+}
+
+} // namespace treacle::app

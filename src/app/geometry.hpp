@@ -1,0 +1,44 @@
+#pragma once
+#include "app/input.hpp"
+#include "mpi/comm.hpp"
+#include "scene/sampling.hpp"
+#include "sph/domain.hpp"
+#include "sph/lattice.hpp"
+#include "sph/neighbourhood.hpp"
+
+namespace treacle::app {
+
+// The shapes of a scene, read and placed; nothing large has been allocated yet.
+struct Geometry {
+    scene::Lattice lattice;
+    std::vector<scene::Regions> liquids;   // one union per liquid
+    scene::Regions bodies;
+    scene::WallSampling walls;
+    double offset = 0;                     // depth of a solid's particle layer below its surface [m]
+    std::vector<std::string> notes;        // fallbacks taken and the like
+};
+
+// Index of a body's loads and slip: the six sides of the domain come first, then the bodies of the scene.
+inline constexpr int domain_sides = 6;
+
+// Reads meshes and builds the regions. Throws InputError.
+Geometry build_geometry(const Input& input, const std::vector<std::string>& folders);
+
+// Numbers of particles, without making them.
+struct ParticleCounts {
+    std::uint64_t liquid = 0;
+    std::uint64_t solid = 0;
+};
+ParticleCounts estimate_particles(const Geometry& geometry);
+
+// What the geometry must not be: liquid in a solid or outside of the domain, no liquid at all, more particles
+// than the machine's memory holds. Throws InputError with all of it.
+void validate_geometry(const Input& input, const Geometry& geometry, const Comm& comm);
+
+// Bytes that a run needs per liquid and per solid particle, all told.
+double bytes_per_particle(const Input& input);
+
+// Masses, volumes and rest densities from the lattice.
+sph::Constants make_constants(const Input& input);
+
+} // namespace treacle::app

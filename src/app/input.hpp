@@ -1,0 +1,32 @@
+#pragma once
+#include "scene/scene.hpp"
+#include "sph/options.hpp"
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace treacle::app {
+
+// The whole scene file: the scene's blocks, and the options of the method.
+struct Input {
+    scene::Scene scene;
+    sph::SphOptions method;
+
+    void declare(Declaration& d);
+};
+
+// Where an input comes from, as the command line gives it.
+struct InputSource {
+    std::filesystem::path scene;
+    std::vector<std::string> overrides;               // "a.b.c=value"
+    std::vector<std::filesystem::path> data_folders;  // of --data; TREACLE_DATA is added
+};
+
+// Reads and validates; throws InputError with all problems.
+Input load_input(const InputSource& source);
+
+// Folders in which the files of meshes are looked for: the scene's own, --data, TREACLE_DATA.
+std::vector<std::string> mesh_folders(const InputSource& source);
+
+} // namespace treacle::app

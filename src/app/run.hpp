@@ -1,0 +1,30 @@
+#pragma once
+#include "app/input.hpp"
+#include "base/error.hpp"
+#include "io/run_folder.hpp"
+#include "mpi/comm.hpp"
+
+namespace treacle::app {
+
+struct RunRequest {
+    InputSource source;
+    std::filesystem::path out;                                   // default: out/<name of the scene's folder or file>
+    io::ExistingFiles existing = io::ExistingFiles::refuse;
+    double wall_limit = 0;                                       // [s] of the clock, 0: none; then exit code 5
+    std::vector<std::string> command;                            // the command line, for the manifest
+};
+
+// `treacle run`. Collective; returns the exit code, ok or stopped; throws Error for the others.
+ExitCode run_scene(const Comm& comm, const RunRequest& request);
+
+struct ResumeRequest {
+    std::filesystem::path folder;
+    std::vector<std::filesystem::path> data_folders;
+    double wall_limit = 0; // [s]
+    std::vector<std::string> command;
+};
+
+// `treacle resume`: goes on from the newest valid checkpoint of a run's folder, on any number of ranks.
+ExitCode resume_run(const Comm& comm, const ResumeRequest& request);
+
+} // namespace treacle::app

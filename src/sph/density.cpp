@@ -1,0 +1,98 @@
+#include "sph/density.hpp"
+
+namespace treacle::sph {
+
+namespace {
+template <class Kernel>
+struct DensityLoop {
+    Kernel kernel;
+    NumberKernel number;
+    DensityOptions options;
+    Fluid fluid;
+    Array<double> density, blended;
+
+    KOKKOS_INLINE_FUNCTION void operator()(int i) const {
+        const Constants& c = fluid.constants;
+        const bool smooth_only = options.kind == DensityKind::smooth;
+        double rho = c.mass * kernel.value(0.0);
+        double n = 0;
+        fluid.liquid.each(i, [&](int, double, double, double, double r2) {
+            rho += c.mass * kernel.value(math::sqrt(r2)); // (2.1)
+        });
+        const int wall_neighbours = fluid.solid.count(i);
+        double wall = 0, wall_number = 0;
+        fluid.solid.each(i, [&](int s, double, double, double, double r2) {
+            const double r = math::sqrt(r2);
+            wall += fluid.solid_volume(s) * kernel.value(r);
+            wall_number += fluid.solid_volume(s) * number.value(r);
+        });
+        rho += c.rest_density * wall;
+        density(i) = rho;
+        double zeta = options.kind == DensityKind::spiky ? 1.0 : 0.0; // (2.3)
+        if (options.kind == DensityKind::blended) {
+            const double share = (wall_neighbours - options.blend_from) / (options.blend_to - options.blend_from);
+            zeta = math::min(math::max(share, 0.0), 1.0);
+        }
+        if (smooth_only || zeta == 0) {
+            blended(i) = rho;
+            return;
+        }
+        fluid.liquid.each(i, [&](int, double, double, double, double r2) {
+            n += number.value(math::sqrt(r2)); // (2.2)
+        });
+        n += wall_number / c.rest_volume;
+        blended(i) = (1 - zeta) * rho + zeta * c.rest_density / c.number_density * n;
+    }
+};
+
+template <class Kernel>
+struct SolidVolumeLoop {
+    Kernel kernel;
+    Pairs solids;
+    Array<double> volume;
+
+    KOKKOS_INLINE_FUNCTION void operator()(int i) const {
+        double sum = kernel.value(0.0);
+        solids.each(i, [&](int, double, double, double, double r2) { sum += kernel.value(math::sqrt(r2)); });
+        volume(i) = 1 / sum;
+    }
+};
+} // namespace
+
+void compute_density(const SphOptions& options, const Constants& constants, LiquidParticles& liquid,
+                     const SolidParticles& solid, const Neighbourhood& neighbours) {
+    const auto fluid = gather_fluid(constants, liquid, solid, neighbours);
+    const NumberKernel number(constants.support, constants.spacing);
+    with_kernel(options.kernel, constants.dimensions, constants.support, [&](const auto& kernel) {
+        using Kernel = std::decay_t<decltype(kernel)>;
+        Kokkos::parallel_for("treacle::density", fluid.count,
+                             DensityLoop<Kernel>{kernel, number, options.density, fluid, liquid.density(),
+                                                 liquid.blended_density()});
+    });
+}
+
+void compute_solid_volumes(const SphOptions& options, const Constants& constants, SolidParticles& solid,
+                           const NeighbourList& list) {
+    with_kernel(options.kernel, constants.dimensions, constants.support, [&](const auto& kernel) {
+        using Kernel = std::decay_t<decltype(kernel)>;
+        Kokkos::parallel_for(
+            "treacle::solid_volumes", solid.store.owned(),
+            SolidVolumeLoop<Kernel>{kernel, pairs(list, solid.store, solid.store), solid.volume()});
+    });
+}
+
+Compression measure_compression(const Constants& constants, const LiquidParticles& liquid) {
+    Compression out;
+    const auto rho = liquid.density();
+    const double rest = constants.rest_density;
+    Kokkos::parallel_reduce("treacle::compression", liquid.store.owned(),
+        KOKKOS_LAMBDA(int i, double& sum, double& most) {
+            const double error = math::max(0.0, rho(i) / rest - 1);
+            sum += error;
+            most = math::max(most, error);
+        }, Kokkos::Sum<double>(out.sum), Kokkos::Max<double>(out.max));
+    if (liquid.store.owned() == 0) out.max = 0;
+    return out;
+}
+
+} // namespace treacle::sph

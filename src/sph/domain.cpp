@@ -1,0 +1,77 @@
+#include "sph/domain.hpp"
+
+#include "base/error.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace treacle::sph {
+
+namespace {
+bool periodic(const scene::Domain& domain, int axis) {
+    return domain.faces[static_cast<std::size_t>(2 * axis)].kind == scene::FaceKind::periodic;
+}
+
+// A power of two so small that twice the domain is counted in whole, exactly representable steps.
+double position_quantum(const scene::Domain& domain) {
+    double reach = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+        reach = std::max({reach, std::abs(domain.min[k]), std::abs(domain.max[k]), domain.max[k] - domain.min[k]});
+    }
+    return std::exp2(std::ceil(std::log2(reach)) + 2 - 52);
+}
+} // namespace
+
+DomainBox make_domain_box(const scene::Domain& domain, double leak_depth) {
+    DomainBox box{};
+    box.dimensions = domain.dimensions;
+    box.leak_depth = leak_depth;
+    box.quantum = position_quantum(domain);
+    for (int k = 0; k < 3; ++k) {
+        const auto u = static_cast<std::size_t>(k);
+        box.lo[k] = domain.min[u];
+        box.hi[k] = domain.max[u];
+        if (periodic(domain, k) && k < domain.dimensions) {
+            box.lo[k] = std::round(domain.min[u] / box.quantum) * box.quantum;
+            box.period[k] = std::round((domain.max[u] - domain.min[u]) / box.quantum) * box.quantum;
+            box.hi[k] = box.lo[k] + box.period[k];
+        }
+        box.open[2 * k] = domain.faces[2 * u].kind == scene::FaceKind::open;
+        box.open[2 * k + 1] = domain.faces[2 * u + 1].kind == scene::FaceKind::open;
+    }
+    return box;
+}
+
+CellGrid make_cell_grid(const scene::Domain& domain, double support) {
+    CellGrid grid;
+    grid.dimensions = domain.dimensions;
+    const auto box = make_domain_box(domain, 0);
+    const double width = support * (1 + 1e-12); // so that rounding never parts neighbours by two cells
+    for (int k = 0; k < 3; ++k) {
+        if (k >= domain.dimensions) {
+            grid.origin[k] = -0.5 * width;
+            grid.inverse_width[k] = 1 / width;
+            continue;
+        }
+        const double length = box.hi[k] - box.lo[k];
+        if (box.period[k] > 0) {
+            grid.count[k] = static_cast<int>(std::floor(length / width));
+            if (grid.count[k] < 2) {
+                throw InputError({"", "domain: a periodic edge of " + std::to_string(length) + " m is too short",
+                                  "a particle must not meet two images of a neighbour",
+                                  "make it at least " + std::to_string(2 * width) +
+                                      " m long, or refine domain.spacing"});
+            }
+            grid.origin[k] = box.lo[k];
+            grid.inverse_width[k] = grid.count[k] / length;
+            grid.period[k] = box.period[k];
+        } else {
+            grid.count[k] = static_cast<int>(std::ceil(length / width)) + 2;
+            grid.origin[k] = box.lo[k] - width;
+            grid.inverse_width[k] = 1 / width;
+        }
+    }
+    return grid;
+}
+
+} // namespace treacle::sph

@@ -1,0 +1,205 @@
+#include "sph/forces.hpp"
+
+namespace treacle::sph {
+
+namespace {
+template <class Kernel>
+struct ForceLoop {
+    Kernel kernel;
+    Fluid fluid;
+    double gravity[3];
+    double artificial, viscosity;
+    Array<double> friction;
+    Array3 acceleration;
+
+    KOKKOS_INLINE_FUNCTION void operator()(int i) const {
+        const Constants& c = fluid.constants;
+        const auto& u = fluid.velocity;
+        const auto& rho = fluid.density;
+        double ax = gravity[0], ay = gravity[1], az = gravity[2];
+        const double soft = 0.01 * c.support * c.support;
+        const double laminar = 2 * (Kernel::dimensions + 2) * viscosity;
+        const double ux = u(i, 0), uy = u(i, 1), uz = u(i, 2), rho_i = rho(i);
+        if (artificial > 0 || viscosity > 0) {
+            fluid.liquid.each(i, [&](int j, double dx, double dy, double dz, double r2) {
+                const double approach = (ux - u(j, 0)) * dx + (uy - u(j, 1)) * dy + (uz - u(j, 2)) * dz;
+                double nu = laminar / (rho_i * rho(j));
+                if (approach < 0) nu += 2 * artificial / (rho_i + rho(j));
+                const double f = c.mass * nu * approach / (r2 + soft) * kernel.gradient(math::sqrt(r2));
+                ax += f * dx;
+                ay += f * dy;
+                az += f * dz;
+            });
+        }
+        fluid.solid.each(i, [&](int s, double dx, double dy, double dz, double r2) {
+            const double grip = friction(fluid.solid_body(s));
+            if (grip == 0) return;
+            const auto& v = fluid.solid_velocity;
+            const double approach = (ux - v(s, 0)) * dx + (uy - v(s, 1)) * dy + (uz - v(s, 2)) * dz;
+            double nu = laminar / (rho_i * rho_i);
+            if (approach < 0) nu += artificial / rho_i;
+            const double mass = c.rest_density * fluid.solid_volume(s) * grip;
+            const double f = mass * nu * approach / (r2 + soft) * kernel.gradient(math::sqrt(r2));
+            ax += f * dx;
+            ay += f * dy;
+            az += f * dz;
+        });
+        acceleration(i, 0) = ax;
+        acceleration(i, 1) = ay;
+        acceleration(i, 2) = Kernel::dimensions == 3 ? az : 0;
+    }
+};
+
+template <class Kernel>
+struct PressureForceLoop {
+    Kernel kernel;
+    Fluid fluid;
+    Array3 acceleration;
+
+    KOKKOS_INLINE_FUNCTION void operator()(int i) const {
+        const Constants& c = fluid.constants;
+        const auto& p = fluid.pressure;
+        const auto& rho = fluid.density;
+        const double own = p(i) / (rho(i) * rho(i));
+        double ax = 0, ay = 0, az = 0;
+        fluid.liquid.each(i, [&](int j, double dx, double dy, double dz, double r2) {
+            const double rho_j = rho(j);
+            const double f = -c.mass * (own + p(j) / (rho_j * rho_j)) * kernel.gradient(math::sqrt(r2));
+            ax += f * dx;
+            ay += f * dy;
+            az += f * dz;
+        });
+        if (own > 0) {
+            fluid.solid.each(i, [&](int s, double dx, double dy, double dz, double r2) {
+                const double f = -c.rest_density * fluid.solid_volume(s) * own * kernel.gradient(math::sqrt(r2));
+                ax += f * dx;
+                ay += f * dy;
+                az += f * dz;
+            });
+        }
+        acceleration(i, 0) = ax;
+        acceleration(i, 1) = ay;
+        acceleration(i, 2) = az;
+    }
+};
+
+// Sums the reaction of the pressure force over the pairs, per body: an array reduction, whose order is fixed.
+template <class Kernel>
+struct BodyLoadLoop {
+    using value_type = double[];
+    using size_type = std::size_t;
+    Kernel kernel;
+    Fluid fluid;
+    size_type value_count; // 6 per body
+
+    KOKKOS_INLINE_FUNCTION void init(value_type sum) const {
+        for (size_type k = 0; k < value_count; ++k) sum[k] = 0;
+    }
+    KOKKOS_INLINE_FUNCTION void join(value_type sum, const value_type other) const {
+        for (size_type k = 0; k < value_count; ++k) sum[k] += other[k];
+    }
+    KOKKOS_INLINE_FUNCTION void operator()(int i, value_type sum) const {
+        const Constants& c = fluid.constants;
+        const double own = fluid.pressure(i) / (fluid.density(i) * fluid.density(i));
+        if (!(own > 0)) return;
+        fluid.solid.each(i, [&](int s, double dx, double dy, double dz, double r2) {
+            const double f = c.mass * c.rest_density * fluid.solid_volume(s) * own *
+                             kernel.gradient(math::sqrt(r2)); // on the solid, along x_i - x_s
+            const double force[3] = {f * dx, f * dy, f * dz};
+            const auto& x = fluid.solid.among;
+            double* load = sum + 6 * fluid.solid_body(s);
+            for (int k = 0; k < 3; ++k) load[k] += force[k];
+            load[3] += x(s, 1) * force[2] - x(s, 2) * force[1];
+            load[4] += x(s, 2) * force[0] - x(s, 0) * force[2];
+            load[5] += x(s, 0) * force[1] - x(s, 1) * force[0];
+        });
+    }
+};
+
+template <class Kernel>
+struct XsphLoop {
+    Kernel kernel;
+    Fluid fluid;
+    double share;
+    Array3 correction;
+
+    KOKKOS_INLINE_FUNCTION void operator()(int i) const {
+        const auto& u = fluid.velocity;
+        double cx = 0, cy = 0, cz = 0;
+        const double rho_i = fluid.density(i);
+        fluid.liquid.each(i, [&](int j, double, double, double, double r2) {
+            const double w = 2 * fluid.constants.mass / (rho_i + fluid.density(j)) * kernel.value(math::sqrt(r2));
+            cx += w * (u(j, 0) - u(i, 0));
+            cy += w * (u(j, 1) - u(i, 1));
+            cz += w * (u(j, 2) - u(i, 2));
+        });
+        correction(i, 0) = share * cx;
+        correction(i, 1) = share * cy;
+        correction(i, 2) = share * cz;
+    }
+};
+
+void accelerate(const LiquidParticles& liquid, double dt) {
+    const auto u = liquid.velocity(), a = liquid.acceleration();
+    Kokkos::parallel_for("treacle::accelerate", liquid.store.owned(), KOKKOS_LAMBDA(int i) {
+        for (int k = 0; k < 3; ++k) u(i, k) += dt * a(i, k);
+    });
+}
+
+Array<double> upload(const std::vector<double>& values) {
+    Array<double> out("treacle::upload", values.size());
+    auto host = Kokkos::create_mirror_view(out);
+    for (std::size_t k = 0; k < values.size(); ++k) host(k) = values[k];
+    Kokkos::deep_copy(out, host);
+    return out;
+}
+} // namespace
+
+void apply_forces(const SphOptions& options, const ForceOptions& forces, const Constants& constants,
+                  LiquidParticles& liquid, const SolidParticles& solid, const Neighbourhood& neighbours,
+                  double dt) {
+    const auto fluid = gather_fluid(constants, liquid, solid, neighbours);
+    const auto& g = forces.gravity;
+    with_kernel(options.kernel, constants.dimensions, constants.support, [&](const auto& kernel) {
+        using Kernel = std::decay_t<decltype(kernel)>;
+        Kokkos::parallel_for("treacle::forces", fluid.count,
+                             ForceLoop<Kernel>{kernel, fluid, {g[0], g[1], g[2]}, forces.artificial,
+                                               forces.viscosity, upload(forces.friction),
+                                               liquid.acceleration()});
+    });
+    accelerate(liquid, dt);
+}
+
+double viscous_step_limit(const Constants& constants, double viscosity) {
+    if (viscosity <= 0) return 1e300;
+    return 0.125 * constants.support * constants.support * constants.rest_density / viscosity;
+}
+
+BodyLoads apply_pressure(const SphOptions& options, const Constants& constants, LiquidParticles& liquid,
+                         const SolidParticles& solid, const Neighbourhood& neighbours, int bodies, double dt) {
+    const auto fluid = gather_fluid(constants, liquid, solid, neighbours);
+    BodyLoads loads(static_cast<std::size_t>(6 * bodies), 0.0);
+    with_kernel(options.kernel, constants.dimensions, constants.support, [&](const auto& kernel) {
+        using Kernel = std::decay_t<decltype(kernel)>;
+        Kokkos::parallel_for("treacle::pressure_force", fluid.count,
+                             PressureForceLoop<Kernel>{kernel, fluid, liquid.acceleration()});
+        if (neighbours.solid.size > 0) {
+            Kokkos::parallel_reduce("treacle::body_loads", fluid.count,
+                                    BodyLoadLoop<Kernel>{kernel, fluid, loads.size()}, loads.data());
+        }
+    });
+    accelerate(liquid, dt);
+    return loads;
+}
+
+void compute_xsph(const SphOptions& options, const Constants& constants, LiquidParticles& liquid,
+                  const SolidParticles& solid, const Neighbourhood& neighbours) {
+    const auto fluid = gather_fluid(constants, liquid, solid, neighbours);
+    with_kernel(options.kernel, constants.dimensions, constants.support, [&](const auto& kernel) {
+        using Kernel = std::decay_t<decltype(kernel)>;
+        Kokkos::parallel_for("treacle::xsph", fluid.count,
+                             XsphLoop<Kernel>{kernel, fluid, options.viscosity.xsph, liquid.acceleration()});
+    });
+}
+
+} // namespace treacle::sph

@@ -1,0 +1,40 @@
+#pragma once
+#include "base/vec3.hpp"
+#include "sph/neighbourhood.hpp"
+
+#include <vector>
+
+namespace treacle::sph {
+
+// Explicit accelerations before the pressure solve.
+struct ForceOptions {
+    Vec3 gravity{0, 0, 0};         // [m/s2]
+    double artificial = 0;         // alpha h c of Monaghan 1992 [m2/s]
+    double viscosity = 0;          // dynamic viscosity of the liquid [Pa s]
+    std::vector<double> friction;  // per body: 0 free slip, 1 no slip
+};
+
+// (S4) Gravity, Monaghan's artificial viscosity, and the physical viscosity in the pairwise form of Monaghan &
+// Cleary, 2 (D+2) mu (v.x) grad W / (rho_i rho_j r^2), which conserves linear and angular momentum; then
+// u* = u + dt a for the owned particles. Explicit: stable for dt <= viscous_step_limit().
+void apply_forces(const SphOptions& options, const ForceOptions& forces, const Constants& constants,
+                  LiquidParticles& liquid, const SolidParticles& solid, const Neighbourhood& neighbours,
+                  double dt);
+
+// Largest step of the explicit viscosity, 0.125 h^2 rho / mu (Morris et al. 1997) [s].
+double viscous_step_limit(const Constants& constants, double viscosity);
+
+// Force [N] and torque about the origin [N m] that the liquid's pressure exerts on each body, 6 numbers a body.
+using BodyLoads = std::vector<double>;
+
+// (S8) Acceleration by pressure, -sum_j m (p_i/rho_i^2 + p_j/rho_j^2) grad W - rho0 sum_s V_s p_i/rho_i^2
+// grad W (Akinci et al. 2012), added to the velocities; equal and opposite on the bodies.
+BodyLoads apply_pressure(const SphOptions& options, const Constants& constants, LiquidParticles& liquid,
+                         const SolidParticles& solid, const Neighbourhood& neighbours, int bodies, double dt);
+
+// XSPH (Monaghan 1989): writes epsilon sum_j m / rho_mean (u_j - u_i) W to the acceleration field as a velocity
+// correction [m/s]. Ghost velocities must be current.
+void compute_xsph(const SphOptions& options, const Constants& constants, LiquidParticles& liquid,
+                  const SolidParticles& solid, const Neighbourhood& neighbours);
+
+} // namespace treacle::sph

@@ -1,0 +1,292 @@
+#include "sph/isph_step.hpp"
+
+#include "base/error.hpp"
+#include "sph/density.hpp"
+
+#include <cmath>
+#include <cstring>
+
+namespace treacle::sph {
+
+namespace {
+solve::Preconditioner translate(PressurePreconditioner kind) {
+    switch (kind) {
+    case PressurePreconditioner::none: return solve::Preconditioner::none;
+    case PressurePreconditioner::jacobi: return solve::Preconditioner::jacobi;
+    case PressurePreconditioner::incomplete_cholesky: return solve::Preconditioner::ic0;
+    case PressurePreconditioner::ssor: return solve::Preconditioner::ssor;
+    case PressurePreconditioner::gamg: return solve::Preconditioner::gamg;
+    case PressurePreconditioner::boomeramg: return solve::Preconditioner::boomeramg;
+    }
+    return solve::Preconditioner::ic0;
+}
+
+solve::KrylovOptions krylov_options(const SphOptions& options, int dimensions) {
+    solve::KrylovOptions out;
+    out.preconditioner = translate(options.pressure.preconditioner);
+    out.max_iterations = options.pressure.max_iterations;
+    out.strong_threshold = dimensions == 3 ? 0.5 : 0.25;
+    return out;
+}
+
+// A solid particle costs little: only those near liquid are looked at.
+constexpr double solid_weight = 0.05;
+} // namespace
+
+IsphStep::IsphStep(const Comm& comm, const IsphSetup& setup)
+    : comm_(comm), setup_(setup), decomposition_(comm, setup.grid),
+      solver_(comm, "pressure", krylov_options(setup.options, setup.constants.dimensions)) {}
+
+void IsphStep::start(SolidVolumes volumes) {
+    recut();
+    place_liquid();
+    place_solids();
+    if (volumes == SolidVolumes::keep) return;
+    NeighbourList list;
+    list.build(solid_.store, solid_.store, setup_.grid, solid_cells_, setup_.constants.support);
+    compute_solid_volumes(setup_.options, setup_.constants, solid_, list);
+    solid_halo_.gather(solid_.store, {solid_.volume_field()});
+}
+
+void IsphStep::restore(std::span<const std::int64_t> state) {
+    std::memcpy(&imbalance_after_cut_, state.data(), sizeof imbalance_after_cut_);
+    decomposition_.restore(state.subspan(1));
+    halo_.connect(decomposition_);
+    solid_halo_.connect(decomposition_);
+    place_liquid();
+    place_solids();
+}
+
+std::vector<std::int64_t> IsphStep::decomposition_state() const {
+    auto out = decomposition_.state();
+    std::int64_t bits = 0;
+    std::memcpy(&bits, &imbalance_after_cut_, sizeof bits);
+    out.insert(out.begin(), bits);
+    return out;
+}
+
+namespace {
+void append_weights(const ParticleStore& store, const CellGrid& grid, double weight, std::vector<int>& cells,
+                    std::vector<double>& weights) {
+    const auto x = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), store.position());
+    int last[3] = {-1, -1, -1};
+    for (int i = 0; i < store.owned(); ++i) {
+        int c[3];
+        grid.locate(x(i, 0), x(i, 1), x(i, 2), c);
+        if (i > 0 && c[0] == last[0] && c[1] == last[1] && c[2] == last[2]) {
+            weights.back() += weight; // sorted particles share their cell with the one before
+            continue;
+        }
+        for (int k = 0; k < 3; ++k) {
+            last[k] = c[k];
+            cells.push_back(c[k]);
+        }
+        weights.push_back(weight);
+    }
+}
+
+double load_imbalance(const Comm& comm, int particles) {
+    const auto most = comm.max(static_cast<std::int64_t>(particles));
+    const auto all = comm.sum(static_cast<std::int64_t>(particles));
+    return all > 0 ? double(most) * comm.size() / double(all) : 1.0;
+}
+} // namespace
+
+void IsphStep::recut() {
+    if (comm_.size() > 1) {
+        std::vector<int> cells;
+        std::vector<double> weights;
+        append_weights(liquid_.store, setup_.grid, 1.0, cells, weights);
+        append_weights(solid_.store, setup_.grid, solid_weight, cells, weights);
+        decomposition_.recut(cells, weights);
+    }
+    halo_.connect(decomposition_);
+    solid_halo_.connect(decomposition_);
+}
+
+void IsphStep::rebalance() {
+    if (comm_.size() == 1) return;
+    const double imbalance = load_imbalance(comm_, liquid_.store.owned());
+    // The best cut along cells may itself be uneven: cut again only when it has become worse than that.
+    if (imbalance < setup_.options.rebalance_above || imbalance < 1.05 * imbalance_after_cut_) return;
+    recut();
+    migration_.to_owner(liquid_.store, decomposition_);
+    place_solids();
+    imbalance_after_cut_ = load_imbalance(comm_, liquid_.store.owned());
+}
+
+void IsphStep::place_liquid() {
+    migration_.to_owner(liquid_.store, decomposition_);
+    sort_.sort(liquid_.store, setup_.grid, occupied_cells(liquid_.store, setup_.grid), cells_);
+    halo_.rebuild(liquid_.store, cells_);
+}
+
+void IsphStep::place_solids() {
+    migration_.to_owner(solid_.store, decomposition_);
+    sort_.sort(solid_.store, setup_.grid, occupied_cells(solid_.store, setup_.grid), solid_cells_);
+    solid_halo_.rebuild(solid_.store, solid_cells_);
+    solid_halo_.gather(solid_.store, {solid_.volume_field(), solid_.body_field(), solid_.velocity_field()});
+}
+
+void IsphStep::find_neighbours() {
+    const double support = setup_.constants.support;
+    neighbours_.liquid.build(liquid_.store, liquid_.store, setup_.grid, cells_, support);
+    neighbours_.solid.build(liquid_.store, solid_.store, setup_.grid, solid_cells_, support);
+}
+
+void IsphStep::update_density(StepReport& report) {
+    compute_density(setup_.options, setup_.constants, liquid_, solid_, neighbours_);
+    halo_.gather(liquid_.store, {liquid_.density_field(), liquid_.velocity_field()});
+    const auto compression = measure_compression(setup_.constants, liquid_);
+    report.mean_compression = compression.sum;
+    report.max_compression = compression.max;
+}
+
+void IsphStep::refresh() {
+    place_liquid();
+    find_neighbours();
+    compute_density(setup_.options, setup_.constants, liquid_, solid_, neighbours_);
+}
+
+void IsphStep::solve_pressure(double dt, StepReport& report) {
+    solve::CsrBlocks blocks;
+    blocks.diagonal_offsets = system_.own().offset.data();
+    blocks.diagonal_columns = system_.own().column.data();
+    blocks.diagonal_values = system_.own().value.data();
+    blocks.off_offsets = system_.other().offset.data();
+    blocks.off_columns = system_.other().column.data();
+    blocks.off_values = system_.other().value.data();
+    blocks.first_row = static_cast<int>(system_.first_row());
+    blocks.rows = system_.rows();
+    blocks.global_rows = static_cast<int>(system_.global_rows());
+    solve::Matrix matrix(comm_, blocks);
+
+    const auto rows = static_cast<std::size_t>(system_.rows());
+    const auto& options = setup_.options.pressure;
+    auto test = solve::ConvergenceTest::residual(options.residual);
+    if (options.stop == StoppingRule::density_error) {
+        // Mean compression that the residual leaves: r dt^2 is what the predicted density still exceeds rho0 by.
+        const double scale = dt * dt / (setup_.constants.rest_density * std::max<double>(1, double(system_.global_rows())));
+        test = solve::ConvergenceTest::measure(
+            [scale](std::span<const double> residual) {
+                double sum = 0;
+                for (const double r : residual) sum += std::max(0.0, r);
+                return sum * scale;
+            },
+            options.density_error);
+    }
+    report.pressure = solver_.solve(matrix, {system_.right_hand_side().data(), rows},
+                                    {system_.solution().data(), rows}, test);
+    if (!report.pressure.converged()) {
+        throw SimulationError({"pressure solve", report.pressure.reason,
+                               "after " + std::to_string(report.pressure.iterations) + " iterations on " +
+                                   std::to_string(system_.global_rows()) + " unknowns",
+                               "take a smaller time step, or another method.pressure.preconditioner"});
+    }
+}
+
+// One hybrid ISPH step, collective. Tags: src/sph/README.md.
+StepReport IsphStep::advance(double dt) {
+    StepReport report;
+    report.dt = dt;
+    const auto& [options, constants, forces, domain, grid, bodies] = setup_;
+    {
+        const auto phase = timers_.scope("sort");
+        rebalance();
+        place_liquid();
+    }
+    {
+        const auto phase = timers_.scope("neighbours");
+        find_neighbours();
+    }
+    {
+        const auto phase = timers_.scope("density");
+        update_density(report); // (S1)-(S3)
+    }
+    {
+        const auto phase = timers_.scope("forces");
+        apply_forces(options, forces, constants, liquid_, solid_, neighbours_, dt); // (S4)
+        halo_.gather(liquid_.store, {liquid_.velocity_field(), liquid_.pressure_field()});
+    }
+    {
+        const auto phase = timers_.scope("predict");
+        report.roles = predict(options, constants, liquid_, solid_, neighbours_, dt); // (S5), (S6)
+        halo_.gather(liquid_.store, {liquid_.role_field()});
+        report.anchored = anchoring_.anchor(comm_, liquid_, neighbours_, halo_);
+    }
+    {
+        const auto phase = timers_.scope("assemble");
+        system_.assemble(options, constants, comm_, liquid_, neighbours_, halo_);
+    }
+    {
+        const auto phase = timers_.scope("solve");
+        solve_pressure(dt, report); // (S7)
+    }
+    {
+        const auto phase = timers_.scope("pressure force");
+        system_.store_pressure(liquid_);
+        halo_.gather(liquid_.store, {liquid_.pressure_field()});
+        report.loads = apply_pressure(options, constants, liquid_, solid_, neighbours_, bodies, dt); // (S8)
+    }
+    {
+        const auto phase = timers_.scope("move");
+        const bool smooth = options.viscosity.xsph > 0;
+        if (smooth) {
+            halo_.gather(liquid_.store, {liquid_.velocity_field()});
+            compute_xsph(options, constants, liquid_, solid_, neighbours_);
+        }
+        move_particles(domain, liquid_, dt, smooth ? Use::yes : Use::no); // (S9)
+        report.imbalance = load_imbalance(comm_, liquid_.store.owned());
+        report.lost = remove_lost(domain, liquid_);
+        collect(report, dt);
+    }
+    return report;
+}
+
+// Sums the report over the ranks, in one message.
+void IsphStep::collect(StepReport& report, double) {
+    for (const auto& particle : report.lost) {
+        ++report.lost_by_cause[static_cast<std::size_t>(particle.cause) - 1];
+    }
+    std::vector<double> sums = report.loads;
+    const std::size_t n = sums.size();
+    const double lost_before = double(report.lost.size());
+    for (const auto count : {report.roles.poisson, report.roles.dirichlet, report.roles.separated,
+                             report.anchored, report.lost_by_cause[0], report.lost_by_cause[1],
+                             report.lost_by_cause[2]}) {
+        sums.push_back(double(count));
+    }
+    sums.push_back(report.mean_compression);
+    sums.push_back(double(liquid_.store.owned()) + lost_before);
+    comm_.sum(std::span(sums));
+    report.max_compression = comm_.max(report.max_compression);
+    report.loads.assign(sums.begin(), sums.begin() + static_cast<std::ptrdiff_t>(n));
+    const auto count = [&](std::size_t k) { return static_cast<std::int64_t>(std::llround(sums[n + k])); };
+    report.roles = {count(0), count(1), count(2)};
+    report.anchored = count(3);
+    for (std::size_t k = 0; k < 3; ++k) report.lost_by_cause[k] = count(4 + k);
+    report.mean_compression = sums[n + 7] / std::max(1.0, sums[n + 8]);
+}
+
+double IsphStep::stable_step(double cfl) const {
+    const auto u = liquid_.velocity();
+    double fastest = 0;
+    Kokkos::parallel_reduce("treacle::fastest", liquid_.store.owned(), KOKKOS_LAMBDA(int i, double& most) {
+        most = math::max(most, u(i, 0) * u(i, 0) + u(i, 1) * u(i, 1) + u(i, 2) * u(i, 2));
+    }, Kokkos::Max<double>(fastest));
+    const double speed = std::sqrt(comm_.max(liquid_.store.owned() > 0 ? fastest : 0.0));
+    const auto& g = setup_.forces.gravity;
+    const double pull = std::sqrt(g[0] * g[0] + g[1] * g[1] + g[2] * g[2]);
+    const double d = setup_.constants.spacing;
+    double dt = viscous_step_limit(setup_.constants, setup_.forces.viscosity);
+    if (speed > 0) dt = std::min(dt, cfl * d / speed);
+    if (pull > 0) dt = std::min(dt, cfl * std::sqrt(d / pull));
+    return dt;
+}
+
+std::size_t IsphStep::bytes() const {
+    return liquid_.store.bytes() + solid_.store.bytes() + neighbours_.liquid.bytes() + neighbours_.solid.bytes() +
+           system_.bytes();
+}
+
+} // namespace treacle::sph

@@ -1,0 +1,101 @@
+#pragma once
+#include "base/timers.hpp"
+#include "mpi/migration.hpp"
+#include "solve/krylov.hpp"
+#include "sph/components.hpp"
+#include "sph/forces.hpp"
+#include "sph/motion.hpp"
+#include "sph/prediction.hpp"
+#include "sph/pressure_system.hpp"
+
+#include <memory>
+
+namespace treacle::sph {
+
+// What stays the same through a run.
+struct IsphSetup {
+    SphOptions options;
+    Constants constants;
+    ForceOptions forces;
+    DomainBox domain;
+    CellGrid grid;
+    int bodies = 1; // bodies that carry loads; 0 is the domain's walls
+};
+
+struct StepReport {
+    double dt = 0;                     // [s]
+    solve::SolveReport pressure;
+    RoleCounts roles;                  // over all ranks
+    std::int64_t anchored = 0;         // Poisson particles made Dirichlet for solvability
+    double mean_compression = 0;       // of the density at the start of the step, share of rho0
+    double max_compression = 0;
+    double imbalance = 1;              // largest over mean number of particles per rank
+    BodyLoads loads;                   // [body][6] by pressure, summed over ranks [N], [N m]
+    std::vector<LostParticle> lost;    // of this rank
+    std::array<std::int64_t, loss_causes> lost_by_cause{}; // over all ranks
+};
+
+// Hybrid incompressible SPH (dissertation, Algorithms 1 and 2), collective over the decomposition's ranks.
+class IsphStep {
+public:
+    IsphStep(const Comm& comm, const IsphSetup& setup);
+
+    LiquidParticles& liquid() { return liquid_; }
+    const LiquidParticles& liquid() const { return liquid_; }
+    SolidParticles& solid() { return solid_; }
+    const SolidParticles& solid() const { return solid_; }
+    const IsphSetup& setup() const { return setup_; }
+    const Comm& comm() const { return comm_; }
+    const Decomposition& decomposition() const { return decomposition_; }
+    PhaseTimers& timers() { return timers_; }
+    const PressureSystem& system() const { return system_; }
+    const Neighbourhood& neighbours() const { return neighbours_; }
+
+    // Collective: to be called when particles have been put into the stores, on whatever rank. Cuts the domain,
+    // sends particles to their owners, and computes the volumes of solid particles unless they are given.
+    enum class SolidVolumes { compute, keep };
+    void start(SolidVolumes volumes = SolidVolumes::compute);
+    // As start, with the decomposition of a checkpoint of the same number of ranks.
+    void restore(std::span<const std::int64_t> decomposition);
+    std::vector<std::int64_t> decomposition_state() const;
+
+    // One step of dt [s]. Throws SimulationError, on every rank, when the pressure solve fails.
+    StepReport advance(double dt);
+
+    // Collective: brings the density of the owned particles up to date with their positions, for output.
+    void refresh();
+
+    // Largest step by the CFL condition on speeds and accelerations and by the explicit viscosity [s].
+    double stable_step(double cfl) const;
+
+    // Bytes that this rank's particles, lists and matrix take.
+    std::size_t bytes() const;
+
+private:
+    void rebalance();
+    void recut();
+    void place_liquid();
+    void place_solids();
+    void find_neighbours();
+    void update_density(StepReport& report);
+    void solve_pressure(double dt, StepReport& report);
+    void collect(StepReport& report, double dt);
+
+    Comm comm_;
+    IsphSetup setup_;
+    LiquidParticles liquid_;
+    SolidParticles solid_;
+    Decomposition decomposition_;
+    Migration migration_;
+    CellSort sort_;
+    Halo halo_, solid_halo_;
+    CellList cells_, solid_cells_;
+    Neighbourhood neighbours_;
+    Anchoring anchoring_;
+    PressureSystem system_;
+    solve::KrylovSolver solver_;
+    PhaseTimers timers_;
+    double imbalance_after_cut_ = 1;
+};
+
+} // namespace treacle::sph

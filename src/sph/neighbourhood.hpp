@@ -1,0 +1,75 @@
+#pragma once
+#include "kokkos/neighbour_list.hpp"
+#include "sph/options.hpp"
+#include "sph/particles.hpp"
+
+namespace treacle::sph {
+
+// The constants of a run that every pair sum needs.
+struct Constants {
+    double support = 0;        // h [m]
+    double spacing = 0;        // d [m]
+    double mass = 0;           // m [kg], [kg/m] in the plane
+    double rest_density = 0;   // rho0 [kg/m3]
+    double rest_volume = 0;    // V0 [m^D]
+    double number_density = 0; // n0
+    int dimensions = 3;
+};
+
+// The neighbours of one step: liquid around liquid, solid around liquid.
+struct Neighbourhood {
+    NeighbourList liquid;
+    NeighbourList solid;
+};
+
+// Pair sums over a list, for kernels: visit(j, dx, dy, dz, r2) with the vector from x_j to x_i.
+struct Pairs {
+    Array<std::int64_t> offset;
+    Array<int> index;
+    Array3 of, among;
+
+    KOKKOS_INLINE_FUNCTION int count(int i) const { return static_cast<int>(offset(i + 1) - offset(i)); }
+
+    template <class Visit>
+    KOKKOS_INLINE_FUNCTION void each(int i, const Visit& visit) const {
+        const double x = of(i, 0), y = of(i, 1), z = of(i, 2);
+        const std::int64_t last = offset(i + 1);
+        for (std::int64_t k = offset(i); k < last; ++k) {
+            const int j = index(k);
+            const double dx = x - among(j, 0), dy = y - among(j, 1), dz = z - among(j, 2);
+            visit(j, dx, dy, dz, dx * dx + dy * dy + dz * dz);
+        }
+    }
+};
+
+inline Pairs pairs(const NeighbourList& list, const ParticleStore& of, const ParticleStore& among) {
+    return {list.offset, list.index, of.position(), among.position()};
+}
+
+// Everything a loop over the liquid reads, gathered once per step.
+struct Fluid {
+    Constants constants;
+    Pairs liquid, solid;
+    Array3 velocity;
+    Array<double> pressure, density;
+    Array3 solid_velocity;
+    Array<double> solid_volume;
+    Array<int> solid_body;
+    int count; // owned liquid particles
+};
+
+inline Fluid gather_fluid(const Constants& constants, const LiquidParticles& liquid, const SolidParticles& solid,
+                          const Neighbourhood& neighbours) {
+    return {constants,
+            pairs(neighbours.liquid, liquid.store, liquid.store),
+            pairs(neighbours.solid, liquid.store, solid.store),
+            liquid.velocity(),
+            liquid.pressure(),
+            liquid.density(),
+            solid.velocity(),
+            solid.volume(),
+            solid.body(),
+            liquid.store.owned()};
+}
+
+} // namespace treacle::sph

@@ -1,0 +1,79 @@
+#include "sph/options.hpp"
+
+#include "base/options.hpp"
+
+namespace treacle::sph {
+
+void DensityOptions::declare(Declaration& d) {
+    d.choice("kind", kind,
+             {{"blended", DensityKind::blended}, {"smooth", DensityKind::smooth}, {"spiky", DensityKind::spiky}},
+             "Density by the smooth kernel, by the spiky number-density kernel, or the smooth one blended into "
+             "the spiky one near solids (Eq. 2.3).");
+    d.number("blend_from", blend_from, unit::none, range_at_least(0),
+             "Solid neighbours below which the smooth kernel rules alone (alpha of Eq. 2.3).");
+    d.number("blend_to", blend_to, unit::none, range_at_least(0),
+             "Solid neighbours from which the spiky kernel rules alone (beta of Eq. 2.3).");
+    d.check(blend_to > blend_from, "blend_to",
+            {"must be larger than blend_from", "the blend runs from the one to the other", "5 and 15 are usual"});
+}
+
+void PressureOptions::declare(Declaration& d) {
+    d.choice("dirichlet", dirichlet, {{"predicted", DirichletRule::predicted}, {"source", DirichletRule::source}},
+             "Which particles keep zero pressure: those that one Jacobi step from the last pressures predicts to "
+             "have none (Eq. 2.6), or those with a negative source.");
+    d.number("prediction", prediction, unit::none, range_between(0, 1),
+             "Share of the last step's pressures that the prediction starts from (gamma of Eq. 2.6).");
+    d.choice("solid_term", solid_term,
+             {{"none", SolidTerm::none},
+              {"decomposed", SolidTerm::decomposed},
+              {"unified", SolidTerm::unified},
+              {"amplified", SolidTerm::amplified},
+              {"exact", SolidTerm::exact}},
+             "What solids add to the pressure system: nothing; Eq. 2.10; Eq. 3.2; Eq. 3.3; or Eq. 3.2 with the "
+             "source that makes the system's solution that of the Neumann problem.");
+    d.number("amplification_limit", amplification_limit, unit::none, range_at_least(1),
+             "Largest amplification of the source near solids (gamma of Eq. 3.3).");
+    d.choice("preconditioner", preconditioner,
+             {{"none", PressurePreconditioner::none},
+              {"jacobi", PressurePreconditioner::jacobi},
+              {"incomplete_cholesky", PressurePreconditioner::incomplete_cholesky},
+              {"ssor", PressurePreconditioner::ssor},
+              {"gamg", PressurePreconditioner::gamg},
+              {"boomeramg", PressurePreconditioner::boomeramg}},
+             "Preconditioner of the conjugate gradients.");
+    d.choice("stop", stop, {{"density_error", StoppingRule::density_error}, {"residual", StoppingRule::residual}},
+             "Iterate until the mean compression, or until the relative residual, is small enough.");
+    d.number("density_error", density_error, unit::none, range_above(0),
+             "Mean compression of the Poisson particles at which iterating ends, as a share of the density.");
+    d.number("residual", residual, unit::none, range_above_to(0, 1),
+             "Relative residual at which iterating ends, with `stop: residual`.");
+    d.integer("max_iterations", max_iterations, range_at_least(1),
+              "Iterations after which the run ends as failed.");
+}
+
+void ViscosityOptions::declare(Declaration& d) {
+    d.number("artificial", artificial, unit::none, range_at_least(0),
+             "Coefficient alpha of Monaghan's artificial viscosity alpha h c, which acts between approaching "
+             "particles.");
+    d.number("reference_speed", reference_speed, unit::velocity, range_at_least(0),
+             "Speed c of the artificial viscosity; 0: sqrt(g H) with the height H of the liquid at the start.");
+    d.number("xsph", xsph, unit::none, range_between(0, 1),
+             "Share of the neighbours' mean velocity that particles move with (XSPH).");
+}
+
+void SphOptions::declare(Declaration& d) {
+    d.choice("kernel", kernel,
+             {{"cubic_spline", KernelKind::cubic_spline},
+              {"wendland_c2", KernelKind::wendland_c2},
+              {"mueller", KernelKind::mueller}},
+             "Smoothing kernel; `mueller` is the dissertation's poly6 and spiky pair.");
+    d.number("support_ratio", support_ratio, unit::none, range_between(1.5, 4),
+             "Support radius of the kernel in particle spacings.");
+    d.block("density", density, "How densities are measured.");
+    d.block("pressure", pressure, "The pressure solve.");
+    d.block("viscosity", viscosity, "Numerical viscosity that keeps particles in order.");
+    d.number("rebalance_above", rebalance_above, unit::none, range_at_least(1),
+             "Largest over mean number of particles of a rank above which the domain is cut anew.");
+}
+
+} // namespace treacle::sph

@@ -1,0 +1,58 @@
+#pragma once
+#include "sph/kernels.hpp"
+
+namespace treacle {
+class Declaration;
+}
+
+namespace treacle::sph {
+
+enum class DensityKind { blended, smooth, spiky };
+enum class DirichletRule { predicted, source };
+enum class SolidTerm { none, decomposed, unified, amplified, exact };
+enum class StoppingRule { density_error, residual };
+enum class PressurePreconditioner { none, jacobi, incomplete_cholesky, ssor, gamg, boomeramg };
+
+// Options of hybrid incompressible SPH (dissertation, chapter 2), as the block `method` of a scene gives them.
+struct DensityOptions {
+    DensityKind kind = DensityKind::blended;
+    double blend_from = 5; // alpha of Eq. 2.3: wall neighbours below which the smooth kernel rules alone
+    double blend_to = 15;  // beta: from which the spiky kernel rules alone
+
+    void declare(Declaration& d);
+};
+
+struct PressureOptions {
+    DirichletRule dirichlet = DirichletRule::predicted;
+    double prediction = 0.5;        // gamma of Eq. 2.6
+    SolidTerm solid_term = SolidTerm::exact;
+    double amplification_limit = 5; // gamma of Eq. 3.3
+    PressurePreconditioner preconditioner = PressurePreconditioner::incomplete_cholesky;
+    StoppingRule stop = StoppingRule::density_error;
+    double density_error = 1e-4;    // mean compression of the Poisson particles, share of the rest density
+    double residual = 1e-6;         // relative, for the residual rule
+    int max_iterations = 2000;
+
+    void declare(Declaration& d);
+};
+
+struct ViscosityOptions {
+    double artificial = 0.02;     // Monaghan's alpha
+    double reference_speed = 0;   // [m/s]; 0: sqrt(g H) of the initial liquid
+    double xsph = 0;              // share of the neighbours' mean velocity that moves a particle
+
+    void declare(Declaration& d);
+};
+
+struct SphOptions {
+    KernelKind kernel = KernelKind::cubic_spline;
+    double support_ratio = 2.5;     // h / d
+    DensityOptions density;
+    PressureOptions pressure;
+    ViscosityOptions viscosity;
+    double rebalance_above = 1.15;  // largest over mean load of the ranks
+
+    void declare(Declaration& d);
+};
+
+} // namespace treacle::sph

@@ -1,0 +1,81 @@
+#pragma once
+#include "kokkos/particle_store.hpp"
+
+namespace treacle::sph {
+
+// What a liquid particle is in the pressure system (dissertation, section 2.4.1 and 3.4).
+enum Role : int {
+    poisson = 0,   // an unknown
+    dirichlet = 1, // p = 0
+    separated = 2  // without liquid neighbours, touching a solid: its pressure follows directly
+};
+
+// The liquid's particles. State fields migrate and are checkpointed; work fields live for one step.
+class LiquidParticles {
+public:
+    LiquidParticles()
+        : velocity_(store.add<Array3>("velocity", "m/s", FieldRole::state, true)),
+          pressure_(store.add<Array<double>>("pressure", "Pa", FieldRole::state, true)),
+          liquid_(store.add<Array<int>>("liquid", "", FieldRole::state, true)),
+          density_(store.add<Array<double>>("density", "kg/m3", FieldRole::work, true)),
+          blended_(store.add<Array<double>>("blended_density", "kg/m3", FieldRole::work, true)),
+          source_(store.add<Array<double>>("source", "kg/m3/s2", FieldRole::work)),
+          diagonal_(store.add<Array<double>>("diagonal", "1/m2", FieldRole::work)),
+          wall_term_(store.add<Array<double>>("wall_term", "1/m2", FieldRole::work)),
+          acceleration_(store.add<Array3>("acceleration", "m/s2", FieldRole::work)),
+          role_(store.add<Array<int>>("role", "", FieldRole::work, true)),
+          row_(store.add<Array<int>>("row", "", FieldRole::work)),
+          component_(store.add<Array<int>>("component", "", FieldRole::work)) {}
+
+    ParticleStore store;
+    const Array3& position() const { return store.position(); }
+    const Array<std::int64_t>& id() const { return store.id(); }
+    const Array3& velocity() const { return store.get<Array3>(velocity_); }
+    const Array<double>& pressure() const { return store.get<Array<double>>(pressure_); }
+    const Array<int>& liquid() const { return store.get<Array<int>>(liquid_); }
+    const Array<double>& density() const { return store.get<Array<double>>(density_); }
+    const Array<double>& blended_density() const { return store.get<Array<double>>(blended_); }
+    const Array<double>& source() const { return store.get<Array<double>>(source_); }
+    const Array<double>& diagonal() const { return store.get<Array<double>>(diagonal_); }
+    const Array<double>& wall_term() const { return store.get<Array<double>>(wall_term_); }
+    const Array3& acceleration() const { return store.get<Array3>(acceleration_); }
+    const Array<int>& role() const { return store.get<Array<int>>(role_); }
+    const Array<int>& row() const { return store.get<Array<int>>(row_); }
+    const Array<int>& component() const { return store.get<Array<int>>(component_); }
+
+    // Field numbers, for the halo.
+    int velocity_field() const { return velocity_; }
+    int pressure_field() const { return pressure_; }
+    int density_field() const { return density_; }
+    int role_field() const { return role_; }
+    int row_field() const { return row_; }
+    int component_field() const { return component_; }
+
+private:
+    int velocity_, pressure_, liquid_, density_, blended_, source_, diagonal_, wall_term_, acceleration_,
+        role_, row_, component_;
+};
+
+// One layer of particles on each solid's surface and on the walls of the domain.
+class SolidParticles {
+public:
+    SolidParticles()
+        : velocity_(store.add<Array3>("velocity", "m/s", FieldRole::state)),
+          volume_(store.add<Array<double>>("volume", "m3", FieldRole::state)),
+          body_(store.add<Array<int>>("body", "", FieldRole::state, true)) {}
+
+    ParticleStore store;
+    const Array3& position() const { return store.position(); }
+    const Array3& velocity() const { return store.get<Array3>(velocity_); }
+    const Array<double>& volume() const { return store.get<Array<double>>(volume_); } // V_s [m^D]
+    const Array<int>& body() const { return store.get<Array<int>>(body_); }           // 0: the domain's walls
+
+    int volume_field() const { return volume_; }
+    int body_field() const { return body_; }
+    int velocity_field() const { return velocity_; }
+
+private:
+    int velocity_, volume_, body_;
+};
+
+} // namespace treacle::sph

@@ -1,0 +1,130 @@
+#include "sph/prediction.hpp"
+
+#include "sph/laplacian.hpp"
+
+namespace treacle::sph {
+
+namespace {
+// Pair sums of one liquid particle that its row of the pressure system is made of.
+struct RowSums {
+    double divergence = 0;     // sum m (u_i - u_j).grad W + rho0 sum V_s (u_i - u_s).grad W [kg/m3/s]
+    double weights = 0;        // sum_j a_ij [1/m2]
+    double weighted = 0;       // sum_j a_ij p_j [Pa/m2]
+    double solid_weights = 0;  // sum_s a_is [1/m2]
+    double liquid_vector[3] = {0, 0, 0}; // sum_j V_ij grad W [1/m]
+    double wall_vector[3] = {0, 0, 0};   // sum_s V_s grad W [1/m]
+
+    KOKKOS_INLINE_FUNCTION double wall_square() const {
+        return wall_vector[0] * wall_vector[0] + wall_vector[1] * wall_vector[1] + wall_vector[2] * wall_vector[2];
+    }
+    // -b_i of Eq. 2.10: negative where the liquid is off the wall, which would make the matrix indefinite.
+    KOKKOS_INLINE_FUNCTION double decomposed() const {
+        double sum = wall_square();
+        for (int k = 0; k < 3; ++k) sum += liquid_vector[k] * wall_vector[k];
+        return math::max(sum, 0.0);
+    }
+};
+
+template <class Kernel>
+struct PredictionLoop {
+    LaplacianWeight<Kernel> laplacian;
+    Fluid fluid;
+    PressureOptions options;
+    double dt;
+    Array<double> blended, source, diagonal, wall_term;
+    Array<int> role;
+
+    KOKKOS_INLINE_FUNCTION RowSums sums(int i) const {
+        const Constants& c = fluid.constants;
+        const auto& u = fluid.velocity;
+        const auto& v = fluid.solid_velocity;
+        const double volume = laplacian.volume(i);
+        const double ux = u(i, 0), uy = u(i, 1), uz = u(i, 2);
+        const bool decomposed = options.solid_term == SolidTerm::decomposed && fluid.solid.count(i) > 0;
+        RowSums out;
+        fluid.liquid.each(i, [&](int j, double dx, double dy, double dz, double r2) {
+            const double g = laplacian.kernel.gradient(math::sqrt(r2));
+            const double volumes = volume + laplacian.volume(j);
+            const double a = laplacian.weight(volumes, r2, g);
+            out.divergence += g * ((ux - u(j, 0)) * dx + (uy - u(j, 1)) * dy + (uz - u(j, 2)) * dz);
+            out.weights += a;
+            out.weighted += a * fluid.pressure(j);
+            if (decomposed) {
+                const double half = 0.5 * volumes * g;
+                out.liquid_vector[0] += half * dx;
+                out.liquid_vector[1] += half * dy;
+                out.liquid_vector[2] += half * dz;
+            }
+        });
+        out.divergence *= c.mass;
+        double solid = 0;
+        fluid.solid.each(i, [&](int s, double dx, double dy, double dz, double r2) {
+            const double g = laplacian.kernel.gradient(math::sqrt(r2));
+            const double vg = fluid.solid_volume(s) * g;
+            solid += vg * ((ux - v(s, 0)) * dx + (uy - v(s, 1)) * dy + (uz - v(s, 2)) * dz);
+            out.solid_weights += laplacian.weight(volume + fluid.solid_volume(s), r2, g);
+            out.wall_vector[0] += vg * dx;
+            out.wall_vector[1] += vg * dy;
+            out.wall_vector[2] += vg * dz;
+        });
+        out.divergence += c.rest_density * solid;
+        return out;
+    }
+
+    KOKKOS_INLINE_FUNCTION double solid_term(int i, const RowSums& sum) const {
+        if (options.solid_term == SolidTerm::none) return 0;
+        if (options.solid_term == SolidTerm::decomposed) return sum.decomposed();
+        const double ratio = fluid.constants.rest_density / fluid.density(i);
+        return ratio * ratio * sum.wall_square(); // alpha_i of Eq. 3.2
+    }
+
+    KOKKOS_INLINE_FUNCTION double right_hand_side(int i, const RowSums& sum, double b, double alpha) const {
+        if (alpha == 0 || sum.weights == 0) return b;
+        const double amplified = math::min(options.amplification_limit, 1 + alpha / sum.weights) * b;
+        if (options.solid_term == SolidTerm::amplified) return amplified + alpha * fluid.pressure(i); // (3.3)
+        // Without p_i = p_j: the fixed point is that of the system without alpha.
+        if (options.solid_term == SolidTerm::exact) return amplified + alpha * sum.weighted / sum.weights;
+        return b;
+    }
+
+    KOKKOS_INLINE_FUNCTION void operator()(int i, int& poissons, int& separates) const {
+        const RowSums sum = sums(i);
+        const double rest = fluid.constants.rest_density;
+        const double predicted = blended(i) + dt * sum.divergence; // (2.4)
+        const double b = (predicted - rest) / (dt * dt);
+        const double alpha = solid_term(i, sum);
+        double numerator = b; // (2.6), times the positive denominator
+        if (options.dirichlet == DirichletRule::predicted) {
+            numerator += options.prediction * (sum.weighted + fluid.pressure(i) * sum.solid_weights);
+        }
+        wall_term(i) = alpha;
+        diagonal(i) = sum.weights + alpha;
+        source(i) = right_hand_side(i, sum, b, alpha);
+        if (sum.weights > 0) {
+            role(i) = numerator > 0 ? Role::poisson : Role::dirichlet;
+        } else {
+            role(i) = alpha > 0 && b > 0 ? Role::separated : Role::dirichlet;
+        }
+        poissons += static_cast<int>(role(i) == Role::poisson);
+        separates += static_cast<int>(role(i) == Role::separated);
+    }
+};
+} // namespace
+
+RoleCounts predict(const SphOptions& options, const Constants& constants, LiquidParticles& liquid,
+                   const SolidParticles& solid, const Neighbourhood& neighbours, double dt) {
+    const auto fluid = gather_fluid(constants, liquid, solid, neighbours);
+    int poissons = 0, separates = 0;
+    with_kernel(options.kernel, constants.dimensions, constants.support, [&](const auto& kernel) {
+        using Kernel = std::decay_t<decltype(kernel)>;
+        Kokkos::parallel_reduce("treacle::predict", fluid.count,
+                                PredictionLoop<Kernel>{laplacian_weight(kernel, constants, liquid), fluid,
+                                                       options.pressure, dt, liquid.blended_density(),
+                                                       liquid.source(), liquid.diagonal(), liquid.wall_term(),
+                                                       liquid.role()},
+                                poissons, separates);
+    });
+    return {poissons, fluid.count - poissons - separates, separates};
+}
+
+} // namespace treacle::sph

@@ -1,0 +1,21 @@
+#pragma once
+#include "sph/neighbourhood.hpp"
+
+namespace treacle::sph {
+
+struct RoleCounts {
+    std::int64_t poisson = 0;
+    std::int64_t dirichlet = 0;
+    std::int64_t separated = 0;
+};
+
+// (S5) Predicted density rho* by the continuity equation with u* (Eq. 2.4), and (S6) the role of each owned
+// particle by one projected Jacobi step from gamma p^t (Eq. 2.6), the solid term and the right-hand side of the
+// pressure system -lap p = (rho* - rho0) / dt^2 (signs of chapter 3: a_ij > 0).
+// Reads ghost velocities u*, densities and pressures p^t. Writes role, source (right-hand side), diagonal
+// (sum_j a_ij + wall term), wall_term.
+// Returns this rank's counts.
+RoleCounts predict(const SphOptions& options, const Constants& constants, LiquidParticles& liquid,
+                   const SolidParticles& solid, const Neighbourhood& neighbours, double dt);
+
+} // namespace treacle::sph

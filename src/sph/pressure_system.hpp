@@ -1,0 +1,50 @@
+#pragma once
+#include "mpi/halo.hpp"
+#include "sph/neighbourhood.hpp"
+
+namespace treacle::sph {
+
+// The pressure matrix of the Poisson particles, assembled straight into distributed compressed rows: a block of
+// this rank's columns (local numbers) and a block of the other ranks' columns (global numbers). Columns rise
+// within a row. The arrays live as long as this object and grow only.
+//     sum_j a_ij (p_i - p_j) + alpha_i p_i = b_i,  p_j = 0 at Dirichlet neighbours
+class PressureSystem {
+public:
+    // Collective. Numbers the rows, gathers the ghosts' numbers, and fills matrix, right-hand side and first
+    // guess p^t. Roles of owned and ghost particles must be current.
+    void assemble(const SphOptions& options, const Constants& constants, const Comm& comm,
+                  LiquidParticles& liquid, const Neighbourhood& neighbours, Halo& halo);
+
+    // Writes the solution back as pressures [Pa], negative ones clamped to zero (Algorithm 2); Dirichlet and
+    // separated particles get theirs.
+    void store_pressure(LiquidParticles& liquid) const;
+
+    int rows() const { return rows_; }
+    std::int64_t first_row() const { return first_row_; }
+    std::int64_t global_rows() const { return global_rows_; }
+    std::int64_t entries() const { return own_entries_ + other_entries_; }
+    std::size_t bytes() const;
+
+    // One block of columns: offset [rows + 1], column and value [offset[rows]].
+    struct Block {
+        Array<int> offset{"treacle::row_offset", 0};
+        Array<int> column{"treacle::column", 0};
+        Array<double> value{"treacle::value", 0};
+    };
+    const Block& own() const { return own_; }
+    const Block& other() const { return other_; }
+    const Array<double>& right_hand_side() const { return right_hand_side_; } // [rows]
+    const Array<double>& solution() const { return solution_; }               // [rows], in: guess, out: result
+
+private:
+    void number_rows(const Comm& comm, LiquidParticles& liquid, Halo& halo);
+    void count_entries(const LiquidParticles& liquid, const Neighbourhood& neighbours);
+
+    Block own_, other_;
+    Array<double> right_hand_side_{"treacle::right_hand_side", 0};
+    Array<double> solution_{"treacle::solution", 0};
+    int rows_ = 0;
+    std::int64_t first_row_ = 0, global_rows_ = 0, own_entries_ = 0, other_entries_ = 0;
+};
+
+} // namespace treacle::sph
