@@ -1,0 +1,1 @@
+"""Rows of evidence behind what Treacle claims; run by tools/claims."""
