@@ -1,0 +1,66 @@
+#pragma once
+#include "mpi/comm.hpp"
+
+#include <cstdint>
+#include <memory>
+#include <span>
+
+namespace treacle::solve {
+
+// Integer of the row offsets and column numbers: PETSc's own (32 bits in Debian's).
+using Index = int;
+
+// This rank's rows of a distributed sparse matrix in two parts: columns owned by this rank, and the others.
+// Pointers only; the arrays belong to the caller and must outlive the Matrix. Columns rise within each row.
+// Every row holds its diagonal entry, even where it is zero.
+struct CsrBlocks {
+    Index* diagonal_offsets = nullptr;  // [rows + 1], from 0
+    Index* diagonal_columns = nullptr;  // local: 0 … rows - 1
+    double* diagonal_values = nullptr;
+    Index* off_offsets = nullptr;       // [rows + 1], from 0
+    Index* off_columns = nullptr;       // global; the Matrix overwrites them: fill them anew for the next one
+    double* off_values = nullptr;
+    Index first_row = 0;                // global number of this rank's first row
+    Index rows = 0;                     // rows on this rank, may be 0
+    Index global_rows = 0;
+};
+
+// Throws std::logic_error, naming the row, when the pattern breaks the rules above. Local.
+void check_pattern(const CsrBlocks& blocks);
+
+// A square symmetric distributed matrix around the caller's arrays, without a copy: a value changed there is
+// changed here. Making one anew for a new pattern costs 1 to 3 products with it.
+class Matrix {
+public:
+    // Collective. Debug builds check the pattern first.
+    Matrix(const Comm& comm, const CsrBlocks& blocks);
+    ~Matrix();
+    Matrix(Matrix&&) noexcept;
+    Matrix& operator=(Matrix&&) noexcept;
+
+    // y = A x on this rank's rows. Collective.
+    void multiply(std::span<const double> x, std::span<double> y) const;
+    // To be called after values were changed in the caller's arrays, the pattern being the same: what
+    // preconditioners derived from the old values is then renewed. Collective.
+    void values_changed();
+
+    const Comm& comm() const { return comm_; }
+    Index first_row() const { return first_row_; }
+    Index rows() const { return rows_; }
+    Index global_rows() const { return global_rows_; }
+    // Stored entries on this rank.
+    std::int64_t entries() const { return entries_; }
+
+    struct Native;
+    Native& native() const { return *native_; }
+
+private:
+    Comm comm_;
+    Index first_row_;
+    Index rows_;
+    Index global_rows_;
+    std::int64_t entries_;
+    std::unique_ptr<Native> native_;
+};
+
+} // namespace treacle::solve

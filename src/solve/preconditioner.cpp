@@ -1,0 +1,133 @@
+#include "solve/preconditioner.hpp"
+
+#include "solve/vectors.hpp"
+
+#include <stdexcept>
+
+namespace treacle::solve {
+
+namespace {
+
+PCType pc_type(Preconditioner preconditioner) {
+    switch (preconditioner) {
+    case Preconditioner::none: return PCNONE;
+    case Preconditioner::jacobi: return PCJACOBI;
+    case Preconditioner::ic0: return PCBJACOBI;
+    case Preconditioner::ssor: return PCSOR;
+    case Preconditioner::gamg: return PCGAMG;
+    case Preconditioner::boomeramg: return PCHYPRE;
+    }
+    throw std::logic_error("unknown preconditioner");
+}
+
+// BoomerAMG has no functions for its settings, only options: ours go through a database of their own, read
+// before the program's, so that they are defaults.
+void set_boomeramg_defaults(PC pc, const std::string& prefix, const KrylovOptions& options) {
+    OptionsHandle defaults;
+    check(PetscOptionsCreate(defaults.out()));
+    const std::string key = "-" + prefix + "_pc_hypre_boomeramg_";
+    auto set = [&](const char* name, const std::string& value) {
+        check(PetscOptionsSetValue(defaults, (key + name).c_str(), value.c_str()));
+    };
+    set("strong_threshold", std::to_string(options.strong_threshold));
+    set("coarsen_type", "HMIS");
+    set("interp_type", "ext+i");
+    set("P_max", "4");
+    set("agg_nl", "1");
+    set("relax_type_all", "l1scaled-SOR/Jacobi");
+    // A direct solve of a singular coarse matrix would return an arbitrarily large constant.
+    const bool singular = options.null_space == NullSpace::constant;
+    set("relax_type_coarse", singular ? "l1scaled-SOR/Jacobi" : "Gaussian-elimination");
+    check(PCHYPRESetType(pc, "boomeramg"));
+    const auto object = reinterpret_cast<PetscObject>(pc);
+    check(PetscObjectSetOptions(object, defaults));
+    const PetscErrorCode code = PCSetFromOptions(pc);
+    check(PetscObjectSetOptions(object, nullptr));
+    check(code);
+}
+
+// The block of each rank exists only after the first set-up.
+void set_ic0_blocks(PC pc) {
+    check(PCSetUp(pc));
+    PetscInt blocks = 0;
+    KSP* solvers = nullptr;
+    check(PCBJacobiGetSubKSP(pc, &blocks, nullptr, &solvers));
+    for (PetscInt i = 0; i < blocks; ++i) {
+        PC block = nullptr;
+        check(KSPGetPC(solvers[i], &block));
+        check(PCSetType(block, PCICC));
+        check(PCFactorSetShiftType(block, MAT_SHIFT_POSITIVE_DEFINITE));
+        check(KSPSetFromOptions(solvers[i]));
+    }
+}
+
+bool is_type(PC pc, PCType type) {
+    PetscBool same = PETSC_FALSE;
+    check(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(pc), type, &same));
+    return same == PETSC_TRUE;
+}
+
+} // namespace
+
+void BuiltPreconditioner::build(Matrix& matrix, const std::string& prefix, const KrylovOptions& options) {
+    check(PCCreate(treacle::native(matrix.comm()), pc_.out()));
+    check(PCSetOptionsPrefix(pc_, (prefix + "_").c_str()));
+    check(PCSetOperators(pc_, native_->mat, native_->mat));
+    check(PCSetType(pc_, pc_type(options.preconditioner)));
+    if (options.preconditioner == Preconditioner::ssor) {
+        check(PCSORSetSymmetric(pc_, SOR_LOCAL_SYMMETRIC_SWEEP));
+    }
+    if (options.preconditioner == Preconditioner::boomeramg) set_boomeramg_defaults(pc_, prefix, options);
+    check(PCSetFromOptions(pc_));
+    if (options.preconditioner == Preconditioner::ic0 && is_type(pc_, PCBJACOBI)) set_ic0_blocks(pc_);
+    identity_ = is_type(pc_, PCNONE);
+    cheap_ = identity_ || is_type(pc_, PCJACOBI) || is_type(pc_, PCBJACOBI) || is_type(pc_, PCSOR);
+}
+
+bool BuiltPreconditioner::set_up(Matrix& matrix, const std::string& prefix,
+                                 const KrylovOptions& options) {
+    native_ = &matrix.native();
+    comm_ = matrix.comm();
+    null_space_ = options.null_space;
+    global_rows_ = matrix.global_rows();
+    user_ = options.user;
+    if (user_) {
+        cheap_ = identity_ = false;
+        return true;
+    }
+    Mat current = nullptr;
+    if (pc_) check(PCGetOperators(pc_, &current, nullptr));
+    if (current != native_->mat) {
+        const bool singular = null_space_ == NullSpace::constant;
+        check(MatSetOption(native_->mat, MAT_SPD, singular ? PETSC_FALSE : PETSC_TRUE));
+        build(matrix, prefix, options);
+    }
+    check(PCSetUp(pc_));
+    check(PCSetUpOnBlocks(pc_));
+    PCFailedReason failure = PC_NOERROR;
+    check(PCGetFailedReason(pc_, &failure));
+    const bool failed = comm_.any(failure != PC_NOERROR);
+    if (failed) release();
+    return !failed;
+}
+
+void BuiltPreconditioner::project(std::span<double> z) const {
+    const double mean = comm_.sum(total(z)) / global_rows_;
+    for (double& value : z) value -= mean;
+}
+
+void BuiltPreconditioner::apply(std::span<const double> r, std::span<double> z) {
+    if (user_) {
+        user_(r, z);
+    } else {
+        native_->on(r, z, [this](Vec in, Vec out) { return PCApply(pc_, in, out); });
+    }
+    if (null_space_ == NullSpace::constant) project(z);
+}
+
+void BuiltPreconditioner::release() {
+    pc_.reset();
+    native_ = nullptr;
+}
+
+} // namespace treacle::solve

@@ -1,0 +1,81 @@
+#include "base/error.hpp"
+#include "fixture.hpp"
+#include "solve/krylov.hpp"
+#include "solve/petsc.hpp"
+#include "solve/runtime.hpp"
+
+#include <algorithm>
+#include <gtest/gtest.h>
+
+namespace treacle::solve {
+
+TEST(SolveRuntime, names_its_libraries) {
+    EXPECT_EQ(petsc_version().substr(0, 2), "3.");
+    EXPECT_EQ(hypre_version().substr(0, 2), "2.");
+}
+
+TEST(SolveRuntime, refuses_a_word_where_an_option_is_expected) {
+    EXPECT_THROW(SolveRuntime("pressure_pc_type sor"), InputError);
+}
+
+TEST(SolveRuntime, an_error_inside_petsc_becomes_an_exception_with_its_text) {
+    try {
+        check(PetscError(PETSC_COMM_SELF, 7, "f", "file.c", PETSC_ERR_ARG_WRONG, PETSC_ERROR_INITIAL, "no way"));
+        FAIL();
+    } catch (const Error& error) {
+        EXPECT_EQ(error.code(), ExitCode::simulation_failed);
+        EXPECT_NE(std::string(error.what()).find("no way"), std::string::npos) << error.what();
+    }
+}
+
+TEST(SolveRuntime, lack_of_memory_inside_petsc_has_its_own_exit_code) {
+    try {
+        check(PetscError(PETSC_COMM_SELF, 7, "f", "file.c", PETSC_ERR_MEM, PETSC_ERROR_INITIAL, "asked 9"));
+        FAIL();
+    } catch (const Error& error) {
+        EXPECT_EQ(error.code(), ExitCode::out_of_memory);
+    }
+}
+
+namespace {
+
+// z = M r for r = 1 after a solve with 6 on the diagonal, on a rank that has rows.
+double first_of_preconditioned(const std::string& prefix) {
+    const auto comm = Comm::world();
+    auto system = poisson(comm, 8, Border::dirichlet);
+    Matrix matrix(comm, system.blocks());
+    KrylovOptions options;
+    options.preconditioner = Preconditioner::none;
+    KrylovSolver solver(comm, prefix, options);
+    solver.set_up(matrix);
+    const auto ones = system.values([](Index) { return 1.0; });
+    std::vector<double> z(ones.size());
+    solver.precondition(ones, z);
+    return z.at(0);
+}
+
+} // namespace
+
+TEST(PrefixedOptions, win_over_the_callers_choice) {
+    EXPECT_DOUBLE_EQ(first_of_preconditioned("plain"), 1.0);
+    EXPECT_DOUBLE_EQ(first_of_preconditioned("chosen"), 1.0 / 6);
+}
+
+TEST(PrefixedOptions, with_an_unknown_value_are_an_input_error_naming_it) {
+    try {
+        first_of_preconditioned("bad");
+        FAIL();
+    } catch (const InputError& error) {
+        EXPECT_NE(std::string(error.what()).find("nonsense"), std::string::npos) << error.what();
+    }
+}
+
+TEST(PrefixedOptions, that_nothing_has_asked_for_are_listed) {
+    first_of_preconditioned("chosen");
+    const auto unused = runtime().unused_options();
+    const auto has = [&](const char* text) { return std::count(unused.begin(), unused.end(), text); };
+    EXPECT_EQ(has("-misspelt_pc_tipe jacobi"), 1);
+    EXPECT_EQ(has("-chosen_pc_type jacobi"), 0);
+}
+
+} // namespace treacle::solve
