@@ -1,0 +1,109 @@
+#include "base/csv.hpp"
+
+#include "base/error.hpp"
+#include "base/text.hpp"
+
+#include <gtest/gtest.h>
+
+#include <csignal>
+#include <fstream>
+#include <iterator>
+#include <stdexcept>
+#include <sys/resource.h>
+#include <unistd.h>
+
+namespace treacle {
+namespace {
+
+class CsvTest : public testing::Test {
+protected:
+    CsvTest() {
+        const auto* info = testing::UnitTest::GetInstance()->current_test_info();
+        folder_ = std::filesystem::temp_directory_path() /
+                  (std::string("treacle_csv_") + info->name() + "_" + std::to_string(::getpid()));
+        std::filesystem::create_directories(folder_);
+        path_ = folder_ / "steps.csv";
+    }
+    ~CsvTest() override { std::filesystem::remove_all(folder_); }
+
+    std::string content() const {
+        std::ifstream file(path_);
+        return {std::istreambuf_iterator<char>(file), {}};
+    }
+    void write(const std::string& text) const { std::ofstream(path_) << text; }
+
+    const std::vector<std::string> columns_{"step", "time [s]"};
+    std::filesystem::path folder_, path_;
+};
+
+TEST_F(CsvTest, RowsHaveFullPrecision) {
+    auto table = CsvTable::create(path_, columns_);
+    table.append(std::vector{0.0, 1.0 / 3});
+    table.append(std::vector{1.0, 1e-300});
+    table.flush();
+    EXPECT_EQ(content(), "step,time [s]\n0," + format_number(1.0 / 3) + "\n1,1e-300\n");
+}
+
+TEST_F(CsvTest, CreatingReplacesAnOldTable) {
+    write("old\n1\n");
+    CsvTable::create(path_, columns_);
+    EXPECT_EQ(content(), "step,time [s]\n");
+}
+
+TEST_F(CsvTest, ResumingDropsLaterAndCutOffRowsAndGoesOn) {
+    write("step,time [s]\n0,0\n1,0.1\n2,0.2\n3,0.3\n2,0.");
+    auto table = CsvTable::resume(path_, columns_, 2);
+    table.append(std::vector{3.0, 0.35});
+    table.flush();
+    EXPECT_EQ(content(), "step,time [s]\n0,0\n1,0.1\n2,0.2\n3,0.35\n");
+}
+
+TEST_F(CsvTest, ResumingWithoutAFileStartsOne) {
+    CsvTable::resume(path_, columns_, 7);
+    EXPECT_EQ(content(), "step,time [s]\n");
+}
+
+TEST_F(CsvTest, ResumingAnotherTableIsAnInputErrorAndLeavesIt) {
+    const std::string old = "step,mass [kg]\n0,1\n";
+    write(old);
+    try {
+        CsvTable::resume(path_, columns_, 2);
+        FAIL();
+    } catch (const InputError& error) {
+        EXPECT_NE(std::string(error.what()).find("steps.csv:1: the header is not"), std::string::npos);
+    }
+    EXPECT_EQ(content(), old);
+}
+
+TEST_F(CsvTest, AColumnNameWithACommaIsRejected) {
+    EXPECT_THROW(CsvTable::create(path_, {"a,b"}), InputError);
+    EXPECT_FALSE(std::filesystem::exists(path_));
+}
+
+TEST_F(CsvTest, ARowOfAnotherLengthIsRejected) {
+    auto table = CsvTable::create(path_, columns_);
+    EXPECT_THROW(table.append(std::vector{1.0}), std::invalid_argument);
+}
+
+TEST_F(CsvTest, AFolderThatIsNotThereIsASimulationError) {
+    EXPECT_THROW(CsvTable::create(folder_ / "no" / "steps.csv", columns_), SimulationError);
+}
+
+// RLIMIT_FSIZE makes writes beyond it fail as on a full disk, with another errno.
+TEST_F(CsvTest, AWriteThatFailsIsASimulationError) {
+    auto table = CsvTable::create(path_, columns_);
+    std::signal(SIGXFSZ, SIG_IGN);
+    rlimit old{};
+    getrlimit(RLIMIT_FSIZE, &old);
+    const rlimit small{100, old.rlim_max};
+    setrlimit(RLIMIT_FSIZE, &small);
+    const auto fill = [&] {
+        for (int i = 0; i < 100; ++i) table.append(std::vector{1.0, 0.1});
+        table.flush();
+    };
+    EXPECT_THROW(fill(), SimulationError);
+    setrlimit(RLIMIT_FSIZE, &old);
+}
+
+} // namespace
+} // namespace treacle

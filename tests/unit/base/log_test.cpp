@@ -1,0 +1,54 @@
+#include "base/log.hpp"
+
+#include <gtest/gtest.h>
+
+#include <array>
+
+namespace treacle {
+namespace {
+
+std::string content(std::FILE* file) {
+    std::rewind(file);
+    std::array<char, 1000> buffer;
+    return {buffer.data(), std::fread(buffer.data(), 1, buffer.size(), file)};
+}
+
+TEST(Log, WritesLinesAndWarnings) {
+    std::FILE* file = std::tmpfile();
+    Log log(Voice::speaks, file);
+    log.line("one");
+    log.warn("two");
+    EXPECT_EQ(content(file), "one\nwarning: two\n");
+    std::fclose(file);
+}
+
+TEST(Log, DrawsNoBarIntoAFile) {
+    std::FILE* file = std::tmpfile();
+    {
+        Log log(Voice::speaks, file);
+        EXPECT_FALSE(log.is_terminal());
+        log.progress(0.5, "half");
+    }
+    EXPECT_EQ(content(file), "");
+    std::fclose(file);
+}
+
+TEST(Log, IsSilentOnOtherRanks) {
+    std::FILE* file = std::tmpfile();
+    Log log(Voice::silent, file);
+    log.line("one");
+    log.warn("two");
+    EXPECT_EQ(content(file), "");
+    std::fclose(file);
+}
+
+TEST(ProgressBar, HasTheSameLengthAtAnyShare) {
+    const auto half = progress_bar(0.5, "");
+    EXPECT_EQ(half, "[###############...............]  50 %  ");
+    for (const double share : {0.0, 1.0, -3.0, 7.0, 0.0 / 0.0}) {
+        EXPECT_EQ(progress_bar(share, "").size(), half.size()) << share;
+    }
+}
+
+} // namespace
+} // namespace treacle
