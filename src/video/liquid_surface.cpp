@@ -9,12 +9,14 @@ namespace {
 constexpr float beyond = 1e30f; // far_away without its infinite differences
 
 // How the depths are smoothed, lengths relative to the particles' spacing.
-constexpr float ball_size = 0.80f;     // radius of the balls that are melted: they must overlap
+constexpr float ball_size = 0.64f;     // radius of the balls that are melted; deeper layers fill the gaps
+constexpr float disc_size = 0.85f;     // in the plane nothing lies deeper: they must overlap
 constexpr float filter_width = 1.15f;  // standard deviation of the filter
 constexpr float narrow_range = 4.0f;   // depths further apart belong to different sheets
-constexpr float step_down = 0.6f;      // how far behind the edge of a sheet its surroundings are taken to lie
+constexpr float step_down = 0.35f;     // beyond its edge a sheet is taken to go on this far behind: edges turn round
 constexpr float widest_filter = 24.0f; // standard deviation [pixels]; bounds the cost of close-ups
 constexpr int rounds = 3;
+constexpr float clearest = 0.35f; // share of the light from behind that the thinnest film lets through
 
 struct Field {
     int width, height;
@@ -41,9 +43,9 @@ void add_tap(const float* own, const float* other, const float* other_value, flo
 #pragma GCC ivdep
     for (int i = 0; i < n; ++i) {
         const float difference = other[i] - own[i];
-        const float w = difference < -range ? 0.0f : weight;
-        const float depth = difference > range ? own[i] + down : other[i];
-        sum[i] += w * depth;
+        const bool is_edge = difference > 3 * range;
+        const float w = (std::abs(difference) <= range) | is_edge ? weight : 0.0f;
+        sum[i] += w * (is_edge ? own[i] + down : other[i]);
         total[i] += w;
     }
     if (!other_value) return;
@@ -86,6 +88,37 @@ void smooth(const Field& in, Field& out, const Filter& filter, int dx, int dy) {
     }
 }
 
+// Columns after rows leave streaks where a sheet ends; a small filter over squares wipes them away.
+void wipe_streaks(const Field& in, Field& out, float range) {
+    constexpr int n = 4;
+    const int width = in.width;
+    std::vector<float> sum(width), total(width);
+    for (int row = 0; row < in.height; ++row) {
+        const float* own = in.depth.data() + std::size_t(row) * width;
+        float* result = out.depth.data() + std::size_t(row) * width;
+        int first = 0, last = width;
+        while (first < last && own[first] == beyond) ++first;
+        while (last > first && own[last - 1] == beyond) --last;
+        std::fill(result, result + width, beyond);
+        std::fill(sum.begin(), sum.end(), 0.0f);
+        std::fill(total.begin(), total.end(), 0.0f);
+        for (int dy = std::max(-n, -row); dy <= std::min(n, in.height - 1 - row); ++dy)
+            for (int dx = -n; dx <= n; ++dx) {
+                const int from = std::max(first, -dx), to = std::min(last, width - dx);
+                const float* other = in.depth.data() + std::size_t(row + dy) * width + dx;
+                const float weight = std::exp(-float(dx * dx + dy * dy) / (n * n));
+#pragma GCC ivdep
+                for (int i = from; i < to; ++i) {
+                    const float w = std::abs(other[i] - own[i]) <= range ? weight : 0.0f;
+                    sum[i] += w * other[i];
+                    total[i] += w;
+                }
+            }
+        for (int i = first; i < last; ++i)
+            if (own[i] != beyond) result[i] = sum[i] / total[i];
+    }
+}
+
 float mean_depth(const std::vector<float>& depth) {
     double sum = 0;
     std::size_t count = 0;
@@ -103,20 +136,35 @@ std::vector<Sphere> swollen(std::span<const Sphere> particles, float factor) {
     return balls;
 }
 
+// Overlapping balls count the same liquid several times: (2 ball_size spacing / 2)^3 4 pi / 3 per spacing^3.
+std::vector<float> smooth_thickness(const Camera& camera, std::span<const Sphere> balls) {
+    constexpr float overlap = 4.18879f * ball_size * ball_size * ball_size;
+    auto thickness = splat_thickness(camera, balls);
+    for (float& t : thickness) t /= overlap;
+    return thickness;
+}
+
 // The mirrored surroundings: a dim floor, a bright sky and the lamp as a soft disc.
 float mirrored(const Vec3f& direction, const Lamp& lamp, float lit) {
     const float height = 0.5f + 0.5f * dot(direction, lamp.up);
-    const float sky = 0.30f + 0.75f * height * height;
+    const float sky = 0.50f + 0.60f * height * height;
     const float disc = std::clamp((dot(direction, lamp.towards) - 0.88f) / 0.08f, 0.0f, 1.0f);
-    return sky + 3.2f * disc * disc * (3 - 2 * disc) * lit;
+    return sky + 5.0f * disc * disc * (3 - 2 * disc) * lit;
+}
+
+// What a liquid's colour turns to with depth: the light that comes back has been filtered again and again.
+Vec3f deepened(const Vec3f& albedo, float share) {
+    Vec3f deep;
+    for (int k = 0; k < 3; ++k) deep[k] = 0.85f * albedo[k] * std::sqrt(std::max(albedo[k], 0.0f));
+    return mix(albedo, deep, share);
 }
 } // namespace
 
 LiquidSurface melt(const Camera& camera, std::span<const Sphere> particles, std::span<const float> values) {
-    const auto balls = swollen(particles, 2 * ball_size);
+    const auto balls = swollen(particles, 2 * (camera.is_perspective() ? ball_size : disc_size));
     DepthBuffer buffer(camera.width(), camera.height());
     splat(camera, balls, buffer);
-    LiquidSurface surface{camera.width(), camera.height(), {}, {}, splat_thickness(camera, particles)};
+    LiquidSurface surface{camera.width(), camera.height(), {}, {}, smooth_thickness(camera, balls)};
     if (particles.empty()) {
         surface.depth = std::move(buffer.depth);
         return surface;
@@ -135,8 +183,9 @@ LiquidSurface melt(const Camera& camera, std::span<const Sphere> particles, std:
         smooth(a, b, filter, 1, 0);
         smooth(b, a, filter, 0, 1);
     }
-    for (float& depth : a.depth) depth = depth == beyond ? far_away : depth;
-    surface.depth = std::move(a.depth);
+    wipe_streaks(a, b, filter.range);
+    for (float& depth : b.depth) depth = depth == beyond ? far_away : depth;
+    surface.depth = std::move(b.depth);
     surface.value = std::move(a.value);
     return surface;
 }
@@ -169,11 +218,12 @@ Vec3f shade_liquid(const Fragment& f, const Lamp& lamp, const Vec3f& behind, flo
     // Light wanders inside the liquid before it leaves: the lamp reaches a little round the edge.
     const float wrapped = std::max(0.0f, (dot(f.normal, lamp.towards) + 0.35f) / 1.35f);
     const float sky = 0.34f + 0.18f * dot(f.normal, lamp.up) + 0.12f * facing;
-    const Vec3f own = (0.72f * wrapped * (0.35f + 0.65f * f.lit) + sky * f.open) * f.albedo;
+    const Vec3f deep = clarity > 0 ? deepened(f.albedo, 1 - std::exp(-0.12f * thickness / clarity)) : f.albedo;
+    const Vec3f own = (0.80f * wrapped * (0.35f + 0.65f * f.lit) + 1.1f * sky * f.open) * deep;
     Vec3f colour = own;
     if (clarity > 0) {
         const float path = thickness / clarity;
-        const float through = std::exp(-path);
+        const float through = clearest * std::exp(-path);
         Vec3f tinted = behind;
         for (int k = 0; k < 3; ++k) tinted[k] *= std::pow(std::max(f.albedo[k], 0.02f), 0.9f * std::min(path, 3.0f));
         colour = mix(own, tinted, through);

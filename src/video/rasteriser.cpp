@@ -13,7 +13,8 @@
 namespace treacle::video {
 
 namespace {
-constexpr int samples = 2; // per pixel along each side
+constexpr int samples = 2;            // per pixel along each side
+constexpr float plane_relief = 0.45f; // share of the lamp in plane scenes, where value matters more than shape
 
 struct Palette {
     Vec3f top, bottom, floor; // linear; the background runs from top to bottom
@@ -31,11 +32,11 @@ Palette palette_of(Background background) {
 
 Rgb8 default_colour(LayerKind kind) {
     switch (kind) {
-    case LayerKind::body: return {150, 154, 160};
+    case LayerKind::body: return {154, 154, 152};
     case LayerKind::wall: return {214, 218, 224};
     case LayerKind::liquid: break;
     }
-    return {206, 120, 22};
+    return {214, 128, 24};
 }
 
 // A layer's balls as the camera sees them.
@@ -133,11 +134,11 @@ Vec3f background_at(const Palette& palette, int row, int height) {
     return mix(palette.top, palette.bottom, (row + 0.5f) / height);
 }
 
-// Light on a fragment, then a little haze with distance: it tells near from far where all else is alike.
 Vec3f finish(const Scene& scene, Fragment f, int column, int row, float open) {
     if (scene.is_flat()) return f.albedo;
     f.open = open;
-    f.lit = scene.is_plane() ? 1 : scene.shadows.light_at(f.point, (row % samples) * samples + column % samples);
+    if (scene.is_plane()) return mix(f.albedo, shade(f, scene.lamp), plane_relief);
+    f.lit = scene.shadows.light_at(f.point, (row % samples) * samples + column % samples);
     return shade(f, scene.lamp);
 }
 
@@ -197,6 +198,8 @@ void composite_liquid(const Scene& scene, const PreparedLayer& layer, std::vecto
                                  12 * float(layer.source->radius));
     const Vec3 size = scene.request.domain.max - scene.request.domain.min;
     const float clarity = layer.places.empty() && !scene.is_plane() ? 0.045f * float(length(size)) : 0;
+    // The smooth surface runs between the balls that cast the shadows; none of them may shade its own place.
+    const float lift = 3.5f * float(layer.source->radius);
     const Canvas behind = canvas;
     for (int row = 0; row < canvas.height; ++row)
         for (int column = 0; column < canvas.width; ++column) {
@@ -212,13 +215,14 @@ void composite_liquid(const Scene& scene, const PreparedLayer& layer, std::vecto
             }
             f.open = open_at(open, scene, column, row);
             if (!scene.is_plane())
-                f.lit = scene.shadows.light_at(f.point, (row % samples) * samples + column % samples);
+                f.lit = scene.shadows.light_at(f.point + lift * f.normal, (row % samples) * samples + column % samples);
             // Light bends towards the normal inside: the scene behind seems shifted.
             const float bend = 0.06f * float(canvas.height);
             const int c = std::clamp(int(column + bend * f.normal[0]), 0, canvas.width - 1);
             const int r = std::clamp(int(row + bend * f.normal[1]), 0, canvas.height - 1);
-            canvas.light[i] = shade_liquid(f, scene.lamp, behind.light[std::size_t(r) * canvas.width + c],
-                                           surface.thickness[i], clarity);
+            const Vec3f light = shade_liquid(f, scene.lamp, behind.light[std::size_t(r) * canvas.width + c],
+                                             surface.thickness[i], clarity);
+            canvas.light[i] = scene.is_plane() ? mix(f.albedo, light, plane_relief) : light;
         }
 }
 
@@ -227,10 +231,11 @@ void paint_ground(const Scene& scene, DepthBuffer& ground, Canvas& canvas, float
     if (shown && !scene.is_flat()) add_floor(scene.fine, scene.request.domain, ground);
     std::vector<float> open;
     if (shown && !scene.is_flat()) {
-        DepthBuffer all = ground;
+        DepthBuffer all(scene.camera.width(), scene.camera.height());
+        all.depth = reduce_depth(ground.depth, canvas.width, canvas.height, samples);
         for (const auto& layer : scene.layers)
-            if (layer.source->kind != LayerKind::wall) splat(scene.fine, layer.spheres, all);
-        open = ambient_occlusion(scene.camera, reduce_depth(all.depth, canvas.width, canvas.height, samples), reach);
+            if (layer.source->kind != LayerKind::wall) splat(scene.camera, layer.spheres, all);
+        open = ambient_occlusion(scene.camera, all.depth, reach);
     }
     for (int row = 0; row < canvas.height; ++row)
         for (int column = 0; column < canvas.width; ++column) {

@@ -34,15 +34,15 @@ View shadow_view(const Lamp& lamp, std::span<const Sphere> casters) {
 
 Lamp lamp_of(const Camera& camera, const Vec3& world_up) {
     const Vec3f up = normalised(single(camera.direction_to_camera(world_up)));
-    const Vec3f towards = normalised(1.0f * up + 0.55f * Vec3f{-1, 0, 0} + 0.55f * Vec3f{0, 0, -1});
+    const Vec3f towards = normalised(1.0f * up + 0.5f * Vec3f{-1, 0, 0} + 0.85f * Vec3f{0, 0, -1});
     return {towards, up};
 }
 
 Vec3f shade(const Fragment& f, const Lamp& lamp) {
     const Vec3f towards_camera = normalised(-1.0f * f.point);
     const float facing = dot(f.normal, lamp.towards);
-    const float lamp_light = 0.80f * std::max(0.0f, facing) * f.lit;
-    const float sky = 0.34f + 0.16f * dot(f.normal, lamp.up) + 0.14f * std::max(0.0f, -f.normal[2]);
+    const float lamp_light = 0.95f * std::max(0.0f, facing) * f.lit;
+    const float sky = 0.40f + 0.16f * dot(f.normal, lamp.up) + 0.16f * std::max(0.0f, -f.normal[2]);
     const Vec3f half = normalised(lamp.towards + towards_camera);
     float h = std::max(0.0f, dot(f.normal, half));
     h *= h;

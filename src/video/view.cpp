@@ -13,8 +13,8 @@ namespace treacle::video {
 
 namespace {
 constexpr int largest_side = 16384;      // [pixels]
-constexpr double filled_width = 0.80;    // share of the picture that the domain may fill: room at the right
-constexpr double filled_height = 0.80;   // for the colour bar, below for the caption
+// The part of the picture that the domain may fill: at the right stands the colour bar, below the caption.
+constexpr double left_end = 0.03, right_end = 0.88, top_end = 0.05, bottom_end = 0.91;
 constexpr double automatic_angle = 0.55; // [rad]
 
 bool is_finite(const Vec3& v) { return std::isfinite(v[0]) && std::isfinite(v[1]) && std::isfinite(v[2]); }
@@ -66,8 +66,10 @@ Bounds project_corners(const View& view, const DomainBox& box) {
 View plane_view(const DomainBox& box, View view) {
     const Vec3 extent = box.max - box.min;
     const double aspect = double(view.width) / view.height;
-    const double height = std::max(extent[1] / filled_height, extent[0] / filled_width / aspect);
-    view.target = 0.5 * (box.min + box.max);
+    const double height =
+        std::max(extent[1] / (bottom_end - top_end), extent[0] / (right_end - left_end) / aspect);
+    view.target = 0.5 * (box.min + box.max) + height * Vec3{aspect * (0.5 - 0.5 * (left_end + right_end)),
+                                                            0.5 * (top_end + bottom_end) - 0.5, 0};
     view.target[2] = 0;
     const double distance = 0.5 * height / std::tan(0.5 * view.vertical_field_of_view);
     view.position = view.target + Vec3{0, 0, distance};
@@ -87,10 +89,10 @@ View space_view(const DomainBox& box, View view) {
         view.position = view.target + distance * towards_camera;
         const Bounds b = project_corners(view, box);
         const Camera camera(view);
-        const double fill = std::max((b.right - b.left) / (filled_width * view.width),
-                                     (b.bottom - b.top) / (filled_height * view.height));
-        const Vec3 shift{0.5 * (b.left + b.right) - 0.5 * view.width,
-                         0.5 * (b.top + b.bottom) - 0.5 * view.height, 0};
+        const double fill = std::max((b.right - b.left) / ((right_end - left_end) * view.width),
+                                     (b.bottom - b.top) / ((bottom_end - top_end) * view.height));
+        const Vec3 shift{0.5 * (b.left + b.right) - 0.5 * (left_end + right_end) * view.width,
+                         0.5 * (b.top + b.bottom) - 0.5 * (top_end + bottom_end) * view.height, 0};
         view.target = view.target + (distance / camera.scale()) * camera.direction_to_world(shift);
         distance = std::max(distance * fill, distance - b.nearest + 0.05 * diameter);
     }
