@@ -48,7 +48,8 @@ void write_checksum(hid_t file, const std::string& path, std::uint64_t sum) {
     write_attribute(dataset, "checksum", sum);
 }
 
-void describe_checkpoint(hid_t file, int ranks, const std::vector<std::pair<std::string, AttributeValue>>& values) {
+void describe_checkpoint(hid_t file, int ranks,
+                         const std::vector<std::pair<std::string, AttributeValue>>& values) {
     write_attribute(file, "format", checkpoint::format);
     write_attribute(file, "format_version", checkpoint::format_version);
     write_attribute(file, "ranks", static_cast<std::int64_t>(ranks));

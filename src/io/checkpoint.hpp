@@ -92,8 +92,8 @@ private:
     std::unique_ptr<State> state_;
 };
 
-// Collective: empty when the checkpoint is whole, otherwise the reason why it is not, on every rank. Reads all
-// of it.
+// Collective: empty when the checkpoint is whole, otherwise the reason why it is not, on every rank. Reads
+// all of it.
 std::string validate_checkpoint(const Comm& comm, const std::filesystem::path& path);
 
 // FOLDER/checkpoint_000000123.h5

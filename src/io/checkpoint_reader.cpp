@@ -53,7 +53,8 @@ std::vector<T> read_whole(hid_t file, const std::string& path) {
     const auto [rows, components] = shape(dataset);
     std::vector<T> values(static_cast<std::size_t>(rows * components));
     if (!values.empty())
-        check(H5Dread(dataset, memory_type<T>(), H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()), "read " + path);
+        check(H5Dread(dataset, memory_type<T>(), H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()),
+              "read " + path);
     if (checkpoint::checksum(std::span<const T>(values), 0) != read_unsigned(dataset, "checksum"))
         throw Hdf5Failure(path + ": the checksum is wrong");
     return values;
@@ -175,7 +176,7 @@ struct CheckpointReader::State {
 
 template <class T>
 std::vector<T> CheckpointReader::State::read(const std::string& name, const ArrayInfo& info) const {
-    const QuietHdf5 quiet;
+    quiet_hdf5();
     const auto first = first_row(info, comm.rank());
     const auto rows = first_row(info, comm.rank() + 1) - first;
     std::vector<T> values;
@@ -200,7 +201,7 @@ std::vector<T> CheckpointReader::State::read(const std::string& name, const Arra
 
 CheckpointReader::CheckpointReader(const Comm& comm, const std::filesystem::path& path)
     : state_(new State{comm, path, {}, {}}) {
-    const QuietHdf5 quiet;
+    quiet_hdf5();
     std::string bytes;
     comm.guard_root([&] {
         try {
@@ -265,7 +266,8 @@ std::int64_t CheckpointReader::total_rows(const std::string& name) const { retur
 template <class T>
 Rows<T> CheckpointReader::distributed(const std::string& name) const {
     const auto& info = state_->info(name);
-    if (info.type != (std::is_same_v<T, double> ? 0 : 1)) state_->missing("array '" + name + "' of the wanted type");
+    if (info.type != (std::is_same_v<T, double> ? 0 : 1))
+        state_->missing("array '" + name + "' of the wanted type");
     return {info.components, info.total, state_->read<T>(name, info)};
 }
 

@@ -35,8 +35,8 @@ std::vector<Column> columns_of(const Frame& frame) {
     const Number real = frame.precision == Precision::float32 ? Number::float32 : Number::float64;
     std::vector<Column> columns = {{"position", "m", 3, nullptr, &frame.positions, real}};
     for (const auto& f : frame.fields)
-        columns.push_back({f.name, f.unit, f.components, &f.values, nullptr,
-                           f.values.index() == 0 ? real : Number::int64});
+        columns.push_back(
+            {f.name, f.unit, f.components, &f.values, nullptr, f.values.index() == 0 ? real : Number::int64});
     return columns;
 }
 
@@ -54,10 +54,14 @@ void put(std::ostream& out, T value) {
 void put_number(std::ostream& out, const Column& column, std::size_t i) {
     const auto* reals = column.reals();
     switch (column.stored) {
-    case Number::float32: return put(out, static_cast<float>((*reals)[i]));
-    case Number::float64: return put(out, reals ? (*reals)[i] : static_cast<double>(column.integers()[i]));
-    case Number::int32: return put(out, static_cast<std::int32_t>(column.integers()[i]));
-    case Number::int64: return put(out, column.integers()[i]);
+    case Number::float32:
+        return put(out, static_cast<float>((*reals)[i]));
+    case Number::float64:
+        return put(out, reals ? (*reals)[i] : static_cast<double>(column.integers()[i]));
+    case Number::int32:
+        return put(out, static_cast<std::int32_t>(column.integers()[i]));
+    case Number::int64:
+        return put(out, column.integers()[i]);
     }
 }
 
@@ -101,7 +105,8 @@ Number ply_type(const std::filesystem::path& path, const Column& column) {
         if (value > exact || value < -exact)
             throw InputError(Diagnostic{path.string(), "field " + column.name + " does not fit into ply",
                                         "its integers exceed 2^53", "export to vtp or csv"});
-        if (value > std::numeric_limits<std::int32_t>::max() || value < std::numeric_limits<std::int32_t>::min())
+        if (value > std::numeric_limits<std::int32_t>::max() ||
+            value < std::numeric_limits<std::int32_t>::min())
             type = Number::float64;
     }
     return type;
@@ -128,17 +133,21 @@ void write_ply(const std::filesystem::path& path, std::ostream& out, const Frame
     for (std::size_t p = 0; p < static_cast<std::size_t>(frame.size()); ++p)
         for (const auto& column : columns)
             for (int c = 0; c < column.components; ++c)
-                put_number(out, column, p * static_cast<std::size_t>(column.components) +
-                                            static_cast<std::size_t>(c));
+                put_number(out, column,
+                           p * static_cast<std::size_t>(column.components) + static_cast<std::size_t>(c));
 }
 
 std::string xml_text(const std::string& text) {
     std::string out;
     for (const char c : text) {
-        if (c == '&') out += "&amp;";
-        else if (c == '<') out += "&lt;";
-        else if (c == '"') out += "&quot;";
-        else out += c;
+        if (c == '&')
+            out += "&amp;";
+        else if (c == '<')
+            out += "&lt;";
+        else if (c == '"')
+            out += "&quot;";
+        else
+            out += c;
     }
     return out;
 }
@@ -211,11 +220,15 @@ void write_vtp(std::ostream& out, const Frame& frame) {
     out << "\n</AppendedData>\n</VTKFile>\n";
 }
 
-void write_stream(const std::filesystem::path& path, std::ostream& out, const Frame& frame, ExportFormat format) {
+void write_stream(const std::filesystem::path& path, std::ostream& out, const Frame& frame,
+                  ExportFormat format) {
     switch (format) {
-    case ExportFormat::ply: return write_ply(path, out, frame);
-    case ExportFormat::vtp: return write_vtp(out, frame);
-    case ExportFormat::csv: return write_csv(out, frame);
+    case ExportFormat::ply:
+        return write_ply(path, out, frame);
+    case ExportFormat::vtp:
+        return write_vtp(out, frame);
+    case ExportFormat::csv:
+        return write_csv(out, frame);
     }
 }
 } // namespace
@@ -231,9 +244,12 @@ ExportFormat export_format(const std::string& name) {
 
 std::string format_name(ExportFormat format) {
     switch (format) {
-    case ExportFormat::ply: return "ply";
-    case ExportFormat::vtp: return "vtp";
-    case ExportFormat::csv: return "csv";
+    case ExportFormat::ply:
+        return "ply";
+    case ExportFormat::vtp:
+        return "vtp";
+    case ExportFormat::csv:
+        return "csv";
     }
     return "";
 }

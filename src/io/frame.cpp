@@ -61,7 +61,8 @@ void check_block(const ParticleBlock& block) {
         const auto size = std::visit([](const auto& values) { return values.size(); }, field.values);
         if (field.components < 1 || size != n * static_cast<std::size_t>(field.components))
             throw std::logic_error("field " + field.name + ": one value for each particle and component");
-        if (field.name.empty() || field.name.find('/') != std::string::npos || !names.insert(field.name).second)
+        if (field.name.empty() || field.name.find('/') != std::string::npos ||
+            !names.insert(field.name).second)
             throw std::logic_error("field '" + field.name + "': empty, with a slash, or twice");
     }
 }
@@ -80,8 +81,8 @@ void describe_frame(hid_t file, std::int64_t step, double time, const ParticleBl
     const std::int64_t version[2] = {1, 0};
     const hsize_t two = 2;
     const Handle space(H5Screate_simple(1, &two, nullptr), H5Sclose, "make a data space");
-    const Handle made(H5Acreate2(group, "Version", H5T_NATIVE_INT64, space, H5P_DEFAULT, H5P_DEFAULT), H5Aclose,
-                      "create attribute Version");
+    const Handle made(H5Acreate2(group, "Version", H5T_NATIVE_INT64, space, H5P_DEFAULT, H5P_DEFAULT),
+                      H5Aclose, "create attribute Version");
     check(H5Awrite(made, H5T_NATIVE_INT64, version), "write attribute Version");
     write_attribute(group, "Type", std::string("UnstructuredGrid"));
     write_attribute(group, "time", time);
@@ -108,7 +109,8 @@ void FrameWriter::resume(double time) {
     s.comm.guard_root([&] {
         if (!std::filesystem::exists(s.index())) return;
         std::vector<SeriesEntry> dropped;
-        for (const auto& entry : read_series(s.index())) (entry.time <= time ? kept : dropped).push_back(entry);
+        for (const auto& entry : read_series(s.index()))
+            (entry.time <= time ? kept : dropped).push_back(entry);
         write_series(s.index(), kept);
         for (const auto& entry : dropped) std::filesystem::remove(s.folder / entry.file);
         for (const auto& entry : kept) names += entry.file + '\n';

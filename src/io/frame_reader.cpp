@@ -12,7 +12,8 @@ template <class T>
 std::vector<T> read_rows(hid_t dataset, std::int64_t first, std::int64_t rows, int components, hid_t type) {
     std::vector<T> values(static_cast<std::size_t>(rows) * static_cast<std::size_t>(components));
     const auto selection = select_rows(dataset, first, rows, components);
-    check(H5Dread(dataset, type, selection.memory, selection.file, H5P_DEFAULT, values.data()), "read values");
+    check(H5Dread(dataset, type, selection.memory, selection.file, H5P_DEFAULT, values.data()),
+          "read values");
     return values;
 }
 
@@ -20,9 +21,7 @@ Handle open_dataset(hid_t file, const std::string& path) {
     return {H5Dopen2(file, path.c_str(), H5P_DEFAULT), H5Dclose, "open " + path};
 }
 
-bool has_link(hid_t file, const std::string& path) {
-    return H5Lexists(file, path.c_str(), H5P_DEFAULT) > 0;
-}
+bool has_link(hid_t file, const std::string& path) { return H5Lexists(file, path.c_str(), H5P_DEFAULT) > 0; }
 
 struct Share {
     int rank = 0;
@@ -47,7 +46,7 @@ FrameColumn read_column(hid_t file, const std::string& name, std::int64_t total,
 }
 
 Frame read_share(const std::filesystem::path& path, const Share& share) {
-    const QuietHdf5 quiet;
+    quiet_hdf5();
     try {
         const auto file = open_serial(path.string());
         const Handle group(H5Gopen2(file, "VTKHDF", H5P_DEFAULT), H5Gclose, "open the group VTKHDF");

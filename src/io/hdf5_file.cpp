@@ -21,8 +21,10 @@ hid_t type_of(const Dataset& dataset) {
     return types[dataset.values.index()];
 }
 
-[[noreturn]] void fail(const std::filesystem::path& path, const std::string& verb, const std::string& reason) {
-    throw SimulationError({path.string(), "cannot " + verb, reason, "free some space or choose another folder"});
+[[noreturn]] void fail(const std::filesystem::path& path, const std::string& verb,
+                       const std::string& reason) {
+    throw SimulationError(
+        {path.string(), "cannot " + verb, reason, "free some space or choose another folder"});
 }
 
 enum class Reserved { yes, unknown };
@@ -38,7 +40,8 @@ Reserved reserve(const std::filesystem::path& path, std::int64_t bytes) {
         fail(path, "reserve " + std::to_string(bytes) + " bytes", std::strerror(error));
     std::error_code unknown;
     const auto space = std::filesystem::space(path, unknown);
-    if (!unknown && space.available < static_cast<std::uintmax_t>(bytes))
+    // A capacity of zero: the file system does not tell.
+    if (!unknown && space.capacity > 0 && space.available < static_cast<std::uintmax_t>(bytes))
         fail(path, "reserve " + std::to_string(bytes) + " bytes",
              "only " + std::to_string(space.available) + " bytes are free");
     return Reserved::unknown;
@@ -69,8 +72,9 @@ void create_dataset(hid_t file, const Dataset& dataset, std::int64_t total) {
     check(H5Pset_obj_track_times(list, false), "make dataset properties");
     check(H5Pset_alloc_time(list, H5D_ALLOC_TIME_EARLY), "make dataset properties");
     check(H5Pset_fill_time(list, H5D_FILL_TIME_NEVER), "make dataset properties");
-    const Handle made(H5Dcreate2(file, dataset.path.c_str(), type_of(dataset), space, links, list, H5P_DEFAULT),
-                      H5Dclose, "create " + dataset.path);
+    const Handle made(
+        H5Dcreate2(file, dataset.path.c_str(), type_of(dataset), space, links, list, H5P_DEFAULT), H5Dclose,
+        "create " + dataset.path);
 }
 
 // On rank 0 alone. The file has its full size at the end, without the values.
@@ -104,7 +108,8 @@ const void* stored_form(const Dataset& dataset, std::vector<float>& singles) {
         dataset.values);
 }
 
-void write_values(const Comm& comm, hid_t file, const Dataset& dataset, const Extent& extent, bool collective) {
+void write_values(const Comm& comm, hid_t file, const Dataset& dataset, const Extent& extent,
+                  bool collective) {
     if (extent.total == 0) return;
     std::vector<float> singles;
     Handle opened, list;
@@ -119,7 +124,8 @@ void write_values(const Comm& comm, hid_t file, const Dataset& dataset, const Ex
         memory = stored_form(dataset, singles);
     });
     comm.guard([&] {
-        check(H5Dwrite(opened, type_of(dataset), rows.memory, rows.file, list, memory), "write " + dataset.path);
+        check(H5Dwrite(opened, type_of(dataset), rows.memory, rows.file, list, memory),
+              "write " + dataset.path);
     });
 }
 
@@ -146,7 +152,8 @@ void check_plan(const Comm& comm, const FilePlan& plan) {
                          std::to_string(dataset.values.index()) + '\n';
             const auto size = std::visit([](const auto& values) { return values.size(); }, dataset.values);
             if (dataset.components < 1 || size % static_cast<std::size_t>(dataset.components) != 0)
-                throw std::logic_error(dataset.path + ": the number of values is no multiple of the components");
+                throw std::logic_error(dataset.path +
+                                       ": the number of values is no multiple of the components");
         }
     });
     const auto of_root = comm.broadcast(signature);
@@ -163,7 +170,7 @@ std::int64_t row_count(const Dataset& dataset) {
 }
 
 void write_hdf5(const Comm& comm, const FilePlan& plan) {
-    const QuietHdf5 quiet;
+    quiet_hdf5();
     auto temporary = plan.path;
     temporary += ".tmp";
     try {

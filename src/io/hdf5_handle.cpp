@@ -49,12 +49,7 @@ Status check(Status status, const std::string& verb) {
 template herr_t check(herr_t, const std::string&);
 template hid_t check(hid_t, const std::string&);
 
-QuietHdf5::QuietHdf5() {
-    H5Eget_auto2(H5E_DEFAULT, &function_, &data_);
-    H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
-}
-
-QuietHdf5::~QuietHdf5() { H5Eset_auto2(H5E_DEFAULT, function_, data_); }
+void quiet_hdf5() { H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr); }
 
 Handle file_access(const Comm& comm, Access access) {
     Handle list(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, "make access properties");
@@ -80,6 +75,8 @@ Handle open_collective(const Comm& comm, const std::string& path, unsigned flags
 
 Handle open_serial(const std::string& path) {
     const auto list = file_access(Comm::self(), Access::serial);
+    // A failed look at a damaged object may leave it open inside of HDF5: it goes with the file.
+    check(H5Pset_fclose_degree(list, H5F_CLOSE_STRONG), "close all with the file");
     return {H5Fopen(path.c_str(), H5F_ACC_RDONLY, list), H5Fclose, "open " + path};
 }
 

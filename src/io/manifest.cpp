@@ -81,8 +81,10 @@ void write_manifest(const Comm& comm, const std::filesystem::path& path, const M
         for (const auto& [name, version] : manifest.libraries) libraries.set(name, version);
         Value command = Value::list({});
         for (const auto& word : manifest.command) command.add(word);
-        Value out = Value::object({{"program", "treacle"}, {"version", build.version}, {"sources", sources(build)}});
-        out.set("compiler", Value::object({{"name", build.compiler}, {"flags", build.flags}, {"type", build.type}}));
+        Value out =
+            Value::object({{"program", "treacle"}, {"version", build.version}, {"sources", sources(build)}});
+        out.set("compiler",
+                Value::object({{"name", build.compiler}, {"flags", build.flags}, {"type", build.type}}));
         out.set("libraries", libraries);
         out.set("ranks", comm.size());
         out.set("hosts", static_cast<std::int64_t>(hosts)).set("first host", host_name());

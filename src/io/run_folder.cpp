@@ -18,8 +18,8 @@ void add_matching(const std::filesystem::path& folder, const std::string& patter
             files.push_back(item.path());
 }
 
-[[noreturn]] void refuse(const std::filesystem::path& path, const std::string& problem, const std::string& reason,
-                         const std::string& cure) {
+[[noreturn]] void refuse(const std::filesystem::path& path, const std::string& problem,
+                         const std::string& reason, const std::string& cure) {
     throw InputError(Diagnostic{path.string(), problem, reason, cure});
 }
 
@@ -53,10 +53,11 @@ void prepare(const RunFolder& folder, ExistingFiles existing) {
 
 std::vector<std::filesystem::path> files_of_run(const RunFolder& folder) {
     std::vector<std::filesystem::path> files;
-    add_matching(folder.root,
-                 "((effective\\.yaml|manifest\\.json|summary\\.json|steps\\.csv|measurements\\.csv|bodies\\.csv|"
-                 "lost_particles\\.csv)(\\.tmp)?|STOP)",
-                 files);
+    add_matching(
+        folder.root,
+        "((effective\\.yaml|manifest\\.json|summary\\.json|steps\\.csv|measurements\\.csv|bodies\\.csv|"
+        "lost_particles\\.csv)(\\.tmp)?|STOP)",
+        files);
     add_matching(folder.frames(), ".*(_[0-9]{6,}\\.hdf|\\.hdf\\.series)(\\.tmp)?", files);
     add_matching(folder.checkpoints(), "checkpoint_[0-9]{9,}\\.h5(\\.tmp)?", files);
     std::sort(files.begin(), files.end());

@@ -71,9 +71,7 @@ Value& Value::add(Value value) {
     return *this;
 }
 
-std::string Value::json() const {
-    return convert(*this).dump(2, ' ', false, Json::error_handler_t::replace);
-}
+std::string Value::json() const { return convert(*this).dump(2, ' ', false, Json::error_handler_t::replace); }
 
 void write_json(const std::filesystem::path& path, const Value& value) {
     write_file_atomically(path, value.json() + "\n");

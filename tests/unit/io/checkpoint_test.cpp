@@ -29,7 +29,8 @@ std::pair<std::int64_t, std::int64_t> writers_share() {
     if (world().size() == 1) return {0, total};
     if (world().rank() == 0) return {0, 0};
     if (world().size() == 2) return {0, total};
-    return world().rank() == 1 ? std::pair<std::int64_t, std::int64_t>{0, 30} : std::pair<std::int64_t, std::int64_t>{30, total - 30};
+    return world().rank() == 1 ? std::pair<std::int64_t, std::int64_t>{0, 30}
+                               : std::pair<std::int64_t, std::int64_t>{30, total - 30};
 }
 
 void write_sample(const std::filesystem::path& path, double time) {
@@ -90,7 +91,8 @@ TEST(Checkpoint, EveryBitComesBackOnTheSameRanks) {
     ASSERT_EQ(history.size(), 3u);
     EXPECT_TRUE(std::signbit(history[1]));
     EXPECT_EQ(history[2], std::numeric_limits<double>::denorm_min());
-    EXPECT_EQ(reader.replicated<std::int64_t>("random/counters")[0], std::numeric_limits<std::int64_t>::max());
+    EXPECT_EQ(reader.replicated<std::int64_t>("random/counters")[0],
+              std::numeric_limits<std::int64_t>::max());
     EXPECT_TRUE(reader.replicated<double>("nothing").empty());
     const auto [first, count] = writers_share();
     const auto rows = reader.distributed<double>("liquid/position");
@@ -147,7 +149,8 @@ TEST(Checkpoint, ATruncatedFileIsFoundAtEveryLength) {
     const auto path = checkpoint_path(folder, 1);
     write_sample(path, 0);
     const auto size = static_cast<std::int64_t>(std::filesystem::file_size(path));
-    for (const std::int64_t length : {size - 1, size - 100, size / 2, std::int64_t{1000}, std::int64_t{10}, std::int64_t{0}}) {
+    for (const std::int64_t length :
+         {size - 1, size - 100, size / 2, std::int64_t{1000}, std::int64_t{10}, std::int64_t{0}}) {
         on_root([&] { std::filesystem::resize_file(path, static_cast<std::uintmax_t>(length)); });
         EXPECT_NE(validate_checkpoint(world(), path), "") << length << " of " << size;
     }
@@ -173,7 +176,8 @@ TEST(Checkpoint, AFlippedByteAnywhereIsFoundOrHarmless) {
         const CheckpointReader reader(world(), broken);
         EXPECT_EQ(reader.attribute<double>("time"), 0.25) << "byte " << at;
         const auto [first, count] = writers_share();
-        EXPECT_EQ(reader.distributed<double>("liquid/position").values, rows_of(first, count)) << "byte " << at;
+        EXPECT_EQ(reader.distributed<double>("liquid/position").values, rows_of(first, count))
+            << "byte " << at;
     }
     EXPECT_LT(harmless, tried);
 }
@@ -225,7 +229,8 @@ TEST(Checkpoint, TheLastOnesAreKeptAndLeftoversCleaned) {
     });
     keep_last_checkpoints(world(), folder, 2);
     world().barrier();
-    EXPECT_EQ(list_checkpoints(folder), (std::vector{checkpoint_path(folder, 100), checkpoint_path(folder, 20)}));
+    EXPECT_EQ(list_checkpoints(folder),
+              (std::vector{checkpoint_path(folder, 100), checkpoint_path(folder, 20)}));
     EXPECT_FALSE(std::filesystem::exists(folder.path() / "checkpoint_000000200.h5.tmp"));
     EXPECT_TRUE(std::filesystem::exists(folder.path() / "notes.txt"));
     remove_checkpoints_after(world(), folder, 20);

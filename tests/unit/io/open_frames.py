@@ -135,8 +135,8 @@ for name, exact in (("liquid", False), ("solid", True)):
         path = os.path.join(folder, entry["name"])
         open_h5py(path, step, exact)
         open_vtkhdf(path, step, exact)
-for name, step, exact in (("liquid_000000", 0, False), ("liquid_000020", 20, False), ("solid_000030", 30, True)):
-    base = os.path.join(folder, name)
+for name, step, exact in (("liquid", 0, False), ("liquid", 20, False), ("solid", 30, True)):
+    base = os.path.join(folder, f"{name}_{step:06d}")
     open_vtp(base + ".vtp", step, exact)
     open_ply(base + ".ply", step, exact)
     open_csv(base + ".csv", step, exact)

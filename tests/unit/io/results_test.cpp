@@ -78,11 +78,18 @@ TEST(RunFolder, OneWithFilesIsRefusedWithTheCureAndLeftAlone) {
 
 TEST(RunFolder, OverwritingRemovesTheFilesOfARunAndNoOther) {
     const TemporaryFolder folder(world());
-    const std::vector<std::string> of_run = {"steps.csv", "effective.yaml", "manifest.json", "summary.json",
-                                             "frames/liquid_000001.hdf", "frames/liquid.hdf.series", "STOP",
-                                             "frames/liquid_000002.hdf.tmp", "checkpoints/checkpoint_000000007.h5"};
-    const std::vector<std::string> of_user = {"notes.txt", "my.csv", "frames/picture.png", "scene.yaml",
-                                              "checkpoints/old.h5", "frames/data.hdf", "liquid_000001.hdf"};
+    const std::vector<std::string> of_run = {"steps.csv",
+                                             "effective.yaml",
+                                             "manifest.json",
+                                             "summary.json",
+                                             "frames/liquid_000001.hdf",
+                                             "frames/liquid.hdf.series",
+                                             "STOP",
+                                             "frames/liquid_000002.hdf.tmp",
+                                             "checkpoints/checkpoint_000000007.h5"};
+    const std::vector<std::string> of_user = {
+        "notes.txt",          "my.csv",          "frames/picture.png", "scene.yaml",
+        "checkpoints/old.h5", "frames/data.hdf", "liquid_000001.hdf"};
     on_root([&] {
         for (const auto& name : of_run) touch(folder.path() / name);
         for (const auto& name : of_user) touch(folder.path() / name);
@@ -100,7 +107,8 @@ TEST(RunFolder, APathThatIsAFileIsRefused) {
         const auto text = error_of([&] { prepare_run_folder(world(), folder.path() / "file", existing); });
         EXPECT_NE(text.find("is a file"), std::string::npos) << text;
     }
-    const auto below = error_of([&] { prepare_run_folder(world(), folder.path() / "file/a", ExistingFiles::refuse); });
+    const auto below =
+        error_of([&] { prepare_run_folder(world(), folder.path() / "file/a", ExistingFiles::refuse); });
     EXPECT_NE(below.find("is a file"), std::string::npos) << below;
 }
 
@@ -123,9 +131,14 @@ TEST(Manifest, NamesWhatTheResultIsMadeWith) {
     write_manifest(world(), folder.path() / "manifest.json", manifest);
     world().barrier();
     const auto text = content(folder.path() / "manifest.json");
-    const std::vector<std::string> parts = {"\"ranks\": " + std::to_string(world().size()), "\"PETSc\": \"3.18.5\"",
-                                            "\"HDF5\": \"1.", "\"MPI\": ", "\"dimensions\": 3", "\"hosts\": 1",
-                                            "a \\\"quoted\\\" scene.yaml", text_hash("domain: {}\n"),
+    const std::vector<std::string> parts = {"\"ranks\": " + std::to_string(world().size()),
+                                            "\"PETSc\": \"3.18.5\"",
+                                            "\"HDF5\": \"1.",
+                                            "\"MPI\": ",
+                                            "\"dimensions\": 3",
+                                            "\"hosts\": 1",
+                                            "a \\\"quoted\\\" scene.yaml",
+                                            text_hash("domain: {}\n"),
                                             "\"version\": \"" + build_info().version + "\""};
     for (const auto& part : parts) EXPECT_NE(text.find(part), std::string::npos) << part << " in " << text;
 }
@@ -175,5 +188,6 @@ TEST(Export, IntegersThatPlyCannotHoldAreRefusedAndNoFileIsLeft) {
 
 TEST(Export, AFolderThatIsMissingIsAnError) {
     const TemporaryFolder folder(world());
-    EXPECT_THROW(export_particles(folder.path() / "none/a.csv", sample_frame(), ExportFormat::csv), SimulationError);
+    EXPECT_THROW(export_particles(folder.path() / "none/a.csv", sample_frame(), ExportFormat::csv),
+                 SimulationError);
 }
