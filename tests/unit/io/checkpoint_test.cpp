@@ -233,6 +233,7 @@ TEST(Checkpoint, TheLastOnesAreKeptAndLeftoversCleaned) {
               (std::vector{checkpoint_path(folder, 100), checkpoint_path(folder, 20)}));
     EXPECT_FALSE(std::filesystem::exists(folder.path() / "checkpoint_000000200.h5.tmp"));
     EXPECT_TRUE(std::filesystem::exists(folder.path() / "notes.txt"));
+    world().barrier();
     remove_checkpoints_after(world(), folder, 20);
     world().barrier();
     EXPECT_EQ(list_checkpoints(folder), (std::vector{checkpoint_path(folder, 20)}));
