@@ -10,11 +10,22 @@ namespace treacle::video {
 
 namespace {
 // Control points at equal distances; between them colours are mixed in a space that is even to the eye.
-constexpr std::array<Rgb8, 10> viridis_points{{{68, 1, 84}, {72, 40, 120}, {62, 74, 137}, {49, 104, 142},
-                                               {38, 130, 142}, {31, 158, 137}, {53, 183, 121}, {109, 205, 89},
-                                               {180, 222, 44}, {253, 231, 37}}};
-constexpr std::array<Rgb8, 7> diverging_points{{{28, 62, 128}, {62, 122, 185}, {158, 196, 221},
-                                                {242, 240, 236}, {232, 174, 140}, {202, 92, 70},
+constexpr std::array<Rgb8, 10> viridis_points{{{68, 1, 84},
+                                               {72, 40, 120},
+                                               {62, 74, 137},
+                                               {49, 104, 142},
+                                               {38, 130, 142},
+                                               {31, 158, 137},
+                                               {53, 183, 121},
+                                               {109, 205, 89},
+                                               {180, 222, 44},
+                                               {253, 231, 37}}};
+constexpr std::array<Rgb8, 7> diverging_points{{{28, 62, 128},
+                                                {62, 122, 185},
+                                                {158, 196, 221},
+                                                {242, 240, 236},
+                                                {232, 174, 140},
+                                                {202, 92, 70},
                                                 {128, 24, 42}}};
 
 float decode(std::uint8_t value) {

@@ -16,8 +16,8 @@ enum class ColourMap { viridis, diverging };
 // The map at t in [0, 1]; outside, the colour of the nearer end. sRGB.
 Rgb8 colour_of(ColourMap map, double t);
 
-Vec3f to_linear(const Rgb8& colour);     // each component in [0, 1], proportional to light
-Rgb8 to_display(const Vec3f& linear);    // components outside [0, 1] take the nearer end
+Vec3f to_linear(const Rgb8& colour);  // each component in [0, 1], proportional to light
+Rgb8 to_display(const Vec3f& linear); // components outside [0, 1] take the nearer end
 
 // Values that the two ends of a colour map stand for, in the field's unit.
 struct ValueRange {

@@ -9,11 +9,12 @@ namespace {
 constexpr float beyond = 1e30f; // far_away without its infinite differences
 
 // How the depths are smoothed, lengths relative to the particles' spacing.
-constexpr float ball_size = 0.64f;     // radius of the balls that are melted; deeper layers fill the gaps
-constexpr float disc_size = 0.85f;     // in the plane nothing lies deeper: they must overlap
-constexpr float filter_width = 1.15f;  // standard deviation of the filter
-constexpr float narrow_range = 4.0f;   // depths further apart belong to different sheets
-constexpr float step_down = 0.35f;     // beyond its edge a sheet is taken to go on this far behind: edges turn round
+constexpr float ball_size = 0.64f;    // radius of the balls that are melted; deeper layers fill the gaps
+constexpr float disc_size = 0.85f;    // in the plane nothing lies deeper: they must overlap
+constexpr float filter_width = 1.15f; // standard deviation of the filter
+constexpr float narrow_range = 4.0f;  // depths further apart belong to different sheets
+constexpr float step_down =
+    0.35f; // beyond its edge a sheet is taken to go on this far behind: edges turn round
 constexpr float widest_filter = 24.0f; // standard deviation [pixels]; bounds the cost of close-ups
 constexpr int rounds = 3;
 constexpr float clearest = 0.35f; // share of the light from behind that the thinnest film lets through
@@ -37,8 +38,8 @@ Filter filter_of(float spacing, float pixels_per_metre) {
 }
 
 // One row of one pass: adds what the tap at `other` says about the pixels at `own`.
-void add_tap(const float* own, const float* other, const float* other_value, float weight, const Filter& filter,
-             int n, float* sum, float* total, float* value_sum, float* value_total) {
+void add_tap(const float* own, const float* other, const float* other_value, float weight,
+             const Filter& filter, int n, float* sum, float* total, float* value_sum, float* value_total) {
     const float range = filter.range, down = filter.down;
 #pragma GCC ivdep
     for (int i = 0; i < n; ++i) {
@@ -69,15 +70,17 @@ void smooth(const Field& in, Field& out, const Filter& filter, int dx, int dy) {
         while (last > first && own[last - 1] == beyond) --last;
         std::fill(result, result + width, beyond);
         if (first == last) continue;
-        for (auto* line : {&sum, &total, &value_sum, &value_total}) std::fill(line->begin(), line->end(), 0.0f);
+        for (auto* line : {&sum, &total, &value_sum, &value_total})
+            std::fill(line->begin(), line->end(), 0.0f);
         for (int k = -n; k <= n; ++k) {
             const int other_row = row + k * dy;
             if (other_row < 0 || other_row >= in.height) continue;
             const int from = std::max(first, -k * dx), to = std::min(last, width - k * dx);
             if (from >= to) continue;
             const std::size_t j = std::size_t(other_row) * width + from + k * dx;
-            add_tap(own + from, &in.depth[j], in.value.empty() ? nullptr : &in.value[j], filter.weights[k + n],
-                    filter, to - from, &sum[from], &total[from], &value_sum[from], &value_total[from]);
+            add_tap(own + from, &in.depth[j], in.value.empty() ? nullptr : &in.value[j],
+                    filter.weights[k + n], filter, to - from, &sum[from], &total[from], &value_sum[from],
+                    &value_total[from]);
         }
         for (int i = first; i < last; ++i)
             if (own[i] != beyond) result[i] = sum[i] / total[i];
@@ -218,14 +221,16 @@ Vec3f shade_liquid(const Fragment& f, const Lamp& lamp, const Vec3f& behind, flo
     // Light wanders inside the liquid before it leaves: the lamp reaches a little round the edge.
     const float wrapped = std::max(0.0f, (dot(f.normal, lamp.towards) + 0.35f) / 1.35f);
     const float sky = 0.34f + 0.18f * dot(f.normal, lamp.up) + 0.12f * facing;
-    const Vec3f deep = clarity > 0 ? deepened(f.albedo, 1 - std::exp(-0.12f * thickness / clarity)) : f.albedo;
+    const Vec3f deep =
+        clarity > 0 ? deepened(f.albedo, 1 - std::exp(-0.12f * thickness / clarity)) : f.albedo;
     const Vec3f own = (0.80f * wrapped * (0.35f + 0.65f * f.lit) + 1.1f * sky * f.open) * deep;
     Vec3f colour = own;
     if (clarity > 0) {
         const float path = thickness / clarity;
         const float through = clearest * std::exp(-path);
         Vec3f tinted = behind;
-        for (int k = 0; k < 3; ++k) tinted[k] *= std::pow(std::max(f.albedo[k], 0.02f), 0.9f * std::min(path, 3.0f));
+        for (int k = 0; k < 3; ++k)
+            tinted[k] *= std::pow(std::max(f.albedo[k], 0.02f), 0.9f * std::min(path, 3.0f));
         colour = mix(own, tinted, through);
     }
     const float grazing = 1 - facing, power = grazing * grazing * grazing * grazing * grazing;

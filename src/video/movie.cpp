@@ -61,9 +61,12 @@ void check_folder(const std::filesystem::path& temporary) {
 void write_png(const std::filesystem::path& path, const Image& image) {
     std::vector<std::uint8_t> bytes;
     if (!cv::imencode(".png", to_matrix(image), bytes))
-        throw SimulationError({path.string(), "cannot encode a PNG", "OpenCV lacks it", "install its image codecs"});
+        throw SimulationError(
+            {path.string(), "cannot encode a PNG", "OpenCV lacks it", "install its image codecs"});
     write_file_atomically(path, std::string(bytes.begin(), bytes.end()));
 }
+
+std::vector<Codec> all_codecs() { return {Codec::h264, Codec::mpeg4, Codec::motion_jpeg}; }
 
 struct MovieWriter::State {
     std::filesystem::path path, temporary;
@@ -112,9 +115,10 @@ MovieWriter::MovieWriter(const std::filesystem::path& path, const MovieOptions& 
         state_->remove_temporary();
         missing += (missing.empty() ? "" : ", ") + std::string(entry_of(codec).name);
     }
-    throw SimulationError({path.string(), "no codec for a movie", "this OpenCV cannot write " +
-                           (missing.empty() ? "with an empty list of codecs" : missing),
-                           "install OpenCV with FFMPEG, or write PNG pictures"});
+    throw SimulationError(
+        {path.string(), "no codec for a movie",
+         "this OpenCV cannot write " + (missing.empty() ? "with an empty list of codecs" : missing),
+         "install OpenCV with FFMPEG, or write PNG pictures"});
 }
 
 MovieWriter::~MovieWriter() {
@@ -129,9 +133,9 @@ void MovieWriter::add(const Image& image) {
     const auto& options = state_->options;
     if (image.width != options.width || image.height != options.height)
         throw InputError({state_->path.string(),
-                          "a picture of " + std::to_string(image.width) + " x " + std::to_string(image.height) +
-                              " pixels in a movie of " + std::to_string(options.width) + " x " +
-                              std::to_string(options.height),
+                          "a picture of " + std::to_string(image.width) + " x " +
+                              std::to_string(image.height) + " pixels in a movie of " +
+                              std::to_string(options.width) + " x " + std::to_string(options.height),
                           "", "draw all frames with one size"});
     state_->writer.write(to_matrix(image));
     ++state_->frames;
@@ -139,7 +143,8 @@ void MovieWriter::add(const Image& image) {
 
 std::filesystem::path MovieWriter::finish() {
     if (state_->frames == 0)
-        throw SimulationError({state_->path.string(), "a movie without frames", "", "add at least one picture"});
+        throw SimulationError(
+            {state_->path.string(), "a movie without frames", "", "add at least one picture"});
     state_->writer.release();
     // The writer reports no failure of the disk: count what can be read back.
     cv::VideoCapture back(state_->temporary.string(), cv::CAP_ANY);

@@ -18,10 +18,13 @@ enum class Codec {
     motion_jpeg, // AVI, always available
 };
 
+// All, best first.
+std::vector<Codec> all_codecs();
+
 struct MovieOptions {
     double frames_per_second = 30;
     int width = 1280, height = 720; // [pixels], even: the codecs store colours of 2 x 2 pixels together
-    std::vector<Codec> codecs{Codec::h264, Codec::mpeg4, Codec::motion_jpeg}; // the first that works is taken
+    std::vector<Codec> codecs = all_codecs(); // the first that works is taken
 };
 
 // A movie under a temporary name until `finish`; an unfinished one leaves nothing behind.

@@ -13,8 +13,9 @@
 namespace treacle::video {
 
 namespace {
-constexpr int samples = 2;            // per pixel along each side
-constexpr float plane_relief = 0.45f; // share of the lamp in plane scenes, where value matters more than shape
+constexpr int samples = 2; // per pixel along each side
+constexpr float plane_relief =
+    0.45f; // share of the lamp in plane scenes, where value matters more than shape
 
 struct Palette {
     Vec3f top, bottom, floor; // linear; the background runs from top to bottom
@@ -24,17 +25,26 @@ struct Palette {
 
 Palette palette_of(Background background) {
     if (background == Background::dark)
-        return {to_linear({38, 42, 50}), to_linear({20, 22, 27}), to_linear({58, 62, 70}), {226, 229, 234},
+        return {to_linear({38, 42, 50}),
+                to_linear({20, 22, 27}),
+                to_linear({58, 62, 70}),
+                {226, 229, 234},
                 to_linear({120, 128, 140})};
-    return {to_linear({255, 255, 255}), to_linear({246, 247, 249}), to_linear({238, 240, 243}), {48, 52, 60},
+    return {to_linear({255, 255, 255}),
+            to_linear({246, 247, 249}),
+            to_linear({238, 240, 243}),
+            {48, 52, 60},
             to_linear({128, 134, 144})};
 }
 
 Rgb8 default_colour(LayerKind kind) {
     switch (kind) {
-    case LayerKind::body: return {154, 154, 152};
-    case LayerKind::wall: return {214, 218, 224};
-    case LayerKind::liquid: break;
+    case LayerKind::body:
+        return {154, 154, 152};
+    case LayerKind::wall:
+        return {214, 218, 224};
+    case LayerKind::liquid:
+        break;
     }
     return {214, 128, 24};
 }
@@ -63,19 +73,22 @@ void check(const ParticleLayer& layer) {
         refuse(std::to_string(layer.values.size()) + " values for " + std::to_string(n) + " particles",
                "give one value per particle");
     if (n > std::size_t(std::numeric_limits<std::int32_t>::max()))
-        refuse(std::to_string(n) + " particles are more than a picture can tell apart", "draw every second one");
+        refuse(std::to_string(n) + " particles are more than a picture can tell apart",
+               "draw every second one");
     if (n > 0 && !(layer.radius > 0 && std::isfinite(layer.radius)))
-        refuse("radius = " + std::to_string(layer.radius) + " m: must be > 0", "half of the particle spacing");
+        refuse("radius = " + std::to_string(layer.radius) + " m: must be > 0",
+               "half of the particle spacing");
     if (!(layer.opacity > 0 && layer.opacity <= 1))
-        refuse("opacity = " + std::to_string(layer.opacity) + ": must be in (0, 1]", "1 hides what lies behind");
+        refuse("opacity = " + std::to_string(layer.opacity) + ": must be in (0, 1]",
+               "1 hides what lies behind");
     if (layer.range && !(layer.range->low < layer.range->high))
         refuse("range of values is empty", "give low < high");
     const auto bad = std::find_if(layer.positions.begin(), layer.positions.end(),
                                   [](double x) { return !std::isfinite(x); });
     if (bad != layer.positions.end())
         throw SimulationError({"picture of " + layer.name,
-                               "the position of particle " + std::to_string((bad - layer.positions.begin()) / 3) +
-                                   " is not finite",
+                               "the position of particle " +
+                                   std::to_string((bad - layer.positions.begin()) / 3) + " is not finite",
                                "the simulation has failed before this frame", "draw an earlier frame"});
 }
 
@@ -90,7 +103,8 @@ bool hides_inside(const Vec3& p, const DomainBox& box, const Vec3& camera, doubl
 
 PreparedLayer prepare(const ParticleLayer& layer, const RenderRequest& request, const Camera& camera) {
     check(layer);
-    PreparedLayer out{&layer, {}, {}, {}, to_linear(layer.colour.value_or(default_colour(layer.kind))), {}, 0.22f};
+    PreparedLayer out{&layer, {},   {}, {}, to_linear(layer.colour.value_or(default_colour(layer.kind))),
+                      {},     0.22f};
     if (layer.kind == LayerKind::wall) out.gloss = 0;
     const bool valued = !layer.values.empty();
     if (valued) {
@@ -142,8 +156,8 @@ Vec3f finish(const Scene& scene, Fragment f, int column, int row, float open) {
     return shade(f, scene.lamp);
 }
 
-Fragment sphere_fragment(const Scene& scene, const PreparedLayer& layer, std::size_t k, float depth, int column,
-                         int row) {
+Fragment sphere_fragment(const Scene& scene, const PreparedLayer& layer, std::size_t k, float depth,
+                         int column, int row) {
     const Ray ray = ray_through(scene.fine, column + 0.5f, row + 0.5f);
     const Vec3f point = ray.origin + depth * ray.direction;
     const auto& [centre, radius] = layer.spheres[k];
@@ -162,8 +176,7 @@ Pass draw_pass(const Scene& scene, const PreparedLayer& layer, const std::vector
     std::vector<float> nearest = others;
     for (std::size_t i = 0; i < nearest.size(); ++i) nearest[i] = std::min(nearest[i], pass.buffer.depth[i]);
     const auto depth = reduce_depth(nearest, scene.fine.width(), scene.fine.height(), samples);
-    if (!scene.is_flat())
-        pass.open = ambient_occlusion(scene.camera, depth, 5 * float(layer.source->radius));
+    if (!scene.is_flat()) pass.open = ambient_occlusion(scene.camera, depth, 5 * float(layer.source->radius));
     return pass;
 }
 
@@ -180,21 +193,22 @@ void composite_spheres(const Scene& scene, const PreparedLayer& layer, const Pas
             const std::size_t i = std::size_t(row) * canvas.width + column;
             const auto k = pass.buffer.sphere[i];
             if (k == no_sphere || !(pass.buffer.depth[i] < depth[i])) continue;
-            const Fragment f = sphere_fragment(scene, layer, std::size_t(k), pass.buffer.depth[i], column, row);
+            const Fragment f =
+                sphere_fragment(scene, layer, std::size_t(k), pass.buffer.depth[i], column, row);
             const Vec3f light = finish(scene, f, column, row, open_at(pass.open, scene, column, row));
             canvas.light[i] = opacity < 1 ? mix(canvas.light[i], light, opacity) : light;
             if (opacity == 1) depth[i] = pass.buffer.depth[i];
         }
 }
 
-void composite_liquid(const Scene& scene, const PreparedLayer& layer, std::vector<float>& depth, Canvas& canvas) {
+void composite_liquid(const Scene& scene, const PreparedLayer& layer, std::vector<float>& depth,
+                      Canvas& canvas) {
     const LiquidSurface surface = melt(scene.fine, layer.spheres, layer.places);
     std::vector<float> nearest = depth;
     for (std::size_t i = 0; i < nearest.size(); ++i) nearest[i] = std::min(nearest[i], surface.depth[i]);
     std::vector<float> open;
     if (!scene.is_flat())
-        open = ambient_occlusion(scene.camera,
-                                 reduce_depth(nearest, canvas.width, canvas.height, samples),
+        open = ambient_occlusion(scene.camera, reduce_depth(nearest, canvas.width, canvas.height, samples),
                                  12 * float(layer.source->radius));
     const Vec3 size = scene.request.domain.max - scene.request.domain.min;
     const float clarity = layer.places.empty() && !scene.is_plane() ? 0.045f * float(length(size)) : 0;
@@ -215,7 +229,8 @@ void composite_liquid(const Scene& scene, const PreparedLayer& layer, std::vecto
             }
             f.open = open_at(open, scene, column, row);
             if (!scene.is_plane())
-                f.lit = scene.shadows.light_at(f.point + lift * f.normal, (row % samples) * samples + column % samples);
+                f.lit = scene.shadows.light_at(f.point + lift * f.normal,
+                                               (row % samples) * samples + column % samples);
             // Light bends towards the normal inside: the scene behind seems shifted.
             const float bend = 0.06f * float(canvas.height);
             const int c = std::clamp(int(column + bend * f.normal[0]), 0, canvas.width - 1);
@@ -266,10 +281,12 @@ Image develop(const Canvas& canvas) {
             Vec3f sum{0, 0, 0};
             for (int y = 0; y < samples; ++y)
                 for (int x = 0; x < samples; ++x)
-                    sum = sum + canvas.light[std::size_t(row * samples + y) * canvas.width + column * samples + x];
+                    sum = sum +
+                          canvas.light[std::size_t(row * samples + y) * canvas.width + column * samples + x];
             for (int k = 0; k < 3; ++k) {
                 const float v = std::clamp(sum[k] / (samples * samples), 0.0f, 1.0f);
-                image.pixels[3 * (std::size_t(row) * image.width + column) + k] = codes[std::size_t(v * 65535 + 0.5f)];
+                image.pixels[3 * (std::size_t(row) * image.width + column) + k] =
+                    codes[std::size_t(v * 65535 + 0.5f)];
             }
         }
     return image;
@@ -294,7 +311,12 @@ Scene set_scene(const RenderRequest& request) {
     });
     const bool lit = request.domain.dimensions == 3 && request.lighting == Lighting::shaded;
     ShadowMap shadows(lamp, lit ? shadow_casters(layers) : std::vector<Sphere>{});
-    return {request, camera, camera.enlarged(samples), palette_of(request.background), lamp, std::move(layers),
+    return {request,
+            camera,
+            camera.enlarged(samples),
+            palette_of(request.background),
+            lamp,
+            std::move(layers),
             std::move(shadows)};
 }
 

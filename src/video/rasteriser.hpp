@@ -48,9 +48,9 @@ enum class Scenery {
 // One picture.
 struct RenderRequest {
     DomainBox domain;
-    std::optional<View> view = {};       // automatic_view of the domain at 1280 x 720 unless given
+    std::optional<View> view = {}; // automatic_view of the domain at 1280 x 720 unless given
     std::vector<ParticleLayer> layers = {};
-    std::string caption = "";            // bottom left; see caption_of
+    std::string caption = ""; // bottom left; see caption_of
     Look look = Look::spheres;
     Background background = Background::white;
     Lighting lighting = Lighting::shaded;
@@ -60,9 +60,9 @@ struct RenderRequest {
 // "t = 0.25 s   50 000 particles", with a name before it if there is one.
 std::string caption_of(const std::string& name, double time, std::size_t particles);
 
-// Draws a picture. The same request gives the same bytes. The colour bar belongs to the first layer with values.
-// InputError for a bad view or a layer whose arrays do not fit together; SimulationError for positions or values
-// that are not finite. No particles: an empty domain.
+// Draws a picture. The same request gives the same bytes. The colour bar belongs to the first layer with
+// values. InputError for a bad view or a layer whose arrays do not fit together; SimulationError for
+// positions or values that are not finite. No particles: an empty domain.
 Image render_frame(const RenderRequest& request);
 
 } // namespace treacle::video

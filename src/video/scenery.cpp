@@ -36,7 +36,9 @@ std::vector<Edge> edges_of(const Camera& camera, const DomainBox& box) {
     const bool plane = box.dimensions == 2;
     const auto corner = [&](int i) {
         return camera.to_camera({(i & 1) ? box.max[0] : box.min[0], (i & 2) ? box.max[1] : box.min[1],
-                                 plane ? 0 : (i & 4) ? box.max[2] : box.min[2]});
+                                 plane     ? 0
+                                 : (i & 4) ? box.max[2]
+                                           : box.min[2]});
     };
     for (int i = 0; i < (plane ? 4 : 8); ++i)
         for (int axis = 0; axis < box.dimensions; ++axis)
@@ -83,7 +85,8 @@ void draw_edge(const Camera& camera, const Edge& edge, const std::vector<float>&
         const int low = int(std::clamp(std::floor(centre - half - 1), 0.0, double(across)));
         const int high = int(std::clamp(std::ceil(centre + half + 1), 0.0, double(across)));
         for (int n = low; n < high; ++n) {
-            const std::size_t i = steep ? std::size_t(m) * canvas.width + n : std::size_t(n) * canvas.width + m;
+            const std::size_t i =
+                steep ? std::size_t(m) * canvas.width + n : std::size_t(n) * canvas.width + m;
             if (z > depth[i] * 1.002) continue;
             const double cover = std::clamp(half + 0.5 - std::abs(n + 0.5 - centre), 0.0, 1.0);
             canvas.light[i] = mix(canvas.light[i], lines.colour, float(cover) * lines.opacity);
@@ -92,8 +95,8 @@ void draw_edge(const Camera& camera, const Edge& edge, const std::vector<float>&
 }
 } // namespace
 
-void draw_box(const Camera& camera, const DomainBox& box, const std::vector<float>& depth, const BoxLines& lines,
-              Canvas& canvas) {
+void draw_box(const Camera& camera, const DomainBox& box, const std::vector<float>& depth,
+              const BoxLines& lines, Canvas& canvas) {
     const Vec3 size = box.max - box.min;
     const double nearest = camera.is_perspective() ? 1e-4 * length(size) : -1e300;
     for (Edge edge : edges_of(camera, box))

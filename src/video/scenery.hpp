@@ -23,7 +23,7 @@ struct BoxLines {
     Vec3f colour;
     float width = 2, opacity = 0.6f;
 };
-void draw_box(const Camera& camera, const DomainBox& box, const std::vector<float>& depth, const BoxLines& lines,
-              Canvas& canvas);
+void draw_box(const Camera& camera, const DomainBox& box, const std::vector<float>& depth,
+              const BoxLines& lines, Canvas& canvas);
 
 } // namespace treacle::video

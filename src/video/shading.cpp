@@ -68,7 +68,8 @@ ShadowMap::ShadowMap(const Lamp& lamp, std::span<const Sphere> casters)
 
 float ShadowMap::light_at(const Vec3f& point, int pattern) const {
     const auto p = camera_.project({point[0], point[1], point[2]});
-    constexpr std::array<std::array<float, 2>, 4> corners{{{-1.f, -1.f}, {1.f, -1.f}, {-1.f, 1.f}, {1.f, 1.f}}};
+    constexpr std::array<std::array<float, 2>, 4> corners{
+        {{-1.f, -1.f}, {1.f, -1.f}, {-1.f, 1.f}, {1.f, 1.f}}};
     constexpr float spread = 1.6f; // [pixels of the map]
     float lit = 0;
     for (const auto& corner : corners) {
@@ -76,7 +77,8 @@ float ShadowMap::light_at(const Vec3f& point, int pattern) const {
         const int column = int(std::floor(p.x + spread * (corner[0] + shift)));
         const int row = int(std::floor(p.y + spread * (corner[1] + lift)));
         const bool outside = column < 0 || row < 0 || column >= buffer_.width || row >= buffer_.height;
-        if (outside || p.depth - bias_ <= buffer_.depth[std::size_t(row) * buffer_.width + column]) lit += 0.25f;
+        if (outside || p.depth - bias_ <= buffer_.depth[std::size_t(row) * buffer_.width + column])
+            lit += 0.25f;
     }
     return lit;
 }

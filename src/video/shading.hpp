@@ -30,8 +30,8 @@ Vec3f shade(const Fragment& fragment, const Lamp& lamp);
 class ShadowMap {
 public:
     ShadowMap(const Lamp& lamp, std::span<const Sphere> casters);
-    // Share in [0, 1] of the lamp seen from `point`, averaged over a small square. `pattern` (0..3) picks one of
-    // four sets of samples that complete each other when neighbouring pixels use different ones.
+    // Share in [0, 1] of the lamp seen from `point`, averaged over a small square. `pattern` (0..3) picks one
+    // of four sets of samples that complete each other when neighbouring pixels use different ones.
     float light_at(const Vec3f& point, int pattern) const;
 
 private:
@@ -40,8 +40,8 @@ private:
     float bias_;
 };
 
-// Share of the sky left open by the depths around each pixel, [height][width]: dark in creases and between balls.
-// `reach` [m]: how far around a point things count.
+// Share of the sky left open by the depths around each pixel, [height][width]: dark in creases and between
+// balls. `reach` [m]: how far around a point things count.
 std::vector<float> ambient_occlusion(const Camera& camera, const std::vector<float>& depth, float reach);
 
 // The nearest depth of each square of factor x factor pixels.

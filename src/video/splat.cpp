@@ -45,7 +45,8 @@ PixelBox pixels_of(const Camera& camera, const Sphere& s) {
 // Both loops below meet each pixel of a sphere's box with: discriminant (of the ray meeting the ball), the
 // middle of the two meetings times `dd`, and `dd`, the squared length of the ray's direction.
 // |d x c|^2 is written with d - c/c_z: the usual form cancels all digits of a small, distant ball.
-template <class Visit> void visit_row(const Camera& camera, const Sphere& s, const PixelBox& box, int row, Visit visit) {
+template <class Visit>
+void visit_row(const Camera& camera, const Sphere& s, const PixelBox& box, int row, Visit visit) {
     const auto& [c, r] = s;
     const float step = float(1 / camera.scale());
     const float x0 = (0.5f - 0.5f * camera.width()) * step;

@@ -35,8 +35,8 @@ struct Ray {
 };
 Ray ray_through(const Camera& camera, float x, float y);
 
-// Draws spheres exactly (each outline is the ellipse that a lens makes of a ball), nearest first; at equal depth
-// the earlier sphere stays. Spheres that touch the plane of the camera are left out.
+// Draws spheres exactly (each outline is the ellipse that a lens makes of a ball), nearest first; at equal
+// depth the earlier sphere stays. Spheres that touch the plane of the camera are left out.
 void splat(const Camera& camera, std::span<const Sphere> spheres, DepthBuffer& buffer);
 
 // Adds up, per pixel, the lengths [m] of the ray inside each of the spheres: [height][width].

@@ -12,7 +12,7 @@
 namespace treacle::video {
 
 namespace {
-constexpr int largest_side = 16384;      // [pixels]
+constexpr int largest_side = 16384; // [pixels]
 // The part of the picture that the domain may fill: at the right stands the colour bar, below the caption.
 constexpr double left_end = 0.03, right_end = 0.88, top_end = 0.05, bottom_end = 0.91;
 constexpr double automatic_angle = 0.55; // [rad]
@@ -134,7 +134,9 @@ Camera Camera::enlarged(int factor) const {
     return larger;
 }
 
-Vec3 Camera::direction_to_camera(const Vec3& d) const { return {dot(right_, d), dot(down_, d), dot(forward_, d)}; }
+Vec3 Camera::direction_to_camera(const Vec3& d) const {
+    return {dot(right_, d), dot(down_, d), dot(forward_, d)};
+}
 
 Vec3 Camera::direction_to_world(const Vec3& d) const {
     return d[0] * right_ + d[1] * down_ + d[2] * forward_;

@@ -7,11 +7,11 @@ enum class Projection { perspective, orthographic };
 
 // Where the camera stands and what it sees.
 struct View {
-    Vec3 position{0, -1, 0};           // [m]
-    Vec3 target{0, 0, 0};              // [m], seen at the centre of the picture
+    Vec3 position{0, -1, 0}; // [m]
+    Vec3 target{0, 0, 0};    // [m], seen at the centre of the picture
     Vec3 up{0, 0, 1};
     double vertical_field_of_view = 0.7; // [rad]; orthographic views see what this angle spans at the target
-    int width = 1280, height = 720;    // [pixels]
+    int width = 1280, height = 720;      // [pixels]
     Projection projection = Projection::perspective;
 };
 
@@ -27,8 +27,8 @@ View automatic_view(const DomainBox& box, int width, int height);
 
 // A point as the camera sees it.
 struct ScreenPoint {
-    double x = 0, y = 0;  // [pixels] from the top left corner; a pixel's centre lies at +0.5
-    double depth = 0;     // [m] along the viewing direction; not positive: behind the camera
+    double x = 0, y = 0; // [pixels] from the top left corner; a pixel's centre lies at +0.5
+    double depth = 0;    // [m] along the viewing direction; not positive: behind the camera
 };
 
 // A view turned into numbers. Camera axes: x right, y down, z into the picture.
@@ -39,10 +39,10 @@ public:
     // The same view with `factor` times as many pixels on each side.
     Camera enlarged(int factor) const;
 
-    Vec3 to_camera(const Vec3& point) const;        // [m]
+    Vec3 to_camera(const Vec3& point) const; // [m]
     Vec3 direction_to_camera(const Vec3& d) const;
     Vec3 direction_to_world(const Vec3& d) const;
-    Vec3 to_world(const Vec3& point) const;         // [m]
+    Vec3 to_world(const Vec3& point) const; // [m]
     ScreenPoint project(const Vec3& point) const;
 
     int width() const { return width_; }
