@@ -16,12 +16,18 @@ namespace treacle::solve {
 
 std::string_view to_string(Preconditioner preconditioner) {
     switch (preconditioner) {
-    case Preconditioner::none: return "none";
-    case Preconditioner::jacobi: return "jacobi";
-    case Preconditioner::ic0: return "ic0";
-    case Preconditioner::ssor: return "ssor";
-    case Preconditioner::gamg: return "gamg";
-    case Preconditioner::boomeramg: return "boomeramg";
+    case Preconditioner::none:
+        return "none";
+    case Preconditioner::jacobi:
+        return "jacobi";
+    case Preconditioner::ic0:
+        return "ic0";
+    case Preconditioner::ssor:
+        return "ssor";
+    case Preconditioner::gamg:
+        return "gamg";
+    case Preconditioner::boomeramg:
+        return "boomeramg";
     }
     return "";
 }
@@ -172,17 +178,27 @@ void Run::iterate() {
 std::string sentence(const SolveReport& report, const KrylovOptions& options) {
     std::ostringstream text;
     switch (report.outcome) {
-    case Outcome::converged: text << "converged"; break;
+    case Outcome::converged:
+        text << "converged";
+        break;
     case Outcome::iteration_limit:
         text << "not converged within " << options.max_iterations << " iterations";
         break;
-    case Outcome::indefinite_matrix: text << "the matrix is not positive definite (p.Ap <= 0)"; break;
+    case Outcome::indefinite_matrix:
+        text << "the matrix is not positive definite (p.Ap <= 0)";
+        break;
     case Outcome::indefinite_preconditioner:
         text << "the preconditioner is not positive definite (r.Mr <= 0)";
         break;
-    case Outcome::non_finite: text << "the system or an iterate is not finite"; break;
-    case Outcome::stagnated: text << "the residual is zero and the convergence test still fails"; break;
-    case Outcome::preconditioner_failed: text << "the preconditioner cannot be set up"; break;
+    case Outcome::non_finite:
+        text << "the system or an iterate is not finite";
+        break;
+    case Outcome::stagnated:
+        text << "the residual is zero and the convergence test still fails";
+        break;
+    case Outcome::preconditioner_failed:
+        text << "the preconditioner cannot be set up";
+        break;
     }
     return text.str();
 }
@@ -199,7 +215,8 @@ void Run::finish() {
 } // namespace
 
 KrylovSolver::KrylovSolver(const Comm& comm, std::string prefix, KrylovOptions options)
-    : comm_(comm), prefix_(std::move(prefix)), options_(std::move(options)), state_(std::make_unique<State>()) {}
+    : comm_(comm), prefix_(std::move(prefix)), options_(std::move(options)),
+      state_(std::make_unique<State>()) {}
 
 KrylovSolver::~KrylovSolver() = default;
 KrylovSolver::KrylovSolver(KrylovSolver&&) noexcept = default;

@@ -27,7 +27,8 @@ using UserPreconditioner = std::function<void(std::span<const double> r, std::sp
 
 enum class NullSpace {
     none,
-    constant, // A 1 = 0: the right-hand side is projected onto the range, the mean of x stays that of the guess
+    constant, // A 1 = 0: the right-hand side is projected onto the range, the mean of x stays that of the
+              // guess
 };
 
 struct KrylovOptions {
@@ -60,25 +61,27 @@ enum class Outcome {
     indefinite_matrix,         // p.Ap <= 0
     indefinite_preconditioner, // r.Mr <= 0
     non_finite,
-    stagnated,                // the residual is zero and the user's measure still above its threshold
-    preconditioner_failed,    // cannot be set up
+    stagnated,             // the residual is zero and the user's measure still above its threshold
+    preconditioner_failed, // cannot be set up
 };
 
 struct SolveReport {
     Outcome outcome = Outcome::converged;
     bool converged() const { return outcome == Outcome::converged; }
-    std::string reason;           // a sentence for the user
+    std::string reason; // a sentence for the user
     int iterations = 0;
-    double relative_residual = 0; // ||b - A x|| / ||b||, computed anew from the returned x; ||b - A x|| if b = 0
-    double error_measure = 0;     // what the test compared last: ||r||, or the sum of the user's measure
-    std::int64_t products = 0;    // matrix-vector products, the final check included, smoothers not
-    double set_up_seconds = 0;    // of the preconditioner
+    double relative_residual =
+        0;                     // ||b - A x|| / ||b||, computed anew from the returned x; ||b - A x|| if b = 0
+    double error_measure = 0;  // what the test compared last: ||r||, or the sum of the user's measure
+    std::int64_t products = 0; // matrix-vector products, the final check included, smoothers not
+    double set_up_seconds = 0; // of the preconditioner
     double iteration_seconds = 0; // all the rest
 };
 
-// Conjugate gradients for symmetric positive (semi)definite matrices, on the caller's arrays. Work vectors are
-// kept between solves. Options of PETSc for the preconditioner are read under the prefix: with "pressure",
-// -pressure_pc_type, -pressure_sub_pc_factor_levels, -pressure_pc_hypre_…; they win over KrylovOptions.
+// Conjugate gradients for symmetric positive (semi)definite matrices, on the caller's arrays. Work vectors
+// are kept between solves. Options of PETSc for the preconditioner are read under the prefix: with
+// "pressure", -pressure_pc_type, -pressure_sub_pc_factor_levels, -pressure_pc_hypre_…; they win over
+// KrylovOptions.
 class KrylovSolver {
 public:
     KrylovSolver(const Comm& comm, std::string prefix, KrylovOptions options);
@@ -86,9 +89,9 @@ public:
     KrylovSolver(KrylovSolver&&) noexcept;
     KrylovSolver& operator=(KrylovSolver&&) noexcept;
 
-    // Solves A x = b from the guess in x. Collective; the report is the same on every rank, its seconds aside.
-    // An unsuccessful solve is a report, not an exception, with x the last iterate. When the guess passes the
-    // test, nothing is set up. Throws what PETSc throws (runtime.hpp).
+    // Solves A x = b from the guess in x. Collective; the report is the same on every rank, its seconds
+    // aside. An unsuccessful solve is a report, not an exception, with x the last iterate. When the guess
+    // passes the test, nothing is set up. Throws what PETSc throws (runtime.hpp).
     SolveReport solve(Matrix& matrix, std::span<const double> b, std::span<double> x,
                       const ConvergenceTest& test);
 
@@ -97,7 +100,7 @@ public:
     void set_up(Matrix& matrix);
     void precondition(std::span<const double> r, std::span<double> z);
 
-    // Gives back all memory that solves have left.
+    // Gives back what solves leave for the next one: work vectors and the preconditioner of the last matrix.
     void release();
 
     const KrylovOptions& options() const { return options_; }

@@ -54,7 +54,8 @@ void check_pattern(const CsrBlocks& given) {
     if (blocks.first_row < 0 || blocks.rows < 0 || blocks.first_row + blocks.rows > blocks.global_rows) {
         refuse(blocks, 0, "this rank's rows are not within the matrix");
     }
-    if (blocks.diagonal_offsets[0] != 0 || blocks.off_offsets[0] != 0) refuse(blocks, 0, "offsets start at 0");
+    if (blocks.diagonal_offsets[0] != 0 || blocks.off_offsets[0] != 0)
+        refuse(blocks, 0, "offsets start at 0");
     for (Index row = 0; row < blocks.rows; ++row) {
         if (blocks.diagonal_offsets[row + 1] < blocks.diagonal_offsets[row] ||
             blocks.off_offsets[row + 1] < blocks.off_offsets[row]) {

@@ -14,14 +14,14 @@ using Index = int;
 // Pointers only; the arrays belong to the caller and must outlive the Matrix. Columns rise within each row.
 // Every row holds its diagonal entry, even where it is zero.
 struct CsrBlocks {
-    Index* diagonal_offsets = nullptr;  // [rows + 1], from 0
-    Index* diagonal_columns = nullptr;  // local: 0 … rows - 1
+    Index* diagonal_offsets = nullptr; // [rows + 1], from 0
+    Index* diagonal_columns = nullptr; // local: 0 … rows - 1
     double* diagonal_values = nullptr;
-    Index* off_offsets = nullptr;       // [rows + 1], from 0
-    Index* off_columns = nullptr;       // global; the Matrix overwrites them: fill them anew for the next one
+    Index* off_offsets = nullptr; // [rows + 1], from 0
+    Index* off_columns = nullptr; // global; the Matrix overwrites them: fill them anew for the next one
     double* off_values = nullptr;
-    Index first_row = 0;                // global number of this rank's first row
-    Index rows = 0;                     // rows on this rank, may be 0
+    Index first_row = 0; // global number of this rank's first row
+    Index rows = 0;      // rows on this rank, may be 0
     Index global_rows = 0;
 };
 

@@ -1,5 +1,6 @@
 #include "solve/preconditioner.hpp"
 
+#include "base/error.hpp"
 #include "solve/vectors.hpp"
 
 #include <stdexcept>
@@ -10,12 +11,18 @@ namespace {
 
 PCType pc_type(Preconditioner preconditioner) {
     switch (preconditioner) {
-    case Preconditioner::none: return PCNONE;
-    case Preconditioner::jacobi: return PCJACOBI;
-    case Preconditioner::ic0: return PCBJACOBI;
-    case Preconditioner::ssor: return PCSOR;
-    case Preconditioner::gamg: return PCGAMG;
-    case Preconditioner::boomeramg: return PCHYPRE;
+    case Preconditioner::none:
+        return PCNONE;
+    case Preconditioner::jacobi:
+        return PCJACOBI;
+    case Preconditioner::ic0:
+        return PCBJACOBI;
+    case Preconditioner::ssor:
+        return PCSOR;
+    case Preconditioner::gamg:
+        return PCGAMG;
+    case Preconditioner::boomeramg:
+        return PCHYPRE;
     }
     throw std::logic_error("unknown preconditioner");
 }
@@ -80,12 +87,17 @@ void BuiltPreconditioner::build(Matrix& matrix, const std::string& prefix, const
     if (options.preconditioner == Preconditioner::boomeramg) set_boomeramg_defaults(pc_, prefix, options);
     check(PCSetFromOptions(pc_));
     if (options.preconditioner == Preconditioner::ic0 && is_type(pc_, PCBJACOBI)) set_ic0_blocks(pc_);
+    if (is_type(pc_, PCEISENSTAT)) {
+        pc_.reset();
+        throw InputError({"-" + prefix + "_pc_type", "eisenstat does not work here",
+                          "it changes the system behind PETSc's own Krylov methods, and ours is another",
+                          "sor is the same preconditioner"});
+    }
     identity_ = is_type(pc_, PCNONE);
     cheap_ = identity_ || is_type(pc_, PCJACOBI) || is_type(pc_, PCBJACOBI) || is_type(pc_, PCSOR);
 }
 
-bool BuiltPreconditioner::set_up(Matrix& matrix, const std::string& prefix,
-                                 const KrylovOptions& options) {
+bool BuiltPreconditioner::set_up(Matrix& matrix, const std::string& prefix, const KrylovOptions& options) {
     native_ = &matrix.native();
     comm_ = matrix.comm();
     null_space_ = options.null_space;

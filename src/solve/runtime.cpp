@@ -46,8 +46,9 @@ void check(PetscErrorCode code) {
     const std::string text = last_error.empty() ? "code " + std::to_string(code) : last_error;
     last_error.clear();
     if (code == PETSC_ERR_MEM) {
-        throw Error(ExitCode::out_of_memory,
-                    Diagnostic{"PETSc", "out of memory", text, "use more machines or a coarser spacing"}.text());
+        throw Error(
+            ExitCode::out_of_memory,
+            Diagnostic{"PETSc", "out of memory", text, "use more machines or a coarser spacing"}.text());
     }
     if (code == PETSC_ERR_ARG_UNKNOWN_TYPE || code == PETSC_ERR_USER_INPUT) {
         throw InputError({"PETSc", "an option has a value that PETSc does not know", text,

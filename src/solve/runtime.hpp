@@ -4,8 +4,8 @@
 
 namespace treacle::solve {
 
-// Initialises PETSc for the life of this object: one per program, after MPI and Kokkos, destroyed before them.
-// From then on PETSc never prints an error nor ends the program: a failure inside it is thrown as
+// Initialises PETSc for the life of this object: one per program, after MPI and Kokkos, destroyed before
+// them. From then on PETSc never prints an error nor ends the program: a failure inside it is thrown as
 // SimulationError, as Error with ExitCode::out_of_memory, or as InputError where a PETSc option is at fault.
 // PETSc's signal handler stays off and no .petscrc file is read; the variable PETSC_OPTIONS is.
 class SolveRuntime {

@@ -1,6 +1,6 @@
 #pragma once
-// Inside src/solve only: this rank's share of the vector operations of conjugate gradients, each one pass over
-// memory. The pragmas allow the sums to run in several lanes; the order stays the same from run to run.
+// Inside src/solve only: this rank's share of the vector operations of conjugate gradients, each one pass
+// over memory. The pragmas allow the sums to run in several lanes; the order stays the same from run to run.
 #include <cstddef>
 #include <span>
 
@@ -51,7 +51,8 @@ inline double step(double alpha, std::span<const double> p, std::span<const doub
 }
 
 // r = b - shift - q; returns r.r.
-inline double subtract(std::span<const double> b, double shift, std::span<const double> q, std::span<double> r) {
+inline double subtract(std::span<const double> b, double shift, std::span<const double> q,
+                       std::span<double> r) {
     const double* const left = b.data();
     const double* const right = q.data();
     double* const residual = r.data();

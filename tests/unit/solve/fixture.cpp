@@ -13,8 +13,8 @@ std::unique_ptr<SolveRuntime> the_runtime;
 
 class PetscEnvironment : public testing::Environment {
     void SetUp() override {
-        the_runtime = std::make_unique<SolveRuntime>(
-            "-bad_pc_type nonsense -chosen_pc_type jacobi -misspelt_pc_tipe jacobi");
+        the_runtime = std::make_unique<SolveRuntime>("-bad_pc_type nonsense -chosen_pc_type jacobi "
+                                                     "-misspelt_pc_tipe jacobi -sweeping_pc_type eisenstat");
     }
     void TearDown() override { the_runtime.reset(); }
 };

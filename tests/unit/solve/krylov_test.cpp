@@ -36,7 +36,8 @@ TEST_P(EachPreconditioner, solves_poisson_to_the_known_solution_on_any_number_of
     std::vector<double> x(b.size(), 0.0);
     const auto report = solver.solve(matrix, b, x, ConvergenceTest::residual(1e-10));
     EXPECT_TRUE(report.converged()) << report.reason;
-    // The recurrence's residual and the true one differ by some 1e-15 of ||A|| ||x|| / ||b||, about 1e-14 here.
+    // The recurrence's residual and the true one differ by some 1e-15 of ||A|| ||x|| / ||b||, about 1e-14
+    // here.
     EXPECT_LE(report.relative_residual, 1.01e-10);
     // The smallest eigenvalue is 12 sin^2(pi / 50) = 0.047, ||b|| <= 12 ||x||: 1e-10 * 12 / 0.047.
     const auto exact = system.values(noise);
@@ -48,10 +49,14 @@ TEST_P(EachPreconditioner, solves_poisson_to_the_known_solution_on_any_number_of
     const auto limit = [&] {
         switch (GetParam()) {
         case Preconditioner::none:
-        case Preconditioner::jacobi: return 105;
-        case Preconditioner::ic0: return 48;
-        case Preconditioner::ssor: return 52;
-        default: return 16;
+        case Preconditioner::jacobi:
+            return 105;
+        case Preconditioner::ic0:
+            return 48;
+        case Preconditioner::ssor:
+            return 52;
+        default:
+            return 16;
         }
     }();
     EXPECT_LE(report.iterations, limit);

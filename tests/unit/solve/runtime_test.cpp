@@ -20,7 +20,8 @@ TEST(SolveRuntime, refuses_a_word_where_an_option_is_expected) {
 
 TEST(SolveRuntime, an_error_inside_petsc_becomes_an_exception_with_its_text) {
     try {
-        check(PetscError(PETSC_COMM_SELF, 7, "f", "file.c", PETSC_ERR_ARG_WRONG, PETSC_ERROR_INITIAL, "no way"));
+        check(PetscError(PETSC_COMM_SELF, 7, "f", "file.c", PETSC_ERR_ARG_WRONG, PETSC_ERROR_INITIAL,
+                         "no way"));
         FAIL();
     } catch (const Error& error) {
         EXPECT_EQ(error.code(), ExitCode::simulation_failed);
@@ -68,6 +69,10 @@ TEST(PrefixedOptions, with_an_unknown_value_are_an_input_error_naming_it) {
     } catch (const InputError& error) {
         EXPECT_NE(std::string(error.what()).find("nonsense"), std::string::npos) << error.what();
     }
+}
+
+TEST(PrefixedOptions, eisenstat_is_refused_since_it_needs_petscs_own_krylov_methods) {
+    EXPECT_THROW(first_of_preconditioned("sweeping"), InputError);
 }
 
 TEST(PrefixedOptions, that_nothing_has_asked_for_are_listed) {
