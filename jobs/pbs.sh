@@ -6,7 +6,7 @@
 #        -v SCENE=inputs/dam_break/scene.yaml,FOLDER=/scratch/dam,LIMIT=43200 jobs/pbs.sh
 #
 # LIMIT     the walltime in seconds (default 14400): PBS does not tell a job when it will be ended
-# TREACLE   the program (default build/release/src/app/treacle of the folder that qsub is called in)
+# TREACLE   the program (default build/release/treacle of the folder that qsub is called in)
 # SELECT    what -l select was given, for the next job (default: one chunk of all ranks)
 # ARGUMENTS more arguments of treacle run, separated by spaces
 #PBS -N treacle
@@ -20,7 +20,7 @@ limit=${LIMIT:-14400}
 margin=${MARGIN:-600}
 
 cd "${PBS_O_WORKDIR:-.}"
-treacle=${TREACLE:-build/release/src/app/treacle}
+treacle=${TREACLE:-build/release/treacle}
 export OMP_NUM_THREADS=${OMP_NUM_THREADS:-1}
 ranks=$(wc -l <"$PBS_NODEFILE")
 

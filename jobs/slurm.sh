@@ -4,7 +4,7 @@
 #
 #   sbatch --ntasks=256 --time=12:00:00 jobs/slurm.sh SCENE FOLDER [ARGUMENT OF treacle run ...]
 #
-# TREACLE names the program (default build/release/src/app/treacle of the folder that sbatch is called in).
+# TREACLE names the program (default build/release/treacle of the folder that sbatch is called in).
 #SBATCH --job-name=treacle
 #SBATCH --ntasks=64
 #SBATCH --cpus-per-task=1
@@ -23,7 +23,7 @@ folder=$2
 shift 2
 
 cd "${SLURM_SUBMIT_DIR:-.}"
-treacle=${TREACLE:-build/release/src/app/treacle}
+treacle=${TREACLE:-build/release/treacle}
 export OMP_NUM_THREADS=${OMP_NUM_THREADS:-1}
 
 if [ -e "$folder/checkpoints" ]; then
