@@ -130,7 +130,8 @@ class RunFolder:
 
     def frames(self):
         """Pairs (time [s], path) in the order of the series' index."""
-        series = sorted(self.folder.rglob("*.hdf.series"))
+        # The liquid's index is NAME.hdf.series; others add to the name.
+        series = sorted(self.folder.rglob("*.hdf.series"), key=lambda path: len(path.name))
         if not series:
             raise CommandFailed(f"no .hdf.series under {self.folder}")
         index = json.loads(series[0].read_text())
