@@ -100,7 +100,8 @@ Node& find_item(Node& list, const std::string& word, const std::string& place) {
     if (const auto index = read_index(word)) {
         if (*index < list.items.size()) return list.items[*index];
         throw InputError({place, "there is no item " + word,
-                          "the list has " + std::to_string(list.items.size()) + " items, counted from 0", ""});
+                          "the list has " + std::to_string(list.items.size()) + " items, counted from 0",
+                          ""});
     }
     for (auto& item : list.items) {
         const auto* name = item.find("name");
@@ -139,7 +140,8 @@ void Document::set(const std::string& assignment) {
         const auto parts = split(path);
         const bool gap = std::ranges::find(parts, "") != parts.end();
         if (equals == std::string::npos || gap) {
-            throw InputError({place, "is not of the form a.b.c=value", "", "write for instance --set time.end=2"});
+            throw InputError(
+                {place, "is not of the form a.b.c=value", "", "write for instance --set time.end=2"});
         }
         auto value = read_yaml(assignment.substr(equals + 1), "--set", place);
         Node* node = &tree_->root;

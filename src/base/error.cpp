@@ -20,8 +20,7 @@ std::string join(const std::vector<Diagnostic>& diagnostics) {
 }
 } // namespace
 
-InputError::InputError(Diagnostic diagnostic)
-    : InputError(std::vector<Diagnostic>{std::move(diagnostic)}) {}
+InputError::InputError(Diagnostic diagnostic) : InputError(std::vector<Diagnostic>{std::move(diagnostic)}) {}
 
 InputError::InputError(std::vector<Diagnostic> diagnostics)
     : Error(ExitCode::bad_input, join(diagnostics)), diagnostics_(std::move(diagnostics)) {}

@@ -34,7 +34,7 @@ struct Range {
 Range range_any();
 Range range_above(double min);
 Range range_at_least(double min);
-Range range_between(double min, double max); // both included
+Range range_between(double min, double max);  // both included
 Range range_above_to(double min, double max); // the lower bound excluded
 
 // In plane scenes two numbers are enough for a vector. A third one must be 0 (`in_plane`) or is kept, as for
@@ -83,7 +83,8 @@ public:
     // A block of keys. With a `shorthand`, a word in its place is taken for that key of it: `x_min: wall`.
     template <class T>
     void block(const std::string& key, T& value, const std::string& doc, const std::string& shorthand = "") {
-        block_of(key, [&value](Declaration& d) { declare_members(d, value); }, doc, shorthand);
+        block_of(
+            key, [&value](Declaration& d) { declare_members(d, value); }, doc, shorthand);
     }
     virtual void block_of(const std::string& key, const Members& members, const std::string& doc,
                           const std::string& shorthand = "") = 0;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <charconv>
 #include <map>
+#include <set>
 
 namespace treacle {
 
@@ -84,8 +85,8 @@ public:
     void vec3(const std::string& key, Vec3& value, const Unit& unit, const std::string& doc,
               VectorKind kind) override {
         const Node* node = find(key, doc);
-        const std::string must = std::string("must be a list of ") +
-                                 (session_.plane_vectors ? "2 numbers" : "3 numbers");
+        const std::string must =
+            std::string("must be a list of ") + (session_.plane_vectors ? "2 numbers" : "3 numbers");
         if (!node || !expect(*node, key, Node::Kind::list, must)) return;
         const auto count = node->items.size();
         if (count != 3 && !(count == 2 && session_.plane_vectors)) {
@@ -99,7 +100,8 @@ public:
             if (!read_number(node->items[i], path, read[i], unit, range_any())) return;
         }
         if (session_.plane_vectors && kind == VectorKind::in_plane && read[2] != 0) {
-            complain(*node, key, {"must have no third number", "the scene is plane", "leave it out or write 0"});
+            complain(*node, key,
+                     {"must have no third number", "the scene is plane", "leave it out or write 0"});
             return;
         }
         value = read;
@@ -118,10 +120,13 @@ public:
             node = &empty;
         }
         if (node && !expect(*node, key, Node::Kind::block, "must be a block of keys")) return;
+        const auto before = session_.problems.size();
         parse_block(node ? *node : empty, key, key, members);
+        if (!node && session_.problems.size() > before) lacking_.insert(key);
     }
 
-    bool optional_block(const std::string& key, bool, const Members& members, const std::string& doc) override {
+    bool optional_block(const std::string& key, bool, const Members& members,
+                        const std::string& doc) override {
         const Node* node = find(key, doc);
         if (!node || !expect(*node, key, Node::Kind::block, "must be a block of keys")) return false;
         parse_block(*node, key, key, members);
@@ -130,7 +135,8 @@ public:
 
     void list_of(const std::string& key, const Items& items, const std::string& doc) override {
         const Node* node = find(key, doc);
-        if (!node || !expect(*node, key, Node::Kind::list, "must be a list, each item starting with \"- \"")) return;
+        if (!node || !expect(*node, key, Node::Kind::list, "must be a list, each item starting with \"- \""))
+            return;
         items.clear();
         for (std::size_t i = 0; i < node->items.size(); ++i) {
             const auto& item = node->items[i];
@@ -142,7 +148,7 @@ public:
     }
 
     void required(const std::string& key) override {
-        if (node_.find(key)) return;
+        if (node_.find(key) || lacking_.contains(key)) return;
         const auto doc = docs_.find(key);
         report({node_.place, full(key) + " is missing", doc == docs_.end() ? "" : plain(doc->second),
                 "see `treacle schema " + below(manual_path_, key) + "`"});
@@ -153,8 +159,9 @@ public:
         const Node* node = node_.find(key);
         Node absent;
         absent.place = node_.place;
-        const bool shown = node && node->kind != Node::Kind::block &&
-                           std::ranges::all_of(node->items, [](auto& item) { return item.kind == Node::Kind::scalar; });
+        const bool shown =
+            node && node->kind != Node::Kind::block &&
+            std::ranges::all_of(node->items, [](auto& item) { return item.kind == Node::Kind::scalar; });
         add(node ? *node : absent, key, complaint, shown ? node->brief() : "");
     }
 
@@ -171,9 +178,9 @@ public:
         for (const auto& member : node_.members) {
             if (docs_.contains(member.key)) continue;
             const auto close = nearest(member.key, known);
-            session_.problems.push_back({member.place, full(shorten(member.key)) + " is not a known key", "",
-                                         close ? "did you mean " + *close + "?"
-                                               : "known here: " + join(known, ", ")});
+            session_.problems.push_back(
+                {member.place, full(shorten(member.key)) + " is not a known key", "",
+                 close ? "did you mean " + *close + "?" : "known here: " + join(known, ", ")});
         }
     }
 
@@ -198,8 +205,8 @@ protected:
             docs_[alternative.key] = alternative.doc;
         }
         if (given_keys.size() != 1) {
-            const auto what = given_keys.empty() ? "has no " + join(keys, ", ")
-                                                 : "has " + join(given_keys, " and ");
+            const auto what =
+                given_keys.empty() ? "has no " + join(keys, ", ") : "has " + join(given_keys, " and ");
             report({node_.place, path_ + " " + what, "exactly one of these keys is given", ""});
             return;
         }
@@ -239,8 +246,7 @@ private:
     bool expect(const Node& node, const std::string& key, Node::Kind kind, const std::string& must) {
         if (node.kind == kind) return true;
         if (node.kind == Node::Kind::null) {
-            report({node.place, full(key) + " has no value", "it " + must,
-                    "give it one or remove the key"});
+            report({node.place, full(key) + " has no value", "it " + must, "give it one or remove the key"});
         } else {
             complain(node, key, {must, "", ""});
         }
@@ -292,6 +298,7 @@ private:
     std::string manual_path_;
     std::size_t unreadable_before_;
     std::map<std::string, std::string> docs_; // of the keys declared so far
+    std::set<std::string> lacking_;           // absent blocks of which it was said what they lack
 };
 
 } // namespace
@@ -307,7 +314,8 @@ void parse_document(const Document& document, const Declaration::Members& root) 
     } else {
         const bool empty = tree.root.kind == Node::Kind::null;
         session.problems.push_back({tree.root.place, empty ? "the file is empty" : "is not a block of keys",
-                                    "a scene is lines of the form `key: value`", "start from a file in inputs/"});
+                                    "a scene is lines of the form `key: value`",
+                                    "start from a file in inputs/"});
     }
     if (!session.problems.empty()) throw InputError(std::move(session.problems));
 }

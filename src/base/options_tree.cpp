@@ -9,7 +9,8 @@ namespace treacle {
 namespace {
 
 std::string format_vector(const Vec3& value) {
-    return "[" + format_number(value[0]) + ", " + format_number(value[1]) + ", " + format_number(value[2]) + "]";
+    return "[" + format_number(value[0]) + ", " + format_number(value[1]) + ", " + format_number(value[2]) +
+           "]";
 }
 
 class Describer : public Declaration {

@@ -12,9 +12,7 @@
 namespace treacle {
 
 namespace {
-char fold(char c) {
-    return c == '-' ? '_' : static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-}
+char fold(char c) { return c == '-' ? '_' : static_cast<char>(std::tolower(static_cast<unsigned char>(c))); }
 
 std::string print(const char* format, double value) {
     std::array<char, 64> buffer;
@@ -76,7 +74,8 @@ std::string shorten(std::string text) {
         while (end > 0 && inside_letter()) --end;
         text = text.substr(0, end) + "...";
     }
-    std::ranges::replace_if(text, [](unsigned char c) { return std::iscntrl(c) != 0; }, ' ');
+    std::ranges::replace_if(
+        text, [](unsigned char c) { return std::iscntrl(c) != 0; }, ' ');
     return text;
 }
 

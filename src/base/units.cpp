@@ -67,15 +67,29 @@ struct Prefix {
     std::string_view name;
     int exponent;
 };
-constexpr std::array prefixes{Prefix{"k", 3},  Prefix{"M", 6},   Prefix{"G", 9},   Prefix{"h", 2},
-                              Prefix{"d", -1}, Prefix{"c", -2},  Prefix{"m", -3},  Prefix{"u", -6},
-                              Prefix{"µ", -6}, Prefix{"μ", -6},  Prefix{"n", -9}};
+constexpr std::array prefixes{Prefix{"k", 3},  Prefix{"M", 6},  Prefix{"G", 9},  Prefix{"h", 2},
+                              Prefix{"d", -1}, Prefix{"c", -2}, Prefix{"m", -3}, Prefix{"u", -6},
+                              Prefix{"µ", -6}, Prefix{"μ", -6}, Prefix{"n", -9}};
 
-constexpr std::array named{
-    unit::none,      unit::length,    unit::area,         unit::volume,      unit::time,
-    unit::frequency, unit::mass,      unit::density,      unit::velocity,    unit::acceleration,
-    unit::force,     unit::pressure,  unit::viscosity,    unit::kinematic_viscosity,
-    unit::surface_tension, unit::volume_flow, unit::temperature, unit::angle, unit::angular_velocity};
+constexpr std::array named{unit::none,
+                           unit::length,
+                           unit::area,
+                           unit::volume,
+                           unit::time,
+                           unit::frequency,
+                           unit::mass,
+                           unit::density,
+                           unit::velocity,
+                           unit::acceleration,
+                           unit::force,
+                           unit::pressure,
+                           unit::viscosity,
+                           unit::kinematic_viscosity,
+                           unit::surface_tension,
+                           unit::volume_flow,
+                           unit::temperature,
+                           unit::angle,
+                           unit::angular_velocity};
 
 std::optional<Scale> find_symbol(std::string_view word) {
     for (const auto& symbol : symbols) {
@@ -123,10 +137,14 @@ public:
     }
 
 private:
+    // Letters by their bytes, but not of a symbol.
+    static bool is_mark(std::string_view text) {
+        return text.starts_with("·") || text.starts_with("²") || text.starts_with("³");
+    }
+
     std::optional<std::pair<Scale, int>> read_factor() {
-        // The middle dot is a letter by its bytes, but separates factors.
         std::size_t n = 0;
-        while (n < text_.size() && is_letter(text_[n]) && !text_.substr(n).starts_with("·")) ++n;
+        while (n < text_.size() && is_letter(text_[n]) && !is_mark(text_.substr(n))) ++n;
         const auto scale = find_symbol(text_.substr(0, n));
         if (!scale) return {};
         text_.remove_prefix(n);
@@ -141,7 +159,9 @@ private:
         if (take("³")) return 3;
         const bool caret = take("^") || take("**");
         const int sign = caret && take("-") ? -1 : 1;
-        const auto digit_next = [&] { return !text_.empty() && std::isdigit(static_cast<unsigned char>(text_[0])); };
+        const auto digit_next = [&] {
+            return !text_.empty() && std::isdigit(static_cast<unsigned char>(text_[0]));
+        };
         if (!digit_next()) return caret ? std::optional<int>{} : 1;
         const int digit = text_[0] - '0';
         text_.remove_prefix(1);

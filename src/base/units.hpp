@@ -12,13 +12,13 @@ using Dimension = std::array<int, 5>;
 
 // What an option expects: the unit of its plain numbers, always SI, and what else may be written.
 struct Unit {
-    std::string_view name;     // "density"
-    std::string_view si;       // "kg/m3"; empty for a plain number
+    std::string_view name; // "density"
+    std::string_view si;   // "kg/m3"; empty for a plain number
     Dimension dimension{};
     std::string_view accepted; // some spellings, for messages and the manual
     // A second quantity, accepted only when written with its unit; its SI value is multiplied by `factor`.
     Dimension other{};
-    double factor = 0;         // 0: no second quantity
+    double factor = 0; // 0: no second quantity
 };
 
 namespace unit {

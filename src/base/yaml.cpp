@@ -37,7 +37,8 @@ public:
 
     void OnAlias(const YAML::Mark& mark, YAML::anchor_t anchor) override {
         const auto found = anchors_.find(anchor);
-        if (found == anchors_.end()) fail(place(mark), "an alias stands inside its own anchor", "write it out");
+        if (found == anchors_.end())
+            fail(place(mark), "an alias stands inside its own anchor", "write it out");
         const auto [node, size, depth] = found->second;
         Node copy = node;
         copy.place = place(mark);
@@ -63,7 +64,7 @@ private:
         Node node;
         YAML::anchor_t anchor = 0;
         std::size_t size_before = 0;
-        std::size_t depth = 1;   // of the tree under it
+        std::size_t depth = 1; // of the tree under it
         bool key_read = false;
         std::string key;
         std::string key_place;
@@ -98,7 +99,8 @@ private:
 
     void check_limits(const YAML::Mark& mark, std::size_t depth) const {
         if (depth > deepest) {
-            fail(place(mark), "blocks are nested more than " + std::to_string(deepest) + " deep", "flatten them");
+            fail(place(mark), "blocks are nested more than " + std::to_string(deepest) + " deep",
+                 "flatten them");
         }
         if (size_ > most_nodes) {
             fail(place(mark), "more than a million values", "give large data in a file of its own");
@@ -138,7 +140,8 @@ private:
         if (parent.node.kind == Node::Kind::list) {
             parent.node.items.push_back(std::move(node));
         } else if (!parent.key_read) {
-            if (node.kind != Node::Kind::scalar) fail(node.place, "a key is not a word", "write `key: value`");
+            if (node.kind != Node::Kind::scalar)
+                fail(node.place, "a key is not a word", "write `key: value`");
             parent.key_read = true;
             parent.key = node.text;
             parent.key_place = node.place;
@@ -158,7 +161,8 @@ private:
             return;
         }
         if (parent.node.members.size() == most_keys) {
-            fail(parent.key_place, "more than " + std::to_string(most_keys) + " keys in a block", "remove some");
+            fail(parent.key_place, "more than " + std::to_string(most_keys) + " keys in a block",
+                 "remove some");
         }
         parent.node.members.push_back({parent.key, parent.key_place, std::move(value)});
     }
@@ -188,7 +192,8 @@ DocumentTree read_yaml(const std::string& text, const std::string& name, const s
     }
     TreeBuilder builder(tree, place);
     try {
-        std::istringstream stream(text);
+        // yaml-cpp 0.7 sees that a quote is not closed only when nothing, not even a line break, follows.
+        std::istringstream stream(text.substr(0, text.find_last_not_of(" \n\r") + 1));
         YAML::Parser parser(stream);
         parser.HandleNextDocument(builder);
         Node first = std::move(tree.root);

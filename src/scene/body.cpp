@@ -12,7 +12,8 @@ void Keyframe::declare(Declaration& d) {
     d.required("time");
     d.vec3("translation", translation, unit::length, "Shift from the initial place.");
     d.direction("rotation_axis", rotation_axis, "Axis of the rotation, of any length.");
-    d.number("rotation_angle", rotation_angle, unit::angle, range_any(), "Rotation from the initial orientation.");
+    d.number("rotation_angle", rotation_angle, unit::angle, range_any(),
+             "Rotation from the initial orientation.");
 }
 
 namespace {
@@ -31,8 +32,9 @@ void check_motion(Declaration& d, const Body& body) {
                 {"has no effect", "only a dynamic body starts with a velocity",
                  "write kind: dynamic, or kind: kinematic with keyframes"});
     }
-    d.check(!kinematic || !body.keyframes.empty(), "keyframes",
-            {"must not be empty for a kinematic body", "they are its motion", "add them or write kind: static"});
+    d.check(
+        !kinematic || !body.keyframes.empty(), "keyframes",
+        {"must not be empty for a kinematic body", "they are its motion", "add them or write kind: static"});
     d.check(kinematic || body.keyframes.empty(), "keyframes",
             {"have no effect", "the body is not kinematic", "write kind: kinematic or remove them"});
     const auto not_later = [](const Keyframe& a, const Keyframe& b) { return b.time <= a.time; };
@@ -45,17 +47,20 @@ void check_motion(Declaration& d, const Body& body) {
 void Body::declare(Declaration& d) {
     if (d.parsing()) where = d.place();
     declare_name(d, name, "How messages, overrides and results call it.");
-    d.choice<BodyKind>("kind", kind,
-                       {{"static", BodyKind::fixed}, {"kinematic", BodyKind::kinematic}, {"dynamic", BodyKind::dynamic}},
-                       "Static bodies rest, kinematic ones follow their keyframes, dynamic ones the forces on them.");
+    d.choice<BodyKind>(
+        "kind", kind,
+        {{"static", BodyKind::fixed}, {"kinematic", BodyKind::kinematic}, {"dynamic", BodyKind::dynamic}},
+        "Static bodies rest, kinematic ones follow their keyframes, dynamic ones the forces on them.");
     d.block("shape", shape, "The solid's shape.");
     d.required("shape");
     d.number("density", density, unit::density, range_at_least(0), "Mass per volume of a dynamic body.");
-    d.choice<Slip>("slip", slip,
-                   {{"free_slip", Slip::free_slip}, {"no_slip", Slip::no_slip}, {"slip_length", Slip::slip_length}},
-                   "How the surface holds viscous liquid.");
-    d.number("slip_length", slip_length, unit::length, range_at_least(0),
-             "With slip: slip_length, the depth behind the surface at which the velocity would be the body's.");
+    d.choice<Slip>(
+        "slip", slip,
+        {{"free_slip", Slip::free_slip}, {"no_slip", Slip::no_slip}, {"slip_length", Slip::slip_length}},
+        "How the surface holds viscous liquid.");
+    d.number(
+        "slip_length", slip_length, unit::length, range_at_least(0),
+        "With slip: slip_length, the depth behind the surface at which the velocity would be the body's.");
     d.check((slip == Slip::slip_length) == (slip_length > 0), "slip_length",
             {"must be > 0 with slip: slip_length, and only then", "0 is no_slip", "give both or none"});
     d.vec3("velocity", velocity, unit::velocity, "Velocity at the start of a dynamic body.");

@@ -8,7 +8,8 @@ namespace treacle::scene {
 
 namespace fs = std::filesystem;
 
-std::vector<fs::path> data_search_path(const fs::path& scene_file, const std::vector<fs::path>& data_folders) {
+std::vector<fs::path> data_search_path(const fs::path& scene_file,
+                                       const std::vector<fs::path>& data_folders) {
     const auto folder = scene_file.parent_path();
     std::vector<fs::path> out{folder.empty() ? fs::path(".") : folder};
     out.insert(out.end(), data_folders.begin(), data_folders.end());
@@ -51,9 +52,10 @@ void resolve(Shape& shape, const std::vector<fs::path>& search_path, Outcome& ou
     if (!path.empty()) {
         shape.file = path.string();
     } else if (!shape.fallback.empty()) {
-        outcome.replaced.push_back(shape.where + ": the mesh " + shape.file +
-                                   " was not found; its fallback is used instead. Name its folder with --data or "
-                                   "TREACLE_DATA to use it.");
+        outcome.replaced.push_back(
+            shape.where + ": the mesh " + shape.file +
+            " was not found; its fallback is used instead. Name its folder with --data or "
+            "TREACLE_DATA to use it.");
         const Shape fallback = shape.fallback.front();
         shape = fallback;
     } else {

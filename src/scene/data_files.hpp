@@ -19,6 +19,7 @@ std::filesystem::path find_data_file(const std::filesystem::path& name,
 // Gives every mesh of the scene the absolute path of its file, or replaces it by its fallback. Returns a
 // sentence for each replacement. Throws InputError for all that are missing without a fallback, with the
 // folders that were searched.
-std::vector<std::string> resolve_data_files(Scene& scene, const std::vector<std::filesystem::path>& search_path);
+std::vector<std::string> resolve_data_files(Scene& scene,
+                                            const std::vector<std::filesystem::path>& search_path);
 
 } // namespace treacle::scene

@@ -39,11 +39,13 @@ void check_extent(Declaration& d, const Domain& domain) {
     for (std::size_t i = 0; i < static_cast<std::size_t>(domain.dimensions); ++i) {
         const std::string axis(1, "xyz"[i]);
         const double length = domain.max[i] - domain.min[i];
-        d.check(length > 0, "max", {"must be greater than min in " + axis, "the domain has no volume",
-                                    "swap the corners or make it larger"});
+        d.check(length > 0, "max",
+                {"must be greater than min in " + axis, "the domain has no volume",
+                 "swap the corners or make it larger"});
         if (!(length > 0)) continue;
         d.check(domain.spacing <= length, "spacing",
-                {"must be at most the length of the domain in " + axis, "not one particle fits", "make it smaller"});
+                {"must be at most the length of the domain in " + axis, "not one particle fits",
+                 "make it smaller"});
         d.check(length / domain.spacing <= most_spacings, "spacing",
                 {"must be at least a millionth of the length of the domain in " + axis,
                  "cells of the size of a spacing are counted", "check the units of spacing, min and max"});
@@ -56,11 +58,13 @@ void Face::declare(Declaration& d) {
     d.choice<FaceKind>("kind", kind,
                        {{"wall", FaceKind::wall}, {"open", FaceKind::open}, {"periodic", FaceKind::periodic}},
                        "Whether liquid stops here, leaves, or enters again at the opposite side.");
-    d.choice<Slip>("slip", slip,
-                   {{"free_slip", Slip::free_slip}, {"no_slip", Slip::no_slip}, {"slip_length", Slip::slip_length}},
-                   "How a wall holds viscous liquid.");
-    d.number("slip_length", slip_length, unit::length, range_at_least(0),
-             "With slip: slip_length, the depth behind the wall at which the velocity would be that of the wall.");
+    d.choice<Slip>(
+        "slip", slip,
+        {{"free_slip", Slip::free_slip}, {"no_slip", Slip::no_slip}, {"slip_length", Slip::slip_length}},
+        "How a wall holds viscous liquid.");
+    d.number(
+        "slip_length", slip_length, unit::length, range_at_least(0),
+        "With slip: slip_length, the depth behind the wall at which the velocity would be that of the wall.");
     d.check(slip != Slip::slip_length || slip_length > 0, "slip_length",
             {"must be > 0 with slip: slip_length", "0 is no_slip", "give a length or write slip: no_slip"});
     d.check(slip == Slip::slip_length || slip_length == 0, "slip_length",
@@ -78,13 +82,15 @@ void Domain::declare(Declaration& d) {
     d.vec3("max", max, unit::length, "Upper corner.");
     d.required("max");
     if (d.parsing() && dimensions == 2) min[2] = max[2] = 0;
-    d.number("spacing", spacing, unit::length,
-             range_above(0).because("it is the distance of neighbouring particles", "write for instance 5 mm"),
-             "Distance of neighbouring particles, or width of the grid's cells.");
+    d.number(
+        "spacing", spacing, unit::length,
+        range_above(0).because("it is the distance of neighbouring particles", "write for instance 5 mm"),
+        "Distance of neighbouring particles, or width of the grid's cells.");
     d.required("spacing");
     d.vec3("gravity", gravity, unit::acceleration, "Acceleration; in a plane scene by default [0, -9.81].");
-    d.block_of("boundaries", [this](Declaration& inside) { declare_boundaries(inside, *this); },
-               "The sides of the domain.");
+    d.block_of(
+        "boundaries", [this](Declaration& inside) { declare_boundaries(inside, *this); },
+        "The sides of the domain.");
     check_extent(d, *this);
 }
 

@@ -21,17 +21,19 @@ std::vector<std::pair<std::string, std::string>> material_choices() {
 void Liquid::declare(Declaration& d) {
     if (d.parsing()) where = d.place();
     declare_name(d, name, "How messages, overrides and results call it; by default its material.");
-    d.choice("material", material, material_choices(),
-             "Preset of `treacle materials`, for the density, viscosity and surface tension that are not given.");
+    d.choice(
+        "material", material, material_choices(),
+        "Preset of `treacle materials`, for the density, viscosity and surface tension that are not given.");
     const auto* preset = find_material(material);
     if (preset && d.parsing()) {
         density = preset->density;
         viscosity = preset->viscosity;
         surface_tension = preset->surface_tension;
     }
-    d.number("density", density, unit::density,
-             range_above(0).because("it is mass per volume", "water is about 1000 kg/m3, honey about 1400 kg/m3"),
-             "Mass per volume.");
+    d.number(
+        "density", density, unit::density,
+        range_above(0).because("it is mass per volume", "water is about 1000 kg/m3, honey about 1400 kg/m3"),
+        "Mass per volume.");
     d.number("viscosity", viscosity, unit::viscosity_of(density),
              range_at_least(0).because("a Newtonian viscosity is positive",
                                        "honey is about 10 Pa s, water 0.001 Pa s"),
@@ -41,8 +43,9 @@ void Liquid::declare(Declaration& d) {
              "Surface tension against air.");
     d.list("shapes", shapes, "Where the liquid is at the start: the union of these shapes.");
     d.required("shapes");
-    d.check(!shapes.empty(), "shapes", {"must not be empty", "the liquid would have no particles",
-                                        "add a shape, for instance - box: {min: [0, 0, 0], max: [1, 1, 1]}"});
+    d.check(!shapes.empty(), "shapes",
+            {"must not be empty", "the liquid would have no particles",
+             "add a shape, for instance - box: {min: [0, 0, 0], max: [1, 1, 1]}"});
     d.vec3("velocity", velocity, unit::velocity, "Velocity at the start.");
 }
 

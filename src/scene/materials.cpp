@@ -30,15 +30,18 @@ constexpr std::array presets{
     Material{"olive_oil", 912, 0.084, 0.032, celsius(20), "typical of food engineering tables, within 10 %"},
     Material{"honey", 1420, 10, 0.055, celsius(22),
              "typical for 17 to 18 % water; a degree or 0.5 % water changes the viscosity by 10 to 20 %"},
-    Material{"corn_syrup", 1380, 3, 0.08, celsius(25), "typical of light corn syrup; brands differ by a factor of 2"},
+    Material{"corn_syrup", 1380, 3, 0.08, celsius(25),
+             "typical of light corn syrup; brands differ by a factor of 2"},
     Material{"golden_syrup", 1438, 60, 0.08, celsius(20),
              "light treacle; density and surface tension as in Llewellin et al., Proc. R. Soc. A 458 (2002); "
              "viscosity typical"},
-    Material{"black_treacle", 1430, 30, 0.07, celsius(20), "order of magnitude; products differ by a factor of 3"},
+    Material{"black_treacle", 1430, 30, 0.07, celsius(20),
+             "order of magnitude; products differ by a factor of 3"},
     Material{"molasses", 1400, 6, 0.06, celsius(20), "order of magnitude; products differ by a factor of 3"},
     Material{"caramel", 1350, 25, 0.06, celsius(40), "order of magnitude of a caramel sauce"},
-    Material{"chocolate", 1270, 3, 0.03, celsius(40),
-             "order of magnitude of molten milk chocolate at a high shear rate; its yield stress is left out"},
+    Material{
+        "chocolate", 1270, 3, 0.03, celsius(40),
+        "order of magnitude of molten milk chocolate at a high shear rate; its yield stress is left out"},
     Material{"shampoo", 1030, 4, 0.03, celsius(25),
              "order of magnitude at a low shear rate; shear thinning is left out"},
 };

@@ -31,11 +31,13 @@ void settle_name_list(Declaration& d, const std::string& key, const std::vector<
         const bool again = std::any_of(names.begin(), names.begin() + static_cast<std::ptrdiff_t>(i), same);
         if (names[i]->empty()) {
             std::string name = standards[i];
-            for (int number = 2; is_taken(names, name); ++number) name = standards[i] + "_" + std::to_string(number);
+            for (int number = 2; is_taken(names, name); ++number)
+                name = standards[i] + "_" + std::to_string(number);
             *names[i] = name;
         } else {
-            d.check(!again, key, {"the name " + *names[i] + " stands twice", "messages and overrides go by it",
-                                  "rename one of them"});
+            d.check(!again, key,
+                    {"the name " + *names[i] + " stands twice", "messages and overrides go by it",
+                     "rename one of them"});
         }
     }
 }

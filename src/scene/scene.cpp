@@ -18,9 +18,12 @@ const Range interval_range =
 
 std::string standard_name(const Measurement& measurement) {
     switch (measurement.kind) {
-    case MeasurementKind::front: return "front";
-    case MeasurementKind::height: return "height";
-    case MeasurementKind::flow: return "flow";
+    case MeasurementKind::front:
+        return "front";
+    case MeasurementKind::height:
+        return "height";
+    case MeasurementKind::flow:
+        return "flow";
     }
     return "measurement";
 }
@@ -34,14 +37,16 @@ void Time::declare(Declaration& d) {
                        "Steps that follow the largest velocity, or all the same.");
     d.number("step", step, unit::time, range_at_least(0),
              "With rule: fixed the time step; with rule: cfl the largest one, 0 for no such limit.");
-    d.number("cfl", cfl, unit::none,
-             range_above_to(0, 1).because("beyond 1 a particle would jump over its neighbours", "0.3 is usual"),
-             "Largest move of a particle per step, in spacings.");
+    d.number(
+        "cfl", cfl, unit::none,
+        range_above_to(0, 1).because("beyond 1 a particle would jump over its neighbours", "0.3 is usual"),
+        "Largest move of a particle per step, in spacings.");
     d.number("min_step", min_step, unit::time, range_above(0),
              "When the rule asks for a smaller step, the run ends with exit code 3.");
     d.check(rule != StepRule::fixed || step > 0, "step",
             {"must be > 0 with rule: fixed", "it is the time step", "write for instance 1 ms"});
-    d.check(step == 0 || step >= min_step, "step", {"must be at least min_step", "the run would end at once", ""});
+    d.check(step == 0 || step >= min_step, "step",
+            {"must be at least min_step", "the run would end at once", ""});
 }
 
 void Output::declare(Declaration& d) {
@@ -64,7 +69,8 @@ void Output::declare(Declaration& d) {
 void Camera::declare(Declaration& d) {
     declare_name(d, name, "Part of the pictures' names.");
     if (d.parsing()) automatic = !d.given("position");
-    d.boolean("automatic", automatic, "Placed to see the whole domain; by default when no position is given.");
+    d.boolean("automatic", automatic,
+              "Placed to see the whole domain; by default when no position is given.");
     d.vec3("position", position, unit::length, "Where the camera is.", VectorKind::in_space);
     d.vec3("target", target, unit::length, "The point in the middle of the picture.", VectorKind::in_space);
     d.direction("up", up, "Direction that is upwards in the picture.");
@@ -82,29 +88,33 @@ void Camera::declare(Declaration& d) {
 
 void Measurement::declare(Declaration& d) {
     declare_name(d, name, "Name of the column; by default its kind.");
-    d.choice<MeasurementKind>("kind", kind,
-                              {{"front", MeasurementKind::front},
-                               {"height", MeasurementKind::height},
-                               {"flow", MeasurementKind::flow}},
-                              "The largest coordinate of the liquid along an axis, its height above a point, or "
-                              "the volume flow through a plane.");
+    d.choice<MeasurementKind>(
+        "kind", kind,
+        {{"front", MeasurementKind::front},
+         {"height", MeasurementKind::height},
+         {"flow", MeasurementKind::flow}},
+        "The largest coordinate of the liquid along an axis, its height above a point, or "
+        "the volume flow through a plane.");
     d.required("kind");
     d.choice<int>("axis", axis, {{"x", 0}, {"y", 1}, {"z", 2}}, "Axis of the front, normal of the plane.");
     d.check(axis < 2 || !d.plane_vectors(), "axis", {"must be x or y", "the scene is plane", ""});
     d.vec3("position", position, unit::length, "The point of the height, a point of the plane.");
-    d.number("interval", interval, unit::time, interval_range, "Simulated time between values; 0 for every step.");
+    d.number("interval", interval, unit::time, interval_range,
+             "Simulated time between values; 0 for every step.");
 }
 
 void Scene::declare(Declaration& d) {
     d.integer("schema_version", schema_version, range_any(), "Version of the layout of this file.");
     d.required("schema_version");
-    d.check(schema_version == 1, "schema_version",
-            {"must be 1", "it is the only version that this program knows", "`treacle schema` shows its keys"});
+    d.check(
+        schema_version == 1, "schema_version",
+        {"must be 1", "it is the only version that this program knows", "`treacle schema` shows its keys"});
     d.text("title", title, "One line for people.");
     d.block("domain", domain, "The region of the simulation, its sides and its resolution.");
     d.list("liquids", liquids, "The liquids.");
     d.required("liquids");
-    d.check(!liquids.empty(), "liquids", {"must not be empty", "there would be nothing to simulate", "add a liquid"});
+    d.check(!liquids.empty(), "liquids",
+            {"must not be empty", "there would be nothing to simulate", "add a liquid"});
     settle_names(d, "liquids", liquids, [](const Liquid& liquid) {
         return liquid.material == "none" ? std::string("liquid") : liquid.material;
     });

@@ -27,11 +27,11 @@ struct Face {
 };
 
 struct Domain {
-    int dimensions = 3;      // 2: plane, every z is 0
-    Vec3 min{0, 0, 0};       // [m]
-    Vec3 max{1, 1, 1};       // [m]
+    int dimensions = 3; // 2: plane, every z is 0
+    Vec3 min{0, 0, 0};  // [m]
+    Vec3 max{1, 1, 1};  // [m]
     std::array<Face, 6> faces;
-    double spacing = 0;      // particle spacing d or grid width dx [m]
+    double spacing = 0;        // particle spacing d or grid width dx [m]
     Vec3 gravity{0, 0, -9.81}; // [m/s2]; in a plane scene {0, -9.81, 0} unless given
 
     void declare(Declaration& d);
@@ -39,12 +39,12 @@ struct Domain {
 
 struct Liquid {
     std::string name;
-    std::string material = "none";        // a preset of `treacle materials`, or "none"
-    double density = 1000;                // [kg/m3]
-    double viscosity = 0;                 // [Pa s]
-    double surface_tension = 0;           // [N/m]
+    std::string material = "none"; // a preset of `treacle materials`, or "none"
+    double density = 1000;         // [kg/m3]
+    double viscosity = 0;          // [Pa s]
+    double surface_tension = 0;    // [N/m]
     std::vector<Shape> shapes;
-    Vec3 velocity{0, 0, 0};               // [m/s]
+    Vec3 velocity{0, 0, 0}; // [m/s]
     std::string where;
 
     void declare(Declaration& d);
@@ -53,10 +53,10 @@ struct Liquid {
 enum class BodyKind { fixed, kinematic, dynamic };
 
 struct Keyframe {
-    double time = 0;               // [s]
-    Vec3 translation{0, 0, 0};     // [m] from the initial place
+    double time = 0;           // [s]
+    Vec3 translation{0, 0, 0}; // [m] from the initial place
     Vec3 rotation_axis{0, 0, 1};
-    double rotation_angle = 0;     // [rad] from the initial orientation
+    double rotation_angle = 0; // [rad] from the initial orientation
 
     void declare(Declaration& d);
 };
@@ -65,11 +65,11 @@ struct Body {
     std::string name;
     BodyKind kind = BodyKind::fixed;
     Shape shape;
-    double density = 0;            // [kg/m3] dynamic
+    double density = 0; // [kg/m3] dynamic
     Slip slip = Slip::free_slip;
-    double slip_length = 0;        // [m]
-    Vec3 velocity{0, 0, 0};        // [m/s] dynamic: at the start
-    Vec3 angular_velocity{0, 0, 0};// [rad/s]
+    double slip_length = 0;         // [m]
+    Vec3 velocity{0, 0, 0};         // [m/s] dynamic: at the start
+    Vec3 angular_velocity{0, 0, 0}; // [rad/s]
     std::vector<Keyframe> keyframes;
     std::string where;
 
@@ -79,52 +79,52 @@ struct Body {
 enum class StepRule { fixed, cfl };
 
 struct Time {
-    double end = 1;                // [s]
+    double end = 1; // [s]
     StepRule rule = StepRule::cfl;
-    double step = 0;               // [s] fixed rule; with cfl the largest step, 0: none
-    double cfl = 0.3;              // largest move of a particle per step, in spacings
-    double min_step = 1e-7;        // [s] below it the run ends with exit code 3
+    double step = 0;        // [s] fixed rule; with cfl the largest step, 0: none
+    double cfl = 0.3;       // largest move of a particle per step, in spacings
+    double min_step = 1e-7; // [s] below it the run ends with exit code 3
 
     void declare(Declaration& d);
 };
 
 struct Output {
     std::string name = "frame";
-    double interval = 0;           // [s] between frames; 0: none
+    double interval = 0; // [s] between frames; 0: none
     std::vector<std::string> fields{"velocity", "pressure", "density"};
     bool double_precision = false;
     double checkpoint_interval = 0;      // [s] simulated; 0: none
     double checkpoint_wall_interval = 0; // [s] of the clock; 0: none
     int checkpoints_kept = 2;
-    double log_interval = 0;       // [s] simulated between lines of the terminal; 0: every frame
+    double log_interval = 0; // [s] simulated between lines of the terminal; 0: every frame
 
     void declare(Declaration& d);
 };
 
 struct Camera {
     std::string name = "main";
-    Vec3 position{0, 0, 0};        // [m]
-    Vec3 target{0, 0, 0};          // [m]
+    Vec3 position{0, 0, 0}; // [m]
+    Vec3 target{0, 0, 0};   // [m]
     Vec3 up{0, 0, 1};
-    double field_of_view = 0.7;    // vertical [rad]
-    int width = 1280, height = 720;// [pixels]
-    bool automatic = true;         // placed to see the whole domain
+    double field_of_view = 0.7;     // vertical [rad]
+    int width = 1280, height = 720; // [pixels]
+    bool automatic = true;          // placed to see the whole domain
 
     void declare(Declaration& d);
 };
 
 enum class MeasurementKind {
-    front,      // largest coordinate of the liquid along `axis`
-    height,     // height of the liquid along the axis against gravity in a column around `position`
-    flow,       // volume flow through the plane at `position` with normal `axis` [m3/s]
+    front,  // largest coordinate of the liquid along `axis`
+    height, // height of the liquid along the axis against gravity in a column around `position`
+    flow,   // volume flow through the plane at `position` with normal `axis` [m3/s]
 };
 
 struct Measurement {
     std::string name;
     MeasurementKind kind = MeasurementKind::front;
-    int axis = 0;                  // 0 x, 1 y, 2 z
-    Vec3 position{0, 0, 0};        // [m]
-    double interval = 0;           // [s]; 0: every step
+    int axis = 0;           // 0 x, 1 y, 2 z
+    Vec3 position{0, 0, 0}; // [m]
+    double interval = 0;    // [s]; 0: every step
 
     void declare(Declaration& d);
 };
@@ -141,7 +141,7 @@ struct Scene {
     Output output;
     std::vector<Camera> cameras;
     std::vector<Measurement> measurements;
-    double lost_limit = 0;         // share of the particles that may be lost before the run ends (exit code 3)
+    double lost_limit = 0; // share of the particles that may be lost before the run ends (exit code 3)
 
     void declare(Declaration& d);
 };

@@ -95,7 +95,9 @@ Alternatives primitives(Shape& shape) {
     const auto of = [&shape](void (*declare)(Declaration&, Shape&)) {
         return [&shape, declare](Declaration& d) { declare(d, shape); };
     };
-    const auto cylinder = [&shape](Declaration& d) { declare_round(d, shape, "Radius.", "Length along the axis."); };
+    const auto cylinder = [&shape](Declaration& d) {
+        declare_round(d, shape, "Radius.", "Length along the axis.");
+    };
     const auto capsule = [&shape](Declaration& d) {
         declare_round(d, shape, "Radius.", "Distance of the centres of the two round ends.");
     };
@@ -118,19 +120,24 @@ void declare_primitive(Declaration& d, Shape& shape) {
 }
 
 void declare_mesh(Declaration& d, Shape& shape) {
-    d.text("file", shape.file,
-           "Closed triangle mesh (OBJ, PLY, STL, ...): looked up beside the scene file, then in the folder of "
-           "--data, then in that of TREACLE_DATA.");
+    d.text(
+        "file", shape.file,
+        "Closed triangle mesh (OBJ, PLY, STL, ...): looked up beside the scene file, then in the folder of "
+        "--data, then in that of TREACLE_DATA.");
     d.required("file");
-    d.check(!shape.file.empty(), "file", {"must not be empty", "it names a mesh", "write for instance bunny.ply"});
-    d.number("scale", shape.scale, unit::none, range_above(0), "Factor on the lengths of the file, applied first.");
-    d.number("size", shape.size, unit::length, range_at_least(0),
-             "When not 0, the longest edge of the bounding box is made this long, and its centre the origin.");
+    d.check(!shape.file.empty(), "file",
+            {"must not be empty", "it names a mesh", "write for instance bunny.ply"});
+    d.number("scale", shape.scale, unit::none, range_above(0),
+             "Factor on the lengths of the file, applied first.");
+    d.number(
+        "size", shape.size, unit::length, range_at_least(0),
+        "When not 0, the longest edge of the bounding box is made this long, and its centre the origin.");
     declare_rotation(d, shape, "the bounding box's centre");
     declare_inverted(d, shape);
     Shape fallback = shape.fallback.empty() ? Shape{} : shape.fallback.front();
     const bool present = d.optional_block(
-        "fallback", !shape.fallback.empty(), [&](Declaration& inside) { declare_primitive(inside, fallback); },
+        "fallback", !shape.fallback.empty(),
+        [&](Declaration& inside) { declare_primitive(inside, fallback); },
         "The shape to use, with a message, when the file is not found.");
     shape.fallback.clear();
     if (present) shape.fallback.push_back(fallback);
@@ -141,8 +148,9 @@ void declare_mesh(Declaration& d, Shape& shape) {
 void declare(Declaration& d, Shape& shape) {
     if (d.parsing()) shape.where = d.place();
     auto alternatives = primitives(shape);
-    alternatives.push_back({ShapeKind::mesh, Alternative{"mesh", [&shape](Declaration& m) { declare_mesh(m, shape); },
-                                                         "The inside of a closed triangle mesh."}});
+    alternatives.push_back(
+        {ShapeKind::mesh, Alternative{"mesh", [&shape](Declaration& m) { declare_mesh(m, shape); },
+                                      "The inside of a closed triangle mesh."}});
     d.one_of(shape.kind, alternatives);
 }
 

@@ -26,8 +26,8 @@ TEST(Document, AnAliasStandsForItsAnchor) {
 }
 
 TEST(Document, ASyntaxErrorHasItsLine) {
-    for (const char* text : {"width: 1\nparts: [", "width: 1\n\tparts: []", "width: 1\nparts: {a", "a: 1\n  b: 2\n",
-                             "a: \"x\n", "a: *b\n", "a: 'x", "? [", "%YAML 9\na"}) {
+    for (const char* text : {"width: 1\nparts: [", "width: 1\n\tparts: []", "width: 1\nparts: {a",
+                             "a: 1\n  b: 2\n", "a: \"x\n", "a: *b\n", "a: 'x", "? [", "%YAML 9\na"}) {
         const std::string source = text;
         try {
             document(source);
@@ -40,12 +40,14 @@ TEST(Document, ASyntaxErrorHasItsLine) {
 }
 
 TEST(Document, WhatIsNoSceneIsAnError) {
-    EXPECT_EQ(problems(""), (Messages{"scene.yaml:1: the file is empty; a scene is lines of the form `key: value`; "
-                                      "start from a file in inputs/."}));
+    EXPECT_EQ(problems(""),
+              (Messages{"scene.yaml:1: the file is empty; a scene is lines of the form `key: value`; "
+                        "start from a file in inputs/."}));
     EXPECT_EQ(problems("- a\n")[0].rfind("scene.yaml:1: is not a block of keys", 0), 0u);
     EXPECT_EQ(problems("just words\n")[0].rfind("scene.yaml:1: is not a block of keys", 0), 0u);
     EXPECT_EQ(problems("a: 1\n---\nb: 1\n")[0].rfind("scene.yaml:3: a second document starts", 0), 0u);
-    EXPECT_EQ(problems("width: !!float 1\n")[0].rfind("scene.yaml:1: the tag tag:yaml.org,2002:float", 0), 0u);
+    EXPECT_EQ(problems("width: !!float 1\n")[0].rfind("scene.yaml:1: the tag tag:yaml.org,2002:float", 0),
+              0u);
     EXPECT_EQ(problems("[a]: 1\n")[0].rfind("scene.yaml:1: a key is not a word", 0), 0u);
     EXPECT_EQ(problems(std::string("a: 1\0", 5))[0].rfind("scene.yaml:1: is not a text file", 0), 0u);
 }
@@ -59,8 +61,9 @@ TEST(Document, AliasesThatMultiplyOrNestWithoutEndAreErrors) {
         laughs += before + " ]\n";
     }
     EXPECT_NE(problems(laughs)[0].find("more than a million values"), std::string::npos);
-    EXPECT_NE(problems("a: " + std::string(100, '[') + std::string(100, ']'))[0].find("nested more than 64 deep"),
-              std::string::npos);
+    EXPECT_NE(
+        problems("a: " + std::string(100, '[') + std::string(100, ']'))[0].find("nested more than 64 deep"),
+        std::string::npos);
     EXPECT_NE(problems("a: &a [*a ]\n")[0].find("inside its own anchor"), std::string::npos);
     std::string keys;
     for (int i = 0; i < 1001; ++i) keys += "k" + std::to_string(i) + ": 1\n";
@@ -74,7 +77,8 @@ TEST(Document, AFileThatIsNotThereOrAFolderIsAnError) {
 }
 
 TEST(Document, AFileIsNamedInMessagesAsGiven) {
-    const auto path = std::filesystem::temp_directory_path() / ("treacle_" + std::to_string(::getpid()) + ".yaml");
+    const auto path =
+        std::filesystem::temp_directory_path() / ("treacle_" + std::to_string(::getpid()) + ".yaml");
     std::ofstream(path) << "parts: []\nwidth: -1\n";
     Sample sample;
     try {
@@ -130,10 +134,13 @@ TEST(Set, SeveralBadOnesAreReportedTogether) {
 // Pieces of YAML put together at random: an InputError or success, nothing else, and soon.
 TEST(Document, RandomTextsAreReadOrRejected) {
     const std::vector<std::string> pieces{
-        "width", "side", "parts", "pull", "tags", "name", "box", ": ", ":", "- ", "-", "\n", "\n  ", "\n    ", " ",
-        "[", "]", "{", "}", ", ", "&a ", "*a", "!!str ", "!x", "\"", "'", "|\n  ", ">-\n", "#", "? ", "<<", "~",
-        "null", "1e999", "-1", ".nan", ".inf", "5 mm", "true", "99999999999999999999", "\t", "%", "@", "`", "---\n",
-        "...\n", "\xff", "\xc3\xa4", "\\", "\\x", "0x1", "\r\n", "=", "red"};
+        "width", "side",  "parts", "pull", "tags",  "name",   "box",    ": ",
+        ":",     "- ",    "-",     "\n",   "\n  ",  "\n    ", " ",      "[",
+        "]",     "{",     "}",     ", ",   "&a ",   "*a",     "!!str ", "!x",
+        "\"",    "'",     "|\n  ", ">-\n", "#",     "? ",     "<<",     "~",
+        "null",  "1e999", "-1",    ".nan", ".inf",  "5 mm",   "true",   "99999999999999999999",
+        "\t",    "%",     "@",     "`",    "---\n", "...\n",  "\xff",   "\xc3\xa4",
+        "\\",    "\\x",   "0x1",   "\r\n", "=",     "red"};
     std::mt19937 random(7);
     for (int i = 0; i < 20000; ++i) {
         std::string text = i % 2 == 0 ? "" : small;

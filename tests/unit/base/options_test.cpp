@@ -78,17 +78,21 @@ TEST(Parse, AValueOfTheWrongTypeIsAnError) {
     EXPECT_EQ(first("spare: red" + rest), "scene.yaml:1: spare = red: must be a block of keys.");
     EXPECT_EQ(first("side: {colour: [red]}" + rest),
               "scene.yaml:1: side.colour = [red]: must be one of red, green.");
-    EXPECT_EQ(first("parts: 5\n"), "scene.yaml:1: parts = 5: must be a list, each item starting with \"- \".");
+    EXPECT_EQ(first("parts: 5\n"),
+              "scene.yaml:1: parts = 5: must be a list, each item starting with \"- \".");
     EXPECT_EQ(first("parts: [5]\n"), "scene.yaml:1: parts.0 = 5: must be a block of keys.");
 }
 
 TEST(Parse, AWholeNumberIsWholeAndFits) {
-    const auto layers = [](const std::string& value) { return first("parts: []\nside: {layers: " + value + "}\n"); };
+    const auto layers = [](const std::string& value) {
+        return first("parts: []\nside: {layers: " + value + "}\n");
+    };
     EXPECT_EQ(layers("2.5"), "scene.yaml:2: side.layers = 2.5: must be a whole number.");
     EXPECT_EQ(layers("1e1"), "scene.yaml:2: side.layers = 1e1: must be a whole number.");
     EXPECT_EQ(layers("10"), "scene.yaml:2: side.layers = 10: must be in [1, 9].");
     EXPECT_EQ(layers("0"), "scene.yaml:2: side.layers = 0: must be in [1, 9].");
-    EXPECT_EQ(layers("99999999999999999999").rfind("scene.yaml:2: side.layers = 99999999999999999999: is too large", 0),
+    EXPECT_EQ(layers("99999999999999999999")
+                  .rfind("scene.yaml:2: side.layers = 99999999999999999999: is too large", 0),
               0u);
 }
 
@@ -100,24 +104,30 @@ TEST(Parse, ANumberOutOfRangeIsAnErrorWithItsReason) {
 }
 
 TEST(Parse, AWrongUnitIsAnErrorWithTheAcceptedOnes) {
-    EXPECT_EQ(first("parts: []\nwidth: 5 Pa.s\n"),
-              "scene.yaml:2: width = 5 Pa.s: must be a length [m]; \"Pa.s\" is the unit of a dynamic viscosity; "
-              "accepted units: m, cm, mm, um, km.");
-    EXPECT_EQ(first("parts: []\npull: [1, 2, 3 kg]\n").rfind("scene.yaml:2: pull.2 = 3 kg: must be an acceleration", 0),
+    EXPECT_EQ(
+        first("parts: []\nwidth: 5 Pa.s\n"),
+        "scene.yaml:2: width = 5 Pa.s: must be a length [m]; \"Pa.s\" is the unit of a dynamic viscosity; "
+        "accepted units: m, cm, mm, um, km.");
+    EXPECT_EQ(first("parts: []\npull: [1, 2, 3 kg]\n")
+                  .rfind("scene.yaml:2: pull.2 = 3 kg: must be an acceleration", 0),
               0u);
 }
 
 TEST(Parse, NonFiniteNumbersAreErrors) {
     for (const char* value : {".nan", ".inf", "-.inf", "1e999", "nan"}) {
-        EXPECT_NE(first("parts: []\nwidth: " + std::string(value) + "\n").find("must be finite"), std::string::npos);
+        EXPECT_NE(first("parts: []\nwidth: " + std::string(value) + "\n").find("must be finite"),
+                  std::string::npos);
     }
 }
 
 TEST(Parse, AVectorHasThreeNumbersInSpace) {
-    EXPECT_EQ(first("parts: []\npull: [1, 2]\n"), "scene.yaml:2: pull = [1, 2]: must be a list of 3 numbers; it has 2.");
+    EXPECT_EQ(first("parts: []\npull: [1, 2]\n"),
+              "scene.yaml:2: pull = [1, 2]: must be a list of 3 numbers; it has 2.");
     EXPECT_EQ(first("parts: []\npull: [1, 2, 3, 4]\n"),
               "scene.yaml:2: pull = [1, 2, 3, 4]: must be a list of 3 numbers; it has 4.");
-    EXPECT_EQ(first("parts: []\naxis: [0, 0, 0]\n").rfind("scene.yaml:2: axis = [0, 0, 0]: must not be zero", 0), 0u);
+    EXPECT_EQ(
+        first("parts: []\naxis: [0, 0, 0]\n").rfind("scene.yaml:2: axis = [0, 0, 0]: must not be zero", 0),
+        0u);
 }
 
 TEST(Parse, AKeyWithoutAValueIsAnErrorAtItsLine) {
@@ -158,8 +168,9 @@ TEST(Parse, ChecksAreSkippedWhenAValueCouldNotBeRead) {
 }
 
 TEST(Parse, AllProblemsComeAtOnceAndNothingIsChanged) {
-    const std::string text = "width: -1\nhollow: maybe\nside: {colour: blue}\nparts: [{mas: 1, box: {}}]\nfoo: 1\n"
-                             "title: a\ntitle: b\n";
+    const std::string text =
+        "width: -1\nhollow: maybe\nside: {colour: blue}\nparts: [{mas: 1, box: {}}]\nfoo: 1\n"
+        "title: a\ntitle: b\n";
     EXPECT_EQ(problems(text).size(), 6u);
     Sample sample;
     sample.title = "kept";
@@ -194,8 +205,11 @@ TEST(Parse, PlaneVectorsHaveTwoNumbers) {
     EXPECT_EQ(plane.axis, (Vec3{0, 0, 2}));
     EXPECT_EQ(effective(plane), "point: [1 m, 2 m]\naxis: [0, 0, 2]\n");
     EXPECT_EQ(plane_problem("point: [1, 2, 0]\n"), "");
-    EXPECT_EQ(plane_problem("point: [1, 2, 3]\n").rfind("scene.yaml:1: point = [1, 2, 3]: must have no third", 0), 0u);
-    EXPECT_EQ(plane_problem("point: [1]\n"), "scene.yaml:1: point = [1]: must be a list of 2 numbers; it has 1.");
+    EXPECT_EQ(
+        plane_problem("point: [1, 2, 3]\n").rfind("scene.yaml:1: point = [1, 2, 3]: must have no third", 0),
+        0u);
+    EXPECT_EQ(plane_problem("point: [1]\n"),
+              "scene.yaml:1: point = [1]: must be a list of 2 numbers; it has 1.");
 }
 
 } // namespace
