@@ -1,0 +1,197 @@
+#include "app/check_report.hpp"
+
+#include "app/build_scene.hpp"
+#include "app/estimates.hpp"
+#include "app/table_text.hpp"
+#include "base/text.hpp"
+
+#include <cmath>
+
+namespace treacle::app {
+
+namespace {
+
+// Above it a share of thin liquid is more than the rounding of edges and curved faces to the lattice.
+constexpr double notable_thin_share = 0.2;
+
+class Report {
+public:
+    explicit Report(const CheckedScene& scene)
+        : at_(scene), estimates_(estimate_run(scene.input, scene.geometry, scene.preview.liquid_count,
+                                              scene.preview.solid_count)) {}
+
+    std::vector<std::string> lines() {
+        domain();
+        liquids();
+        bodies();
+        particles();
+        steps();
+        numbers();
+        warnings();
+        return std::move(lines_);
+    }
+
+private:
+    void heading(const std::string& text) { lines_.push_back(text); }
+    void row(const std::string& name, const std::string& text) { lines_.push_back(label(name) + text); }
+    void warn(const std::string& text) { warnings_.push_back(text); }
+    const scene::Scene& scene() const { return at_.input.scene; }
+
+    void domain();
+    void liquids();
+    void bodies();
+    void mesh(const scene::SolidRegion& region, const std::string& owner);
+    void particles();
+    void steps();
+    void numbers();
+    void warnings();
+
+    CheckedScene at_;
+    Estimates estimates_;
+    std::vector<std::string> lines_, warnings_;
+};
+
+std::string edges(const Vec3& min, const Vec3& max, int dimensions) {
+    std::string out;
+    for (std::size_t k = 0; k < static_cast<std::size_t>(dimensions); ++k) {
+        out += (k ? " x " : "") + short_number(max[k] - min[k]);
+    }
+    return out + " m";
+}
+
+std::string side_text(const scene::Face& face) {
+    if (face.kind == scene::FaceKind::open) return "open";
+    if (face.kind == scene::FaceKind::periodic) return "periodic";
+    return face.slip == scene::Slip::no_slip ? "no-slip wall" : "free-slip wall";
+}
+
+std::string volume_text(double volume, int dimensions) {
+    if (!std::isfinite(volume)) return "unbounded";
+    return short_number(volume) + (dimensions == 3 ? " m3" : " m2");
+}
+
+void Report::domain() {
+    const auto& domain = scene().domain;
+    heading("scene: " + at_.path.string() + (scene().title.empty() ? "" : ", " + scene().title));
+    row("domain", edges(domain.min, domain.max, domain.dimensions) + ", spacing " + short_number(domain.spacing) + " m");
+    const auto names = load_names(at_.input);
+    for (std::size_t k = 0; k < 2 * static_cast<std::size_t>(domain.dimensions); ++k) {
+        row(names[k], side_text(domain.faces[k]));
+    }
+    for (std::size_t k = 0; k < static_cast<std::size_t>(domain.dimensions); ++k) {
+        if (domain.faces[2 * k].kind != scene::FaceKind::periodic && !at_.geometry.lattice.fits(static_cast<int>(k))) {
+            warn(std::string("domain: its length in ") + "xyz"[k] +
+                 " is no multiple of the spacing: liquid that touches both sides leaves a gap at one of them");
+        }
+    }
+}
+
+void Report::mesh(const scene::SolidRegion& region, const std::string& owner) {
+    if (!region.mesh()) return;
+    const auto& report = *region.mesh();
+    row("mesh of " + owner, report.path);
+    row("", "closed, " + std::to_string(report.components) + (report.components == 1 ? " part, " : " parts, ") +
+                grouped(report.triangles) + " triangles, " +
+                edges(report.bounds.min, report.bounds.max, 3) + ", volume " + volume_text(report.volume, 3));
+    for (const auto& note : report.notes()) row("", note);
+    if (report.thinnest < scene().domain.spacing) {
+        warn(owner + ": its mesh is in places thinner than the spacing (" + short_number(report.thinnest) +
+             " m): refine domain.spacing or thicken it");
+    }
+}
+
+void Report::liquids() {
+    heading("liquids");
+    for (std::size_t i = 0; i < scene().liquids.size(); ++i) {
+        const auto& liquid = scene().liquids[i];
+        row(liquid.name, short_number(liquid.density) + " kg/m3, " + short_number(liquid.viscosity) + " Pa s");
+        std::uint64_t count = 0;
+        for (const int which : at_.preview.liquid.liquids) count += which == static_cast<int>(i);
+        const double d = at_.preview.lattice.spacing;
+        const int dimensions = scene().domain.dimensions;
+        double shapes = 0;
+        for (const auto& region : at_.geometry.liquids[i]) shapes += region.volume();
+        row("", "its particles fill " + volume_text(static_cast<double>(count) * std::pow(d, dimensions), dimensions) +
+                    ", its shapes hold " + volume_text(shapes, dimensions));
+        for (const auto& region : at_.geometry.liquids[i]) mesh(region, "liquids." + liquid.name);
+    }
+}
+
+void Report::bodies() {
+    if (!scene().bodies.empty()) heading("bodies");
+    for (std::size_t i = 0; i < scene().bodies.size(); ++i) {
+        const auto& body = scene().bodies[i];
+        const auto& region = at_.geometry.bodies[i];
+        row(body.name, std::string(body.slip == scene::Slip::no_slip ? "no-slip" : "free-slip") + ", volume " +
+                           volume_text(region.volume(), scene().domain.dimensions));
+        mesh(region, "bodies." + body.name);
+    }
+    if (at_.preview.thin_solid > 0) {
+        warn("bodies: " + grouped(at_.preview.thin_solid) +
+             " solid particles are where a body is too thin for a layer on each side; liquid may feel it from behind");
+    }
+}
+
+void Report::particles() {
+    const std::string about = at_.preview.coarsening > 1 ? "about " : "";
+    heading("particles");
+    row("liquid", about + grouped(at_.preview.liquid_count));
+    row("solid", about + grouped(at_.preview.solid_count));
+    const auto per_rank = estimates_.bytes / at_.ranks;
+    row("memory", "about " + format_bytes(static_cast<std::uint64_t>(estimates_.bytes)) + " in all, " +
+                      format_bytes(static_cast<std::uint64_t>(per_rank)) + " on each of " +
+                      std::to_string(at_.ranks) + (at_.ranks == 1 ? " rank" : " ranks"));
+}
+
+std::string step_text(double step) { return std::isfinite(step) ? short_number(step) + " s" : "no limit"; }
+
+void Report::steps() {
+    const auto& time = scene().time;
+    heading("time");
+    row("end", short_number(time.end) + " s");
+    row("limit by speed", step_text(estimates_.courant_step) + " at " + short_number(estimates_.speed) + " m/s, " +
+                              (estimates_.initial_speed < estimates_.speed ? "sqrt(g H)" : "as at the start"));
+    row("limit by gravity", step_text(estimates_.gravity_step));
+    row("limit by viscosity", step_text(estimates_.viscous_step));
+    const bool fixed = time.rule == scene::StepRule::fixed;
+    row("step", (fixed ? "fixed, " : "about ") + step_text(estimates_.step) + ", " +
+                    (std::isfinite(estimates_.steps) ? grouped(static_cast<std::uint64_t>(estimates_.steps)) : "few") +
+                    " steps");
+    if (fixed && time.step > estimates_.courant_step) {
+        warn("time.step: particles at " + short_number(estimates_.speed) + " m/s move more than time.cfl spacings in a step");
+    }
+    if (!fixed && estimates_.step < time.min_step) {
+        warn("time.min_step: the first steps are expected to be smaller, and the run would end with exit code 3");
+    }
+    if (estimates_.viscous_step < 0.1 * std::min(estimates_.courant_step, estimates_.gravity_step)) {
+        warn("liquids: the explicit viscosity makes the time step " +
+             short_number(std::min(estimates_.courant_step, estimates_.gravity_step) / estimates_.viscous_step) +
+             " times smaller than the motion asks for");
+    }
+}
+
+void Report::numbers() {
+    heading("dimensionless numbers");
+    row("H, U", short_number(estimates_.length) + " m, " + short_number(estimates_.speed) + " m/s");
+    for (const auto& number : dimensionless_numbers(at_.input, estimates_)) {
+        row(number.name, short_number(number.value) + "  (" + number.formula + ")");
+    }
+}
+
+void Report::warnings() {
+    const auto shares = thin_shares(at_.preview, scene().liquids.size());
+    for (std::size_t i = 0; i < shares.size(); ++i) {
+        if (shares[i] <= notable_thin_share) continue;
+        warn("liquids." + scene().liquids[i].name + ": " + short_number(std::round(100 * shares[i])) +
+             " % of it is thinner than three spacings: refine domain.spacing");
+    }
+    for (const auto& note : at_.geometry.notes) warn(note);
+    for (const auto& text : warnings_) lines_.push_back("warning: " + text);
+    if (warnings_.empty()) lines_.emplace_back("no warnings");
+}
+
+} // namespace
+
+std::vector<std::string> check_report(const CheckedScene& scene) { return Report(scene).lines(); }
+
+} // namespace treacle::app

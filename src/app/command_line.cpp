@@ -1,0 +1,368 @@
+#include "app/command_line.hpp"
+
+#include "app/check.hpp"
+#include "app/export_frames.hpp"
+#include "app/info.hpp"
+#include "app/manual.hpp"
+#include "app/render.hpp"
+#include "app/run.hpp"
+#include "base/text.hpp"
+#include "base/units.hpp"
+#include "scene/materials.hpp"
+
+#include <CLI/CLI.hpp>
+
+#include <algorithm>
+#include <cstdio>
+#include <memory>
+
+namespace treacle::app {
+
+namespace {
+
+using Words = std::vector<std::string>;
+using Command = std::function<ExitCode(const Comm&)>;
+
+// What a subcommand fills in; `make` turns it into the command when all is read.
+struct Chosen {
+    std::string petsc;
+    std::function<Command()> make;
+};
+
+Command print(const std::string& text) {
+    return [text](const Comm& comm) {
+        if (comm.is_root()) std::fputs(text.c_str(), stdout);
+        return ExitCode::ok;
+    };
+}
+
+// A scene's file, or the scene.yaml in a folder. Collective.
+std::filesystem::path find_scene(const Comm& comm, const std::string& name) {
+    std::filesystem::path path = name;
+    comm.guard_root([&] {
+        if (std::filesystem::is_directory(path)) path /= "scene.yaml";
+        if (std::filesystem::exists(path)) return;
+        throw InputError({path.string(), "there is no such file", "a scene is a YAML file, or a folder with scene.yaml",
+                          "`treacle schema` describes it"});
+    });
+    return comm.broadcast(path.string());
+}
+
+double read_wall_limit(const std::string& text) {
+    if (text.empty()) return 0;
+    const auto read = read_quantity(text, unit::time);
+    if (const auto* complaint = std::get_if<Complaint>(&read)) {
+        throw InputError({"--wall-limit " + text, complaint->must, complaint->reason, complaint->cure});
+    }
+    const double seconds = std::get<double>(read);
+    if (seconds > 0) return seconds;
+    throw InputError({"--wall-limit " + text, "must be > 0", "it is a length of time", "write for instance 2h"});
+}
+
+struct SourceWords {
+    std::string scene;
+    Words overrides, data;
+
+    InputSource source(const Comm& comm) const {
+        return {find_scene(comm, scene), overrides, {data.begin(), data.end()}};
+    }
+};
+
+// One value each time, so that what follows is not taken for another one.
+void add_repeated(CLI::App& app, const std::string& name, Words& values, const std::string& doc) {
+    app.add_option(name, values, doc + " May be given several times.")->allow_extra_args(false);
+}
+
+void add_source(CLI::App& app, SourceWords& words) {
+    app.add_option("scene", words.scene, "YAML file, or a folder with scene.yaml")->required()->type_name("SCENE");
+    add_repeated(app, "--set", words.overrides, "Override a key of the scene: a.b.c=value.");
+    add_repeated(app, "--data", words.data, "Folder in which meshes are looked up.");
+}
+
+void add_petsc(CLI::App& app, Chosen& chosen) {
+    app.add_option("--petsc", chosen.petsc, "Options for PETSc, as in \"-pressure_pc_type sor -log_view\"")
+        ->type_name("OPTIONS");
+}
+
+void add_run(CLI::App& program, Chosen& chosen, const Words& arguments) {
+    struct Words_ : SourceWords {
+        std::string out, wall_limit;
+        bool overwrite = false;
+    };
+    auto words = std::make_shared<Words_>();
+    auto& app = *program.add_subcommand("run", "Run a scene; under mpirun on all its ranks.");
+    add_source(app, *words);
+    app.add_option("--out", words->out, "Folder for the results (default: out/NAME)")->type_name("DIR");
+    app.add_flag("--overwrite", words->overwrite, "Replace the results of an earlier run in that folder");
+    app.add_option("--wall-limit", words->wall_limit,
+                   "Stop with a checkpoint after this time of the clock, as in 2h; exit code 5")
+        ->type_name("TIME");
+    add_petsc(app, chosen);
+    app.callback([words, arguments, &chosen] {
+        chosen.make = [words, arguments]() -> Command {
+            const double limit = read_wall_limit(words->wall_limit);
+            return [words, arguments, limit](const Comm& comm) {
+                RunRequest request;
+                request.source = words->source(comm);
+                request.out = words->out;
+                request.existing = words->overwrite ? io::ExistingFiles::overwrite : io::ExistingFiles::refuse;
+                request.wall_limit = limit;
+                request.command = arguments;
+                return run_scene(comm, request);
+            };
+        };
+    });
+}
+
+void add_resume(CLI::App& program, Chosen& chosen, const Words& arguments) {
+    struct Words_ {
+        std::string folder, wall_limit;
+        Words data;
+    };
+    auto words = std::make_shared<Words_>();
+    auto& app = *program.add_subcommand("resume", "Go on from the newest valid checkpoint, on any number of ranks.");
+    app.add_option("folder", words->folder, "Folder of a run")->required()->type_name("DIR");
+    add_repeated(app, "--data", words->data, "Folder in which meshes are looked up.");
+    app.add_option("--wall-limit", words->wall_limit, "Stop with a checkpoint after this time of the clock")
+        ->type_name("TIME");
+    add_petsc(app, chosen);
+    app.callback([words, arguments, &chosen] {
+        chosen.make = [words, arguments]() -> Command {
+            ResumeRequest request{words->folder, {words->data.begin(), words->data.end()},
+                                  read_wall_limit(words->wall_limit), arguments};
+            return [request](const Comm& comm) { return resume_run(comm, request); };
+        };
+    });
+}
+
+void add_check(CLI::App& program, Chosen& chosen) {
+    struct Words_ : SourceWords {
+        std::string picture;
+    };
+    auto words = std::make_shared<Words_>();
+    auto& app = *program.add_subcommand("check", "Everything short of running: keys, files, meshes, overlaps, "
+                                                 "particles, memory, time step, dimensionless numbers.");
+    add_source(app, *words);
+    app.add_option("--picture", words->picture, "Draw the particles at the start into this PNG")->type_name("FILE");
+    app.callback([words, &chosen] {
+        chosen.make = [words]() -> Command {
+            return [words](const Comm& comm) { return check_scene(comm, {words->source(comm), words->picture}); };
+        };
+    });
+}
+
+enum class SchemaForm { text, json };
+
+void add_manuals(CLI::App& program, Chosen& chosen) {
+    struct Words_ {
+        std::string key;
+        bool json = false;
+    };
+    auto words = std::make_shared<Words_>();
+    auto& app = *program.add_subcommand("schema", "The manual of the scene file.");
+    auto* key = app.add_option("key", words->key, "One key or block, such as liquids.viscosity")->type_name("KEY");
+    app.add_flag("--json", words->json, "A JSON Schema, for editors")->excludes(key);
+    app.callback([words, &chosen] {
+        chosen.make = [words]() -> Command { return print(words->json ? schema_json() : schema_text(words->key)); };
+    });
+    program.add_subcommand("materials", "Presets of liquids, with their sources.")->callback([&chosen] {
+        chosen.make = [] { return print(scene::materials_table()); };
+    });
+}
+
+void add_info(CLI::App& program, Chosen& chosen) {
+    auto path = std::make_shared<std::string>();
+    auto& app = *program.add_subcommand("info", "What a frame, a checkpoint or a run's folder holds.");
+    app.add_option("path", *path, "A .hdf, .hdf.series or .h5 file, or the folder of a run")
+        ->required()
+        ->type_name("FILE|DIR");
+    app.callback([path, &chosen] {
+        chosen.make = [path]() -> Command { return [path](const Comm& comm) { return show_info(comm, *path); }; };
+    });
+}
+
+constexpr const char* frames_doc = "first:last:stride, from 0, last included, negative from the end";
+
+void add_export(CLI::App& program, Chosen& chosen) {
+    struct Words_ {
+        std::string source, format, frames, out;
+    };
+    auto words = std::make_shared<Words_>();
+    auto& app = *program.add_subcommand("export", "Convert frames for other programs; frames are shared out over ranks.");
+    app.add_option("source", words->source, "Folder of a run, or one frame")->required()->type_name("DIR|FRAME");
+    app.add_option("--to", words->format, "ply, vtp or csv")->required()->type_name("FORMAT");
+    app.add_option("--frames", words->frames, frames_doc)->type_name("A:B:C");
+    app.add_option("--out", words->out, "Folder (default: exports/ in that of the run, or beside the frame)")
+        ->type_name("DIR");
+    app.callback([words, &chosen] {
+        chosen.make = [words]() -> Command {
+            return [words](const Comm& comm) {
+                return export_frames(comm, {words->source, words->format, words->frames, words->out});
+            };
+        };
+    });
+}
+
+struct RenderWords {
+    std::string folder, field = "speed", map = "viridis", range, camera, style = "spheres", background = "white";
+    std::string frames, size, movie, out;
+    double frames_per_second = 0;
+    bool no_movie = false;
+};
+
+RenderRequest render_request(const RenderWords& words) {
+    RenderRequest request;
+    request.folder = words.folder;
+    request.field = words.field;
+    request.map = words.map == "viridis" ? video::ColourMap::viridis : video::ColourMap::diverging;
+    if (!words.range.empty()) request.range = read_value_range(words.range);
+    request.camera = words.camera;
+    request.look = words.style == "spheres" ? video::Look::spheres : video::Look::surface;
+    request.background = words.background == "white" ? video::Background::white : video::Background::dark;
+    request.frames = words.frames;
+    request.frames_per_second = words.frames_per_second;
+    if (!words.size.empty()) request.size = read_picture_size(words.size);
+    request.movie = words.no_movie ? Movie::leave_out : Movie::write;
+    request.movie_file = words.movie;
+    request.out = words.out;
+    return request;
+}
+
+void add_render(CLI::App& program, Chosen& chosen) {
+    auto words = std::make_shared<RenderWords>();
+    auto& app = *program.add_subcommand("render", "Draw the frames of a run: a PNG each, and a movie; frames are "
+                                                  "shared out over ranks.");
+    app.add_option("folder", words->folder, "Folder of a run")->required()->type_name("DIR");
+    app.add_option("--field", words->field, "What colours the particles: speed (default), pressure, density, ...")
+        ->type_name("NAME");
+    app.add_option("--colour-map,--color-map", words->map, "viridis (default) or diverging")
+        ->check(CLI::IsMember({"viridis", "diverging"}))
+        ->type_name("MAP");
+    app.add_option("--range", words->range, "Values of the ends of the colours (default: from all frames)")
+        ->type_name("LOW:HIGH");
+    app.add_option("--camera", words->camera, "A camera of the scene, or automatic (default: the first one)")
+        ->type_name("NAME");
+    app.add_option("--style", words->style, "spheres (default) or surface")
+        ->check(CLI::IsMember({"spheres", "surface"}))
+        ->type_name("STYLE");
+    app.add_option("--background", words->background, "white (default) or dark")
+        ->check(CLI::IsMember({"white", "dark"}))
+        ->type_name("COLOUR");
+    app.add_option("--frames", words->frames, frames_doc)->type_name("A:B:C");
+    app.add_option("--fps", words->frames_per_second, "Frames per second of the movie (default: real time, 10 to 60)")
+        ->check(CLI::Range(0.1, 1000.0))
+        ->type_name("NUMBER");
+    app.add_option("--size", words->size, "Of the pictures in pixels (default: the camera's)")->type_name("WxH");
+    auto* movie = app.add_option("--movie", words->movie, "MP4 (default: CAMERA_FIELD.mp4 beside the pictures)")
+                      ->type_name("FILE");
+    app.add_flag("--no-movie", words->no_movie, "Pictures only")->excludes(movie);
+    app.add_option("--out", words->out, "Folder (default: pictures/ in that of the run)")->type_name("DIR");
+    app.callback([words, &chosen] {
+        chosen.make = [words]() -> Command {
+            return [request = render_request(*words)](const Comm& comm) { return render_run(comm, request); };
+        };
+    });
+}
+
+void add_commands(CLI::App& program, Chosen& chosen, const Words& arguments) {
+    add_run(program, chosen, arguments);
+    add_resume(program, chosen, arguments);
+    add_check(program, chosen);
+    add_manuals(program, chosen);
+    add_info(program, chosen);
+    add_export(program, chosen);
+    add_render(program, chosen);
+}
+
+constexpr const char* exit_codes = R"(
+Exit codes: 0 ok, 2 bad input, 3 the simulation failed, 4 out of memory, 5 stopped with a checkpoint.
+`treacle COMMAND --help` shows the options of a command, `treacle schema` the keys of a scene.)";
+
+// A value that starts with '-' would be taken for an option unless it is joined to its own.
+Words join_values(const Words& arguments) {
+    Words out;
+    for (std::size_t i = 0; i < arguments.size(); ++i) {
+        const auto& word = arguments[i];
+        const bool takes = word == "--petsc" || word == "--frames" || word == "--range";
+        if (takes && i + 1 < arguments.size()) {
+            out.push_back(word + "=" + arguments[++i]);
+        } else {
+            out.push_back(word);
+        }
+    }
+    return out;
+}
+
+Words command_names(const CLI::App& program) {
+    Words names;
+    for (const auto* app : program.get_subcommands([](const CLI::App*) { return true; })) names.push_back(app->get_name());
+    return names;
+}
+
+Words option_names(const CLI::App& app) {
+    Words names;
+    for (const auto* option : app.get_options()) {
+        for (const auto& name : option->get_lnames()) names.push_back("--" + name);
+    }
+    return names;
+}
+
+std::string suggestion(const std::string& word, const Words& known) {
+    const auto close = nearest(word, known);
+    return close ? "did you mean " + *close + "?" : "";
+}
+
+InputError unknown_command(const std::string& word, const Words& known) {
+    const auto close = suggestion(word, known);
+    return InputError({"treacle", word + " is no command" + (close.empty() ? "" : "; " + close),
+                       "there are " + join(known, ", "), "`treacle --help` describes them"});
+}
+
+InputError explain(const CLI::App& app, const CLI::ParseError& error) {
+    const std::string where = "treacle " + app.get_name();
+    const std::string cure = "`" + where + " --help` shows what it takes";
+    const auto extras = app.remaining(true);
+    if (dynamic_cast<const CLI::ExtrasError*>(&error) == nullptr || extras.empty()) {
+        return InputError({where, error.what(), "", cure});
+    }
+    const auto word = extras.front().substr(0, extras.front().find('='));
+    if (word.front() != '-') return InputError({where, "too many arguments: " + word, "", cure});
+    const auto close = suggestion(word, option_names(app));
+    return InputError({where, word + " is no option of it" + (close.empty() ? "" : "; " + close), "", cure});
+}
+
+} // namespace
+
+CommandLine read_command_line(const Words& arguments) {
+    Chosen chosen;
+    CLI::App program("Viscous liquids with free surfaces and solid bodies.", "treacle");
+    program.footer(exit_codes);
+    program.require_subcommand(0, 1);
+    program.set_help_flag("-h,--help", "This text");
+    bool version = false;
+    program.add_flag("--version", version, "Version of the program, its sources, compiler and libraries");
+    add_commands(program, chosen, arguments);
+    if (arguments.size() < 2) return {"", print(program.help())};
+    auto words = join_values({arguments.begin() + 1, arguments.end()});
+    const auto known = command_names(program);
+    if (words.front().front() != '-' && std::ranges::find(known, words.front()) == known.end()) {
+        throw unknown_command(words.front(), known);
+    }
+    std::ranges::reverse(words);
+    const auto used = [&]() -> const CLI::App& {
+        const auto parsed = program.get_subcommands();
+        return parsed.empty() ? program : *parsed.front();
+    };
+    try {
+        program.parse(std::move(words));
+    } catch (const CLI::CallForHelp&) {
+        return {"", print(used().help(&used() == &program ? "" : "treacle " + used().get_name()))};
+    } catch (const CLI::ParseError& error) {
+        throw explain(used(), error);
+    }
+    if (version) return {"", [](const Comm& comm) { return print(version_text())(comm); }};
+    if (!chosen.make) return {"", print(program.help())};
+    return {chosen.petsc, chosen.make()};
+}
+
+} // namespace treacle::app

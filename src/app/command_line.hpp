@@ -1,0 +1,21 @@
+#pragma once
+#include "base/error.hpp"
+#include "mpi/comm.hpp"
+
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace treacle::app {
+
+// What the command line asks for.
+struct CommandLine {
+    std::string petsc;                             // options for PETSc
+    std::function<ExitCode(const Comm&)> command;  // collective
+};
+
+// The same on every rank. Throws InputError for an unknown command or option, with the nearest known one.
+// Help and version are commands that print.
+CommandLine read_command_line(const std::vector<std::string>& arguments);
+
+} // namespace treacle::app

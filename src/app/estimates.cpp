@@ -1,0 +1,94 @@
+#include "app/estimates.hpp"
+
+#include "sph/forces.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace treacle::app {
+
+namespace {
+
+constexpr double infinite = std::numeric_limits<double>::infinity();
+
+double length_of(const Vec3& v) { return std::hypot(v[0], v[1], v[2]); }
+
+// The box that the liquids fill of the domain at the start.
+scene::Bounds liquid_box(const Input& input, const Geometry& geometry) {
+    const auto& domain = input.scene.domain;
+    scene::Bounds box{{infinite, infinite, infinite}, {-infinite, -infinite, -infinite}};
+    for (const auto& liquid : geometry.liquids) {
+        for (const auto& region : liquid) {
+            const auto part = region.bounds();
+            for (std::size_t k = 0; k < 3; ++k) {
+                box.min[k] = std::min(box.min[k], std::max(part.min[k], domain.min[k]));
+                box.max[k] = std::max(box.max[k], std::min(part.max[k], domain.max[k]));
+            }
+        }
+    }
+    return box;
+}
+
+double typical_length(const Input& input, const Geometry& geometry) {
+    const auto& domain = input.scene.domain;
+    const auto box = liquid_box(input, geometry);
+    const double pull = length_of(domain.gravity);
+    double along = 0, longest = 0;
+    for (std::size_t k = 0; k < static_cast<std::size_t>(domain.dimensions); ++k) {
+        const double edge = std::max(0.0, box.max[k] - box.min[k]);
+        if (pull > 0) along += std::abs(domain.gravity[k]) / pull * edge;
+        longest = std::max(longest, edge);
+    }
+    return pull > 0 ? along : longest;
+}
+
+} // namespace
+
+Estimates estimate_run(const Input& input, const Geometry& geometry, std::uint64_t liquid, std::uint64_t solid) {
+    const auto& scene = input.scene;
+    const double pull = length_of(scene.domain.gravity);
+    const double d = scene.domain.spacing;
+    Estimates out;
+    out.length = typical_length(input, geometry);
+    for (const auto& one : scene.liquids) out.initial_speed = std::max(out.initial_speed, length_of(one.velocity));
+    out.speed = std::max(out.initial_speed, std::sqrt(pull * out.length));
+    out.courant_step = out.speed > 0 ? scene.time.cfl * d / out.speed : infinite;
+    out.gravity_step = pull > 0 ? scene.time.cfl * std::sqrt(d / pull) : infinite;
+    out.viscous_step = sph::viscous_step_limit(make_constants(input), scene.liquids.front().viscosity);
+    if (scene.time.rule == scene::StepRule::fixed) {
+        out.step = scene.time.step;
+    } else {
+        out.step = std::min({out.courant_step, out.gravity_step, out.viscous_step,
+                             scene.time.step > 0 ? scene.time.step : infinite});
+    }
+    out.steps = std::ceil(scene.time.end / out.step);
+    out.bytes = bytes_per_particle(input) * static_cast<double>(liquid) + 200.0 * static_cast<double>(solid);
+    return out;
+}
+
+std::vector<DimensionlessNumber> dimensionless_numbers(const Input& input, const Estimates& estimates) {
+    const auto& liquid = input.scene.liquids.front();
+    const double pull = length_of(input.scene.domain.gravity);
+    const double length = estimates.length, speed = estimates.speed;
+    std::vector<DimensionlessNumber> out;
+    if (liquid.viscosity > 0 && speed > 0) {
+        out.push_back({"Reynolds number", "rho U H / mu", liquid.density * speed * length / liquid.viscosity});
+    }
+    if (pull > 0 && estimates.initial_speed > 0) {
+        out.push_back({"Froude number", "U0 / sqrt(g H)", estimates.initial_speed / std::sqrt(pull * length)});
+    }
+    if (liquid.surface_tension > 0) {
+        const double tension = liquid.surface_tension;
+        if (pull > 0) out.push_back({"Bond number", "rho g H^2 / sigma", liquid.density * pull * length * length / tension});
+        if (speed > 0) {
+            out.push_back({"Weber number", "rho U^2 H / sigma", liquid.density * speed * speed * length / tension});
+        }
+        if (liquid.viscosity > 0 && speed > 0) {
+            out.push_back({"capillary number", "mu U / sigma", liquid.viscosity * speed / tension});
+        }
+    }
+    return out;
+}
+
+} // namespace treacle::app

@@ -1,0 +1,42 @@
+#pragma once
+#include "app/input.hpp"
+#include "io/frame.hpp"
+#include "io/run_folder.hpp"
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace treacle::app {
+
+// Which frames of a series: "first:last:stride", counted from 0, `last` included, negative from the end; any
+// part may be left out, and a single number is one frame.
+struct FrameRange {
+    std::optional<std::int64_t> first, last;
+    std::int64_t stride = 1;
+};
+
+// Throws InputError for what is no range.
+FrameRange read_frame_range(const std::string& text);
+
+// The places in a series of `count` frames. Throws InputError for a place that there is not, and for none.
+std::vector<std::size_t> pick_frames(const FrameRange& range, std::size_t count);
+
+// A finished or running run, opened to look at: its scene, its frames.
+struct RunView {
+    io::RunFolder folder;
+    Input input;                         // of effective.yaml
+    std::vector<io::SeriesEntry> frames; // of the liquid, by time; may be empty
+    std::optional<std::filesystem::path> solids; // frame of the solids' particles
+
+    std::filesystem::path frame(std::size_t i) const { return folder.frames() / frames[i].file; }
+};
+
+// Collective. Throws InputError on every rank when it is no run's folder.
+RunView open_run(const Comm& comm, const std::filesystem::path& path);
+
+// Throws InputError when the run has no frame.
+void require_frames(const RunView& run);
+
+} // namespace treacle::app

@@ -1,0 +1,58 @@
+#include "app/command_line.hpp"
+#include "app/end_together.hpp"
+#include "kokkos/runtime.hpp"
+#include "solve/runtime.hpp"
+
+#include <cstdio>
+#include <cstring>
+#include <optional>
+
+namespace {
+
+using namespace treacle;
+
+// Kokkos takes options of its own, and would answer --help.
+void split_arguments(int argc, char** argv, std::vector<std::string>& ours, std::vector<char*>& of_kokkos) {
+    for (int i = 0; i < argc; ++i) {
+        const bool kokkos = std::strncmp(argv[i], "--kokkos-", 9) == 0;
+        if (kokkos || i == 0) of_kokkos.push_back(argv[i]);
+        if (!kokkos) ours.emplace_back(argv[i]);
+    }
+    of_kokkos.push_back(nullptr);
+}
+
+void warn_of_unused(const Comm& comm, const solve::SolveRuntime& petsc) {
+    if (!comm.is_root()) return;
+    for (const auto& option : petsc.unused_options()) {
+        std::fprintf(stderr, "warning: nothing has asked for the PETSc option %s\n", option.c_str());
+    }
+}
+
+ExitCode run_program(const Comm& comm, const std::vector<std::string>& arguments) {
+    app::CommandLine line;
+    std::optional<solve::SolveRuntime> petsc;
+    const auto code = app::end_together(comm, [&] {
+        line = app::read_command_line(arguments);
+        petsc.emplace(line.petsc);
+        return ExitCode::ok;
+    });
+    if (code != ExitCode::ok) return code;
+    return app::end_together(comm, [&] {
+        const auto result = line.command(comm);
+        if (!line.petsc.empty()) warn_of_unused(comm, *petsc);
+        return result;
+    });
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+    const MpiRuntime mpi(argc, argv);
+    const Comm comm = Comm::world();
+    std::vector<std::string> arguments;
+    std::vector<char*> of_kokkos;
+    split_arguments(argc, argv, arguments, of_kokkos);
+    int count = static_cast<int>(of_kokkos.size()) - 1;
+    const KokkosRuntime kokkos(count, of_kokkos.data());
+    return static_cast<int>(run_program(comm, arguments));
+}

@@ -1,0 +1,77 @@
+#include "app/picture.hpp"
+
+#include "app/geometry.hpp"
+#include "base/error.hpp"
+#include "base/text.hpp"
+
+#include <algorithm>
+#include <cstdio>
+
+namespace treacle::app {
+
+video::DomainBox domain_box(const scene::Domain& domain) { return {domain.min, domain.max, domain.dimensions}; }
+
+PictureSize read_picture_size(const std::string& text) {
+    PictureSize size;
+    char rest = 0;
+    const int read = std::sscanf(text.c_str(), "%5dx%5d%c", &size.width, &size.height, &rest);
+    const auto fits = [](int pixels) { return pixels >= 16 && pixels <= 16384; };
+    if (read != 2 || !fits(size.width) || !fits(size.height)) {
+        throw InputError({"--size " + text, "is no size of a picture", "both sides have 16 to 16384 pixels",
+                          "write for instance 1920x1080"});
+    }
+    return size;
+}
+
+scene::Camera find_camera(const scene::Scene& scene, const std::string& name) {
+    if (name == "automatic" || (name.empty() && scene.cameras.empty())) {
+        scene::Camera camera;
+        camera.name = name.empty() ? camera.name : name;
+        return camera;
+    }
+    if (name.empty()) return scene.cameras.front();
+    std::vector<std::string> names;
+    for (const auto& camera : scene.cameras) {
+        if (camera.name == name) return camera;
+        names.push_back(camera.name);
+    }
+    names.emplace_back("automatic");
+    const auto close = nearest(name, names);
+    throw InputError({"--camera " + name,
+                      "the scene has no such camera" + (close ? "; did you mean " + *close + "?" : std::string()),
+                      "there are " + join(names, ", "), ""});
+}
+
+video::View view_of(const scene::Camera& camera, const scene::Domain& domain, const PictureSize& size) {
+    const int width = size.width > 0 ? size.width : camera.width;
+    const int height = size.height > 0 ? size.height : camera.height;
+    if (camera.automatic) return video::automatic_view(domain_box(domain), width, height);
+    video::View view;
+    view.position = camera.position;
+    view.target = camera.target;
+    view.up = camera.up;
+    view.vertical_field_of_view = camera.field_of_view;
+    view.width = width;
+    view.height = height;
+    return view;
+}
+
+void SolidPoints::add(const Vec3& position, int body) {
+    auto& points = body < domain_sides ? walls : bodies;
+    points.insert(points.end(), position.begin(), position.end());
+}
+
+void add_solid_layers(const SolidPoints& points, double spacing, std::vector<video::ParticleLayer>& layers) {
+    const auto add = [&](video::LayerKind kind, const char* name, const std::vector<double>& positions) {
+        if (positions.empty()) return;
+        auto& layer = layers.emplace_back();
+        layer.kind = kind;
+        layer.name = name;
+        layer.positions = positions;
+        layer.radius = spacing / 2;
+    };
+    add(video::LayerKind::wall, "walls", points.walls);
+    add(video::LayerKind::body, "bodies", points.bodies);
+}
+
+} // namespace treacle::app

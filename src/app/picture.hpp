@@ -1,0 +1,35 @@
+#pragma once
+#include "app/input.hpp"
+#include "video/rasteriser.hpp"
+
+#include <string>
+#include <vector>
+
+namespace treacle::app {
+
+// How a scene is seen, shared by the pictures of `check` and `render`.
+
+video::DomainBox domain_box(const scene::Domain& domain);
+
+struct PictureSize {
+    int width = 0, height = 0; // [pixels]; 0: the camera's
+};
+
+// "1280x720"; throws InputError for anything else.
+PictureSize read_picture_size(const std::string& text);
+
+// The scene's camera of that name; "": its first one, or a view of the whole domain when it has none;
+// "automatic": that view. Throws InputError that lists the names when there is no such camera.
+scene::Camera find_camera(const scene::Scene& scene, const std::string& name);
+video::View view_of(const scene::Camera& camera, const scene::Domain& domain, const PictureSize& size);
+
+// The particles of solids, parted into the walls of the domain and bodies.
+struct SolidPoints {
+    std::vector<double> walls, bodies; // [n][3] [m]
+
+    void add(const Vec3& position, int body); // body: as in a frame of solids
+};
+// Layers over the points, which must stay.
+void add_solid_layers(const SolidPoints& points, double spacing, std::vector<video::ParticleLayer>& layers);
+
+} // namespace treacle::app

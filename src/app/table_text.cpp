@@ -1,0 +1,27 @@
+#include "app/table_text.hpp"
+
+#include <cstdio>
+
+namespace treacle::app {
+
+std::string label(const std::string& text) {
+    std::string out = "  " + text + " ";
+    if (out.size() < 24) out.resize(24, ' ');
+    return out;
+}
+
+std::string short_number(double value) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%.4g", value);
+    return text;
+}
+
+std::string grouped(std::uint64_t count) {
+    std::string out = std::to_string(count);
+    for (auto place = static_cast<int>(out.size()) - 3; place > 0; place -= 3) {
+        out.insert(static_cast<std::size_t>(place), " ");
+    }
+    return out;
+}
+
+} // namespace treacle::app
