@@ -30,7 +30,7 @@ constexpr std::array presets{
     Material{"motor_oil_sae10", 870, 0.104, 0.036, celsius(20), sae},
     Material{"motor_oil_sae30", 891, 0.29, 0.035, celsius(20), sae},
     Material{"motor_oil_sae50", 902, 0.86, 0.035, celsius(20), sae},
-    Material{"olive_oil", 912, 0.084, 0.032, celsius(20), "typical of food engineering tables, within 10 %"},
+    Material{"olive_oil", 912, 0.084, 0.032, celsius(20), "typical of food engineering tables"},
     Material{"honey", 1420, 10, 0.055, celsius(22),
              "typical for 17 to 18 % water; a degree changes the viscosity by about 10 %, 1 % of water by a "
              "third"},
