@@ -13,6 +13,7 @@ namespace treacle::scene {
 // Points in the cells of a hashed grid.
 class PointGrid {
 public:
+    using Cell = std::array<std::int64_t, 3>;
     PointGrid(double cell, std::size_t expected);
     void add(const Vec3& x);
     const std::vector<Vec3>& points() const { return points_; }
@@ -20,16 +21,15 @@ public:
     template <class Visit>
     void visit_near(const Vec3& x, Visit&& visit) const {
         const auto c = cell_of(x);
-        for (std::int64_t k = -1; k <= 1; ++k)
-            for (std::int64_t j = -1; j <= 1; ++j)
-                for (std::int64_t i = -1; i <= 1; ++i)
-                    for (int p = first({c[0] + i, c[1] + j, c[2] + k}); p >= 0; p = next_[p]) visit(p, points_[p]);
+        for (int n = 0; n < 27; ++n) {
+            const Cell cell{c[0] + n % 3 - 1, c[1] + n / 3 % 3 - 1, c[2] + n / 9 - 1};
+            for (int p = first(cell); p >= 0; p = next_[p]) visit(p, points_[p]);
+        }
     }
     // Whether a point lies nearer than `radius` <= cell to x.
     bool any_within(const Vec3& x, double radius) const;
 
 private:
-    using Cell = std::array<std::int64_t, 3>;
     Cell cell_of(const Vec3& x) const;
     int first(const Cell& cell) const;
     std::size_t slot_of(const Cell& cell) const;
@@ -38,7 +38,7 @@ private:
     double cell_;
     std::vector<Vec3> points_;
     std::vector<int> next_;
-    std::vector<int> head_;   // open addressing; -1: free
+    std::vector<int> head_; // open addressing; -1: free
     std::vector<Cell> keys_;
     std::size_t used_ = 0;
 };
@@ -46,10 +46,12 @@ private:
 // Poisson-disk elimination of candidates in a fixed order, then repulsion along the surface.
 class EvenLayer {
 public:
-    using Project = std::function<std::optional<Vec3>(const Vec3&)>; // back onto the surface
+    // Back onto the surface, to within the tolerance [m]; nothing where that fails.
+    using Project = std::function<std::optional<Vec3>(const Vec3&, double tolerance)>;
     EvenLayer(double spacing, Project project) : spacing_(spacing), project_(std::move(project)) {}
 
-    void choose(const std::vector<Vec3>& candidates);
+    // Of the fixed ones those that are chosen keep their place.
+    void choose(const std::vector<Vec3>& candidates, const std::vector<Vec3>& fixed = {});
     void relax();
     // Adds those candidates that are still uncovered.
     void fill(const std::vector<Vec3>& candidates);
@@ -63,6 +65,7 @@ private:
 
     double spacing_;
     Project project_;
+    std::size_t fixed_ = 0; // the first points
     std::optional<PointGrid> grid_;
 };
 

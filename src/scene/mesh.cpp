@@ -28,7 +28,9 @@ public:
         while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
         return i;
     }
-    void join(std::size_t a, std::size_t b) { parent_[std::max(find(a), find(b))] = std::min(find(a), find(b)); }
+    void join(std::size_t a, std::size_t b) {
+        parent_[std::max(find(a), find(b))] = std::min(find(a), find(b));
+    }
 
 private:
     std::vector<std::size_t> parent_;
@@ -50,7 +52,8 @@ void weld(TriangleMesh& mesh, MeshReport& report) {
     const double bin = std::max(1e3 * tolerance, 1e-300);
     const auto hash = [](std::int64_t i, std::int64_t j, std::int64_t k) {
         std::uint64_t h = 0;
-        for (const std::int64_t v : {i, j, k}) h = (h ^ static_cast<std::uint64_t>(v)) * 0x9E3779B97F4A7C15ull;
+        for (const std::int64_t v : {i, j, k})
+            h = (h ^ static_cast<std::uint64_t>(v)) * 0x9E3779B97F4A7C15ull;
         return h;
     };
     const auto index = [&](double x, int a) {
@@ -86,9 +89,9 @@ void weld(TriangleMesh& mesh, MeshReport& report) {
 }
 
 struct Edge {
-    int low = 0, high = 0;  // vertices
+    int low = 0, high = 0; // vertices
     int triangle = 0;
-    bool forward = true;    // the triangle runs from low to high
+    bool forward = true; // the triangle runs from low to high
 };
 
 // All edges of all triangles; those between the same vertices are neighbours.
@@ -236,18 +239,21 @@ std::vector<std::string> MeshReport::notes() const {
     std::vector<std::string> result;
     if (welded > 0) result.push_back(std::to_string(welded) + " vertices merged with equal ones");
     if (degenerate > 0) result.push_back(std::to_string(degenerate) + " triangles without area left out");
-    if (turned > 0) result.push_back(std::to_string(turned) + " triangles turned round to agree with their neighbours");
+    if (turned > 0)
+        result.push_back(std::to_string(turned) + " triangles turned round to agree with their neighbours");
     if (inside_out) result.push_back("all triangles faced inwards and were turned round");
-    if (shared_edges > 0) result.push_back(std::to_string(shared_edges) + " edges belong to more than two triangles");
+    if (shared_edges > 0)
+        result.push_back(std::to_string(shared_edges) + " edges belong to more than two triangles");
     return result;
 }
 
 TriangleMesh read_mesh(const std::string& path, const std::string& where) {
     Assimp::Importer importer;
-    importer.SetPropertyInteger(AI_CONFIG_PP_RVC_FLAGS, aiComponent_NORMALS | aiComponent_TANGENTS_AND_BITANGENTS
-                                                            | aiComponent_COLORS | aiComponent_TEXCOORDS);
-    const aiScene* file = importer.ReadFile(path, aiProcess_RemoveComponent | aiProcess_Triangulate
-                                                      | aiProcess_PreTransformVertices);
+    importer.SetPropertyInteger(AI_CONFIG_PP_RVC_FLAGS, aiComponent_NORMALS |
+                                                            aiComponent_TANGENTS_AND_BITANGENTS |
+                                                            aiComponent_COLORS | aiComponent_TEXCOORDS);
+    const aiScene* file = importer.ReadFile(path, aiProcess_RemoveComponent | aiProcess_Triangulate |
+                                                      aiProcess_PreTransformVertices);
     if (file == nullptr)
         throw InputError({where, "mesh '" + path + "' cannot be read", importer.GetErrorString(),
                           "give a PLY, OBJ or STL file"});
@@ -291,12 +297,13 @@ CheckedMesh load_closed_mesh(const std::string& path, const std::string& where) 
     MeshReport& report = result.report;
     report.path = path;
     if (!report.closed())
-        throw InputError({where,
-                          "mesh '" + path + "' is not closed: " + std::to_string(report.open_edges)
-                              + " open edges around " + std::to_string(report.holes)
-                              + (report.holes == 1 ? " hole" : " holes"),
-                          "an open surface has no inside",
-                          "fill the holes in a mesh editor (MeshLab: Filters, Close Holes; Blender: Mesh, Fill)"});
+        throw InputError(
+            {where,
+             "mesh '" + path + "' is not closed: " + std::to_string(report.open_edges) +
+                 " open edges around " + std::to_string(report.holes) +
+                 (report.holes == 1 ? " hole" : " holes"),
+             "an open surface has no inside",
+             "fill the holes in a mesh editor (MeshLab: Filters, Close Holes; Blender: Mesh, Fill)"});
     const Vec3 size = report.bounds.max - report.bounds.min;
     if (!(report.volume > 1e-12 * size[0] * size[1] * size[2]) || !(report.volume > 0))
         throw InputError({where, "mesh '" + path + "' encloses no volume", "a solid has an inside",

@@ -10,26 +10,26 @@ namespace treacle::scene {
 
 // A closed surface of triangles, counter-clockwise seen from outside.
 struct TriangleMesh {
-    std::vector<Vec3> vertices;                 // [m]
-    std::vector<std::array<int, 3>> triangles;  // indices into vertices
+    std::vector<Vec3> vertices;                // [m]
+    std::vector<std::array<int, 3>> triangles; // indices into vertices
 };
 
 // What was found, and done, when a mesh was put in order.
 struct MeshReport {
     std::string path;
     std::size_t vertices = 0, triangles = 0;
-    std::size_t welded = 0;         // vertices merged with another one
-    std::size_t degenerate = 0;     // triangles without area that were left out
-    std::size_t open_edges = 0;     // edges with an odd number of triangles
-    std::size_t holes = 0;          // loops of open edges
-    std::size_t shared_edges = 0;   // edges with more than two triangles
-    std::size_t turned = 0;         // triangles turned round to agree with their neighbours
-    bool inside_out = false;        // all triangles faced inwards and were turned round
-    std::size_t components = 0;     // connected parts
-    Bounds bounds;                  // [m]
-    double volume = 0;              // [m3]
-    double area = 0;                // [m2]
-    double thinnest = 0;            // [m] 1 % of the area (of rays from it, inwards) is thinner than this
+    std::size_t welded = 0;       // vertices merged with another one
+    std::size_t degenerate = 0;   // triangles without area that were left out
+    std::size_t open_edges = 0;   // edges with an odd number of triangles
+    std::size_t holes = 0;        // loops of open edges
+    std::size_t shared_edges = 0; // edges with more than two triangles
+    std::size_t turned = 0;       // triangles turned round to agree with their neighbours
+    bool inside_out = false;      // all triangles faced inwards and were turned round
+    std::size_t components = 0;   // connected parts
+    Bounds bounds;                // [m]
+    double volume = 0;            // [m3]
+    double area = 0;              // [m2]
+    double thinnest = 0;          // [m] 1 % of the area (of rays from it, inwards) is thinner than this
     bool closed() const { return open_edges == 0; }
     // One sentence per thing that was changed; empty when the file was fine.
     std::vector<std::string> notes() const;

@@ -13,25 +13,26 @@ using Regions = std::vector<SolidRegion>; // their union
 
 // The points x = min + (i + 1/2) spacing of a domain. In the plane z is 0 and has one index.
 struct Lattice {
-    double spacing = 0;      // d [m]
-    Vec3 min{0, 0, 0};       // [m]
-    Vec3 max{0, 0, 0};       // [m]
+    double spacing = 0; // d [m]
+    Vec3 min{0, 0, 0};  // [m]
+    Vec3 max{0, 0, 0};  // [m]
     int dimensions = 3;
 
-    std::array<std::int64_t, 3> size() const; // points inside the domain, per axis; InputError when > 2^62 in all
-    std::uint64_t points() const;             // product of size()
+    std::array<std::int64_t, 3>
+    size() const;                 // points inside the domain, per axis; InputError when > 2^62 in all
+    std::uint64_t points() const; // product of size()
     Vec3 position(const std::array<std::int64_t, 3>& index) const;
-    bool fits(int axis) const;                // the domain's edge is a multiple of d, to 1e-6 d
+    bool fits(int axis) const; // the domain's edge is a multiple of d, to 1e-6 d
 };
 
 // ---- liquids ----
 
 struct VolumeFill {
-    std::vector<Regions> liquids;   // where two overlap, the first one wins
+    std::vector<Regions> liquids; // where two overlap, the first one wins
     Regions solids;
-    double clearance = 0;           // [m] least distance of a particle from the solids
+    double clearance = 0; // [m] least distance of a particle from the solids
     Lattice lattice;
-    Bounds part;                    // half-open box [min, max): only the particles in it are made
+    Bounds part; // half-open box [min, max): only the particles in it are made
 };
 
 struct VolumeSamples {
@@ -50,9 +51,9 @@ VolumeSamples fill_volume(const VolumeFill& fill);
 std::vector<std::uint64_t> estimate_liquid_counts(const VolumeFill& fill);
 
 struct Overlap {
-    std::uint64_t count = 0;  // lattice points concerned
-    std::uint64_t total = 0;  // lattice points of the liquid
-    Vec3 example{0, 0, 0};    // [m] one of them, when count > 0
+    std::uint64_t count = 0; // lattice points concerned
+    std::uint64_t total = 0; // lattice points of the liquid
+    Vec3 example{0, 0, 0};   // [m] one of them, when count > 0
     double share() const { return total > 0 ? static_cast<double>(count) / static_cast<double>(total) : 0; }
 };
 
@@ -69,15 +70,15 @@ double solid_share(const Regions& solids, const Lattice& lattice);
 // ---- surfaces of solids ----
 
 struct SurfaceSampling {
-    double spacing = 0;   // d [m]
-    double inset = 0;     // [m] depth of the layer below the surface
-    Bounds clip;          // samples outside are left out; must be finite across a plane's extent
+    double spacing = 0; // d [m]
+    double inset = 0;   // [m] depth of the layer below the surface
+    Bounds clip;        // samples outside are left out; must be finite across a plane's extent
 };
 
 struct SurfaceSamples {
     std::vector<Vec3> positions; // [m]
     std::vector<Vec3> normals;   // unit, out of the solid
-    std::size_t thin = 0;        // samples where the solid is thinner than twice the inset; they lie in its middle
+    std::size_t thin = 0; // samples where the solid is thinner than twice the inset; they lie in its middle
 };
 
 // One layer of points about d apart, at the depth `inset`, the same on every machine run and rank. Boxes,
@@ -94,9 +95,9 @@ enum class Side { wall, open, periodic };
 
 struct WallSampling {
     Lattice lattice;
-    std::array<Side, 6> sides{};  // x_min, x_max, y_min, y_max, z_min, z_max
-    double outset = 0;            // [m] distance of the layer outside the domain
-    Bounds part;                  // half-open; a point belongs to the part that holds its nearest domain point
+    std::array<Side, 6> sides{}; // x_min, x_max, y_min, y_max, z_min, z_max
+    double outset = 0;           // [m] distance of the layer outside the domain
+    Bounds part;                 // half-open; a point belongs to the part that holds its nearest domain point
 };
 
 struct WallSamples {

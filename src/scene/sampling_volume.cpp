@@ -21,8 +21,10 @@ struct IndexBox {
     Index lo{0, 0, 0}, hi{0, 0, 0}; // half-open
     bool empty() const { return lo[0] >= hi[0] || lo[1] >= hi[1] || lo[2] >= hi[2]; }
     std::uint64_t points() const {
-        return empty() ? 0 : static_cast<std::uint64_t>(hi[0] - lo[0]) * static_cast<std::uint64_t>(hi[1] - lo[1])
-                                 * static_cast<std::uint64_t>(hi[2] - lo[2]);
+        return empty()
+                   ? 0
+                   : static_cast<std::uint64_t>(hi[0] - lo[0]) * static_cast<std::uint64_t>(hi[1] - lo[1]) *
+                         static_cast<std::uint64_t>(hi[2] - lo[2]);
     }
     std::int64_t longest() const { return std::max({hi[0] - lo[0], hi[1] - lo[1], hi[2] - lo[2]}); }
 };
@@ -40,7 +42,9 @@ double distance_to(const Regions& regions, const Vec3& x) {
 
 // The index of the first point at or above x along an axis, at least `low` and at most `high`.
 std::int64_t first_index(const Lattice& lattice, int axis, double x, std::int64_t low, std::int64_t high) {
-    const auto at = [&](std::int64_t i) { return lattice.min[axis] + (static_cast<double>(i) + 0.5) * lattice.spacing; };
+    const auto at = [&](std::int64_t i) {
+        return lattice.min[axis] + (static_cast<double>(i) + 0.5) * lattice.spacing;
+    };
     const double guess = std::ceil((x - lattice.min[axis]) / lattice.spacing - 0.5);
     std::int64_t i = guess <= static_cast<double>(low)    ? low
                      : guess >= static_cast<double>(high) ? high
@@ -151,9 +155,10 @@ IndexBox liquid_box(const VolumeFill& fill, const Bounds& part) {
 }
 
 std::uint64_t linear(const Index& i, const Index& n) {
-    return (static_cast<std::uint64_t>(i[2]) * static_cast<std::uint64_t>(n[1]) + static_cast<std::uint64_t>(i[1]))
-               * static_cast<std::uint64_t>(n[0])
-           + static_cast<std::uint64_t>(i[0]);
+    return (static_cast<std::uint64_t>(i[2]) * static_cast<std::uint64_t>(n[1]) +
+            static_cast<std::uint64_t>(i[1])) *
+               static_cast<std::uint64_t>(n[0]) +
+           static_cast<std::uint64_t>(i[0]);
 }
 
 } // namespace
@@ -166,7 +171,8 @@ std::array<std::int64_t, 3> Lattice::size() const {
         total *= count;
         if (!(total < 4e18))
             throw InputError({"", "the domain holds more than 4e18 lattice points",
-                              "particles are numbered with 64 bits", "raise the spacing or shrink the domain"});
+                              "particles are numbered with 64 bits",
+                              "raise the spacing or shrink the domain"});
         n[a] = static_cast<std::int64_t>(count);
     }
     return n;
@@ -174,7 +180,8 @@ std::array<std::int64_t, 3> Lattice::size() const {
 
 std::uint64_t Lattice::points() const {
     const Index n = size();
-    return static_cast<std::uint64_t>(n[0]) * static_cast<std::uint64_t>(n[1]) * static_cast<std::uint64_t>(n[2]);
+    return static_cast<std::uint64_t>(n[0]) * static_cast<std::uint64_t>(n[1]) *
+           static_cast<std::uint64_t>(n[2]);
 }
 
 Vec3 Lattice::position(const Index& index) const {
@@ -227,9 +234,10 @@ VolumeSamples fill_volume(const VolumeFill& fill) {
 std::vector<std::uint64_t> estimate_liquid_counts(const VolumeFill& fill) {
     std::vector<std::uint64_t> counts(fill.liquids.size(), 0);
     const IndexBox box = liquid_box(fill, {});
-    visit_blocks(fill.lattice, box, estimate_block(box), Decider(fill), [&](const IndexBox& block, int answer) {
-        if (answer != none) counts[static_cast<std::size_t>(answer)] += block.points();
-    });
+    visit_blocks(fill.lattice, box, estimate_block(box), Decider(fill),
+                 [&](const IndexBox& block, int answer) {
+                     if (answer != none) counts[static_cast<std::size_t>(answer)] += block.points();
+                 });
     return counts;
 }
 
@@ -251,8 +259,9 @@ Overlap find_overlap(const Regions& liquid, const Regions& solids, const Lattice
         result.total += block.points();
         if (answer == 0) return;
         if (result.count == 0)
-            result.example = lattice.position({(block.lo[0] + block.hi[0] - 1) / 2, (block.lo[1] + block.hi[1] - 1) / 2,
-                                               (block.lo[2] + block.hi[2] - 1) / 2});
+            result.example =
+                lattice.position({(block.lo[0] + block.hi[0] - 1) / 2, (block.lo[1] + block.hi[1] - 1) / 2,
+                                  (block.lo[2] + block.hi[2] - 1) / 2});
         result.count += block.points();
     });
     return result;

@@ -13,12 +13,12 @@ namespace {
 // it, `after` beyond the upper end. The steps beyond an end are equal and at most d, the last one on the
 // edge of the neighbouring wall's layer.
 struct Line {
-    double first = 0, spacing = 0;               // [m] of the lattice
+    double first = 0, spacing = 0; // [m] of the lattice
     std::int64_t before = 0, n = 1, after = 0;
-    double low_step = 0, high_step = 0;          // [m]
+    double low_step = 0, high_step = 0; // [m]
 
     std::int64_t size() const { return before + n + after; }
-    double at(std::int64_t i) const {            // 0 .. size() - 1
+    double at(std::int64_t i) const { // 0 .. size() - 1
         const std::int64_t j = i - before;
         if (j < 0) return first + 0.5 * spacing + static_cast<double>(j) * low_step;
         if (j < n) return first + (static_cast<double>(j) + 0.5) * spacing;
@@ -34,25 +34,31 @@ Line line_of(const WallSampling& s, int side, int axis) {
     Line line{lattice.min[axis], lattice.spacing, 0, lattice.size()[static_cast<std::size_t>(axis)], 0, 0, 0};
     const bool owns_edges = axis_of(side) < axis;
     const auto carry_on = [&](double gap, std::int64_t& count, double& step) {
-        const auto steps = std::max<std::int64_t>(1, static_cast<std::int64_t>(std::ceil(gap / lattice.spacing - 1e-6)));
+        const auto steps =
+            std::max<std::int64_t>(1, static_cast<std::int64_t>(std::ceil(gap / lattice.spacing - 1e-6)));
         step = gap / static_cast<double>(steps);
         count = owns_edges ? steps : steps - 1;
     };
     if (s.sides[static_cast<std::size_t>(2 * axis)] == Side::wall)
         carry_on(0.5 * lattice.spacing + s.outset, line.before, line.low_step);
     if (s.sides[static_cast<std::size_t>(2 * axis + 1)] == Side::wall) {
-        const double last = lattice.min[axis] + (static_cast<double>(line.n) - 0.5) * lattice.spacing;
-        carry_on(lattice.max[axis] + s.outset - last, line.after, line.high_step);
+        const auto gap = [&] {
+            const double last = lattice.min[axis] + (static_cast<double>(line.n) - 0.5) * lattice.spacing;
+            return lattice.max[axis] + s.outset - last;
+        };
+        // In a domain that is no multiple of d the last point may come close to the corner.
+        if (gap() < (0.5 - 1e-6) * lattice.spacing && line.n > 1) --line.n;
+        carry_on(gap(), line.after, line.high_step);
     }
     return line;
 }
 
 struct Wall {
     int side = 0;
-    std::array<int, 2> axes{0, 0};   // along the face; axes[1] = -1 in the plane
+    std::array<int, 2> axes{0, 0}; // along the face; axes[1] = -1 in the plane
     std::array<Line, 2> lines;
     std::uint64_t first_id = 0;
-    double level = 0;                // [m] of the layer
+    double level = 0; // [m] of the layer
     std::uint64_t points() const {
         return static_cast<std::uint64_t>(lines[0].size()) * static_cast<std::uint64_t>(lines[1].size());
     }
@@ -63,10 +69,11 @@ void require_valid(const WallSampling& s) {
         if (s.sides[static_cast<std::size_t>(2 * a)] != Side::periodic || s.lattice.fits(a)) continue;
         const double edge = s.lattice.max[a] - s.lattice.min[a];
         std::ostringstream problem, cure;
-        problem << "domain: the periodic edge of " << edge << " m along " << "xyz"[a]
-                << " is not a multiple of the spacing of " << s.lattice.spacing << " m";
+        problem << "domain: the periodic edge of " << edge << " m along "
+                << "xyz"[a] << " is not a multiple of the spacing of " << s.lattice.spacing << " m";
         cure << "make it " << std::max(1.0, std::round(edge / s.lattice.spacing)) * s.lattice.spacing << " m";
-        throw InputError({"", problem.str(), "the lattice of particles would not close on itself", cure.str()});
+        throw InputError(
+            {"", problem.str(), "the lattice of particles would not close on itself", cure.str()});
     }
 }
 
@@ -103,8 +110,10 @@ std::array<std::int64_t, 2> share_of(const WallSampling& s, const Line& line, in
         std::int64_t low = 0, high = line.size();
         while (low < high) {
             const std::int64_t middle = (low + high) / 2;
-            if (into_domain(s.lattice, axis, line.at(middle)) < bound) low = middle + 1;
-            else high = middle;
+            if (into_domain(s.lattice, axis, line.at(middle)) < bound)
+                low = middle + 1;
+            else
+                high = middle;
         }
         return low;
     };
@@ -137,9 +146,10 @@ void add_wall(const WallSampling& s, const Wall& wall, WallSamples& result) {
             result.positions.push_back(x);
             result.normals.push_back(normal_at(s, x));
             result.faces.push_back(wall.side);
-            result.ids.push_back(wall.first_id
-                                 + static_cast<std::uint64_t>(j) * static_cast<std::uint64_t>(wall.lines[0].size())
-                                 + static_cast<std::uint64_t>(i));
+            result.ids.push_back(wall.first_id +
+                                 static_cast<std::uint64_t>(j) *
+                                     static_cast<std::uint64_t>(wall.lines[0].size()) +
+                                 static_cast<std::uint64_t>(i));
         }
 }
 

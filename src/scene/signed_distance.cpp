@@ -25,14 +25,22 @@ std::string text(double value) {
 
 const char* name_of(ShapeKind kind) {
     switch (kind) {
-    case ShapeKind::box: return "box";
-    case ShapeKind::sphere: return "sphere";
-    case ShapeKind::cylinder: return "cylinder";
-    case ShapeKind::capsule: return "capsule";
-    case ShapeKind::cone: return "cone";
-    case ShapeKind::torus: return "torus";
-    case ShapeKind::plane: return "plane";
-    case ShapeKind::mesh: return "mesh";
+    case ShapeKind::box:
+        return "box";
+    case ShapeKind::sphere:
+        return "sphere";
+    case ShapeKind::cylinder:
+        return "cylinder";
+    case ShapeKind::capsule:
+        return "capsule";
+    case ShapeKind::cone:
+        return "cone";
+    case ShapeKind::torus:
+        return "torus";
+    case ShapeKind::plane:
+        return "plane";
+    case ShapeKind::mesh:
+        return "mesh";
     }
     return "shape";
 }
@@ -75,8 +83,8 @@ SurfacePointer box_of(const Shape& shape, int dimensions) {
     for (int a = 0; a < dimensions; ++a)
         if (!(shape.max[a] > shape.min[a]))
             reject(shape,
-                   std::string("box.max = ") + text(shape.max[a]) + " m is not above box.min = " + text(shape.min[a])
-                       + " m along " + "xyz"[a],
+                   std::string("box.max = ") + text(shape.max[a]) +
+                       " m is not above box.min = " + text(shape.min[a]) + " m along " + "xyz"[a],
                    "a box has an extent along each axis", "exchange or correct the two corners");
     BoxPose pose;
     pose.min = shape.min + shape.translation;
@@ -96,14 +104,20 @@ SurfacePointer ring_of(const Revolved& body, const Shape& shape) {
     const double z = body.centre[2], up = body.axis[2] < 0 ? -1 : 1, half = 0.5 * body.height;
     double outer = body.radius, inner = 0;
     switch (body.profile) {
-    case Profile::sphere: outer = std::sqrt(std::max(0.0, outer * outer - z * z)); break;
-    case Profile::cylinder: outer = std::abs(z) < half ? outer : 0; break;
+    case Profile::sphere:
+        outer = std::sqrt(std::max(0.0, outer * outer - z * z));
+        break;
+    case Profile::cylinder:
+        outer = std::abs(z) < half ? outer : 0;
+        break;
     case Profile::capsule: {
         const double beyond = std::max(0.0, std::abs(z) - half);
         outer = std::sqrt(std::max(0.0, outer * outer - beyond * beyond));
         break;
     }
-    case Profile::cone: outer = std::abs(z) < half ? outer * (half + up * z) / body.height : 0; break;
+    case Profile::cone:
+        outer = std::abs(z) < half ? outer * (half + up * z) / body.height : 0;
+        break;
     case Profile::torus: {
         const double w = std::sqrt(std::max(0.0, body.tube * body.tube - z * z));
         inner = w > 0 ? body.radius - w : 0;
@@ -119,19 +133,29 @@ SurfacePointer round_of(const Shape& shape, int dimensions) {
     require_positive(shape, "radius", shape.radius);
     Revolved body;
     switch (shape.kind) {
-    case ShapeKind::cylinder: body.profile = Profile::cylinder; break;
-    case ShapeKind::capsule: body.profile = Profile::capsule; break;
-    case ShapeKind::cone: body.profile = Profile::cone; break;
-    case ShapeKind::torus: body.profile = Profile::torus; break;
-    default: body.profile = Profile::sphere;
+    case ShapeKind::cylinder:
+        body.profile = Profile::cylinder;
+        break;
+    case ShapeKind::capsule:
+        body.profile = Profile::capsule;
+        break;
+    case ShapeKind::cone:
+        body.profile = Profile::cone;
+        break;
+    case ShapeKind::torus:
+        body.profile = Profile::torus;
+        break;
+    default:
+        body.profile = Profile::sphere;
     }
     body.centre = shape.centre + shape.translation;
     body.radius = shape.radius;
     if (body.profile == Profile::torus) {
         require_positive(shape, "tube_radius", shape.tube_radius);
         if (shape.tube_radius >= shape.radius)
-            reject(shape, "torus.tube_radius = " + text(shape.tube_radius) + " m: must be below torus.radius = "
-                              + text(shape.radius) + " m",
+            reject(shape,
+                   "torus.tube_radius = " + text(shape.tube_radius) +
+                       " m: must be below torus.radius = " + text(shape.radius) + " m",
                    "the tube would fill the hole", "lower the tube's radius");
         body.tube = shape.tube_radius;
     } else if (body.profile != Profile::sphere) {
@@ -160,7 +184,8 @@ SurfacePointer plane_of(const Shape& shape, int dimensions) {
     if (dimensions == 3) return make_plane(point, normal, 3);
     const Vec3 flat{normal[0], normal[1], 0};
     const double l = length(flat);
-    if (l < 1e-12) reject(shape, "plane.axis points along z", "a plane scene has no third direction", "tilt it");
+    if (l < 1e-12)
+        reject(shape, "plane.axis points along z", "a plane scene has no third direction", "tilt it");
     // The line where the plane meets z = 0.
     const Vec3 base{point[0], point[1], 0};
     return make_plane(base + (point[2] * normal[2] / (l * l)) * flat, (1 / l) * flat, 2);
@@ -210,21 +235,31 @@ SolidRegion::SolidRegion(const Shape& shape, const RegionOptions& options)
     : dimensions_(options.dimensions), inverted_(shape.inverted) {
     require_finite(shape, "translation", shape.translation);
     if (shape.rotation_angle != 0) require_direction(shape, "rotation_axis", shape.rotation_axis);
-    if (!std::isfinite(shape.rotation_angle)) reject(shape, "the rotation angle is not finite", "", "give an angle");
+    if (!std::isfinite(shape.rotation_angle))
+        reject(shape, "the rotation angle is not finite", "", "give an angle");
     switch (shape.kind) {
-    case ShapeKind::box: surface_ = box_of(shape, dimensions_); return;
-    case ShapeKind::plane: surface_ = plane_of(shape, dimensions_); return;
-    case ShapeKind::mesh: break;
-    default: surface_ = round_of(shape, dimensions_); return;
+    case ShapeKind::box:
+        surface_ = box_of(shape, dimensions_);
+        return;
+    case ShapeKind::plane:
+        surface_ = plane_of(shape, dimensions_);
+        return;
+    case ShapeKind::mesh:
+        break;
+    default:
+        surface_ = round_of(shape, dimensions_);
+        return;
     }
-    const std::vector<std::filesystem::path> folders(options.mesh_folders.begin(), options.mesh_folders.end());
+    const std::vector<std::filesystem::path> folders(options.mesh_folders.begin(),
+                                                     options.mesh_folders.end());
     if (const auto path = find_data_file(shape.file, folders); !path.empty()) {
         surface_ = mesh_of(shape, path.string(), dimensions_, mesh_);
         return;
     }
     if (shape.fallback.empty()) {
         std::string searched;
-        for (const std::string& folder : options.mesh_folders) searched += (searched.empty() ? "" : ", ") + folder;
+        for (const std::string& folder : options.mesh_folders)
+            searched += (searched.empty() ? "" : ", ") + folder;
         reject(shape, "mesh '" + shape.file + "' is not found",
                searched.empty() ? "no folder was given to look in" : "looked in " + searched,
                "correct the name, or name the folder with --data or TREACLE_DATA");

@@ -13,8 +13,8 @@ namespace treacle::scene {
 class Surface;
 
 struct RegionOptions {
-    int dimensions = 3;                     // 2: the cut of the shape at z = 0
-    std::vector<std::string> mesh_folders;  // searched in this order for the files of meshes
+    int dimensions = 3;                    // 2: the cut of the shape at z = 0
+    std::vector<std::string> mesh_folders; // searched in this order for the files of meshes
 };
 
 // A solid region made from a shape: signed distance, normal, extent. Copies share their data. Thread-safe.
@@ -27,12 +27,12 @@ public:
     // [m] negative inside. Exact for primitives and triangles; within 1e-5 of the size for primitives cut
     // obliquely by the plane.
     double distance(const Vec3& x) const;
-    Vec3 normal(const Vec3& x) const;   // unit, gradient of distance: outward at the surface
-    Bounds bounds() const;              // of the region; infinite for planes and inverted shapes
-    Bounds surface_bounds() const;      // of its surface; infinite for planes
-    double volume() const;              // [m3], in the plane [m2]; infinite for planes and inverted shapes
-    double area() const;                // [m2] of the surface, in the plane its length [m]; infinite for planes
-    bool closed() const;                // a surface of finite extent: false for planes
+    Vec3 normal(const Vec3& x) const; // unit, gradient of distance: outward at the surface
+    Bounds bounds() const;            // of the region; infinite for planes and inverted shapes
+    Bounds surface_bounds() const;    // of its surface; infinite for planes
+    double volume() const;            // [m3], in the plane [m2]; infinite for planes and inverted shapes
+    double area() const;              // [m2] of the surface, in the plane its length [m]; infinite for planes
+    bool closed() const;              // a surface of finite extent: false for planes
     bool inverted() const { return inverted_; }
     int dimensions() const { return dimensions_; }
     const std::optional<MeshReport>& mesh() const { return mesh_; }

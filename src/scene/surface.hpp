@@ -11,8 +11,8 @@
 namespace treacle::scene {
 
 struct Nearest {
-    double distance = 0;      // [m] negative inside
-    Vec3 normal{0, 0, 0};     // unit gradient of the distance
+    double distance = 0;  // [m] negative inside
+    Vec3 normal{0, 0, 0}; // unit gradient of the distance
 };
 
 class Surface {
@@ -31,8 +31,8 @@ using SurfacePointer = std::shared_ptr<const Surface>;
 struct BoxPose {
     Vec3 centre{0, 0, 0};
     Vec3 half{0, 0, 0};
-    Vec3 rotation_axis{0, 0, 1}; // unit, about the centre
-    double rotation_angle = 0;   // [rad]
+    Vec3 rotation_axis{0, 0, 1};     // unit, about the centre
+    double rotation_angle = 0;       // [rad]
     Vec3 min{0, 0, 0}, max{0, 0, 0}; // the corners themselves, used when there is no rotation
 };
 SurfacePointer make_box(const BoxPose& pose, int dimensions); // 2: a rectangle turned about z
@@ -45,7 +45,7 @@ enum class Profile { sphere, cylinder, capsule, cone, torus };
 struct Revolved {
     Profile profile = Profile::sphere;
     Vec3 centre{0, 0, 0};
-    Vec3 axis{0, 0, 1};       // unit
+    Vec3 axis{0, 0, 1}; // unit
     double radius = 0, tube = 0, height = 0;
 };
 SurfacePointer make_revolved(const Revolved& body);
@@ -63,13 +63,16 @@ std::int64_t count_intervals(double length, double spacing);
 
 struct Settled {
     Vec3 point{0, 0, 0};
-    bool thin = false; // no point at that depth exists here: the middle of the body instead
+    bool thin = false; // the body is thinner than twice the inset here: its middle instead
 };
-// From the surface point c with outward normal n to the nearest reachable point at depth `inset`.
-Settled settle(const Surface& surface, const Vec3& c, const Vec3& n, double inset, double spacing);
+// From the surface point c with outward normal n to the depth `inset`; nothing where the body has no such
+// depth although it is thick along the normal, as on the rim of a plate.
+std::optional<Settled> settle(const Surface& surface, const Vec3& c, const Vec3& n, double inset,
+                              double spacing);
 
-// The point at depth `inset` next to x, or nothing where the body is thinner.
-std::optional<Vec3> project(const Surface& surface, const Vec3& x, double inset, double spacing);
+// The point at depth `inset` next to x, by Newton steps until the depth is right to the tolerance [m] before
+// the last one; or nothing where the body is thinner.
+std::optional<Vec3> project(const Surface& surface, const Vec3& x, double inset, double tolerance);
 
 // A region of the plane z = 0 bounded by straight pieces, inside to the left of each.
 struct Piece {

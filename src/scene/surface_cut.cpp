@@ -12,14 +12,15 @@
 namespace treacle::scene {
 namespace {
 
-constexpr int slice_cells = 1024;     // along the longer edge of a body's box
-constexpr int layer_cells = 4;        // of the contour grid per spacing
-constexpr int block = 16;             // cells skipped at once where the surface is far
+constexpr int slice_cells = 1024; // along the longer edge of a cut
+constexpr int first_cells = 256;  // along the longer edge of the body, to find the cut
+constexpr int layer_cells = 4;    // of the contour grid per spacing
+constexpr int block = 16;         // cells skipped at once where the surface is far
 constexpr int bisections = 45;
 
 struct ContourPiece {
     Piece piece;
-    std::uint64_t from = 0, to = 0;   // edges of the grid, equal where pieces meet
+    std::uint64_t from = 0, to = 0; // edges of the grid, equal where pieces meet
 };
 
 // Marching squares on a 1-Lipschitz function of the plane, negative inside; the crossings are bisected.
@@ -31,7 +32,8 @@ public:
             origin_[a] = box.min[a] - 2 * cell; // a ring of cells outside, so that contours close
             n_[a] = static_cast<std::int64_t>(std::ceil((box.max[a] - box.min[a]) / cell)) + 4;
         }
-        values_.assign(static_cast<std::size_t>((n_[0] + 1) * (n_[1] + 1)), std::numeric_limits<double>::quiet_NaN());
+        values_.assign(static_cast<std::size_t>((n_[0] + 1) * (n_[1] + 1)),
+                       std::numeric_limits<double>::quiet_NaN());
         for (std::int64_t j = 0; j < n_[1]; j += block)
             for (std::int64_t i = 0; i < n_[0]; i += block) march_block(i, j);
     }
@@ -92,7 +94,9 @@ private:
             add(out[o], into_side[0] == wanted ? into[0] : into[1]);
         }
     }
-    void add(const Crossing& from, const Crossing& to) { pieces.push_back({{from.at, to.at}, from.edge, to.edge}); }
+    void add(const Crossing& from, const Crossing& to) {
+        pieces.push_back({{from.at, to.at}, from.edge, to.edge});
+    }
 
     std::function<double(const Vec3&)> value_;
     double cell_;
@@ -152,18 +156,24 @@ std::vector<Triangle> as_triangles(const std::vector<Piece>& pieces) {
     return result;
 }
 
+Bounds bounds_of(const std::vector<Piece>& pieces) {
+    Bounds box{pieces.front().from, pieces.front().from};
+    for (const Piece& p : pieces)
+        for (int a = 0; a < 2; ++a) {
+            box.min[a] = std::min({box.min[a], p.from[a], p.to[a]});
+            box.max[a] = std::max({box.max[a], p.from[a], p.to[a]});
+        }
+    return box;
+}
+
 class Cut final : public Surface {
 public:
     Cut(const std::vector<Piece>& pieces, Inside inside)
         : pieces_(pieces), tree_(as_triangles(pieces)), inside_(std::move(inside)) {
-        bounds_ = {pieces.front().from, pieces.front().from};
+        bounds_ = bounds_of(pieces);
         for (const Piece& p : pieces) {
             perimeter_ += length(p.to - p.from);
             area_ += 0.5 * (p.from[0] * p.to[1] - p.from[1] * p.to[0]);
-            for (int a = 0; a < 2; ++a) {
-                bounds_.min[a] = std::min({bounds_.min[a], p.from[a], p.to[a]});
-                bounds_.max[a] = std::max({bounds_.max[a], p.from[a], p.to[a]});
-            }
         }
         size_ = length(bounds_.max - bounds_.min);
     }
@@ -190,7 +200,8 @@ public:
                               d / layer_cells);
         PointGrid grid(d, 64);
         for (const auto& loop : chain(contour.pieces))
-            for (const Vec3& x : stations(loop, d)) grid.add(project(*this, x, sampling.inset, d).value_or(x));
+            for (const Vec3& x : stations(loop, d))
+                grid.add(project(*this, x, sampling.inset, 1e-4 * d).value_or(x));
         SurfaceSamples result;
         cover_thin_parts(sampling, grid, result);
         result.positions = grid.points();
@@ -205,12 +216,13 @@ private:
         for (const Piece& p : pieces_) {
             const auto n = std::max<std::int64_t>(1, count_intervals(length(p.to - p.from), 0.25 * d));
             for (std::int64_t i = 0; i < n; ++i) {
-                const Vec3 c = p.from + ((static_cast<double>(i) + 0.5) / static_cast<double>(n)) * (p.to - p.from);
+                const Vec3 c =
+                    p.from + ((static_cast<double>(i) + 0.5) / static_cast<double>(n)) * (p.to - p.from);
                 if (grid.any_within(c - sampling.inset * outward(p), 0.6 * d)) continue;
-                const Settled s = settle(*this, c, outward(p), sampling.inset, d);
-                if (grid.any_within(s.point, 0.7 * d)) continue;
-                grid.add(s.point);
-                result.thin += s.thin;
+                const auto s = settle(*this, c, outward(p), sampling.inset, d);
+                if (!s || grid.any_within(s->point, 0.7 * d)) continue;
+                grid.add(s->point);
+                result.thin += s->thin;
             }
         }
     }
@@ -242,7 +254,8 @@ std::vector<Piece> slice(const TriangleMesh& mesh) {
         for (int c = 0; c < 3; ++c)
             if (above(t[c]) != above(t[(c + 1) % 3])) ends.push_back(crossing(t[c], t[(c + 1) % 3]));
         if (ends.size() != 2) continue;
-        const Vec3 n = cross(mesh.vertices[t[1]] - mesh.vertices[t[0]], mesh.vertices[t[2]] - mesh.vertices[t[0]]);
+        const Vec3 n =
+            cross(mesh.vertices[t[1]] - mesh.vertices[t[0]], mesh.vertices[t[2]] - mesh.vertices[t[0]]);
         const Vec3 inside_left{-n[1], n[0], 0};
         Piece piece{ends[0], ends[1]};
         if (dot(inside_left, piece.to - piece.from) < 0) std::swap(piece.from, piece.to);
@@ -252,13 +265,16 @@ std::vector<Piece> slice(const TriangleMesh& mesh) {
 }
 
 std::vector<Piece> slice(const Surface& surface) {
-    const Bounds box = surface.bounds();
-    const double cell = std::max(box.max[0] - box.min[0], box.max[1] - box.min[1]) / slice_cells;
-    const Contour contour([&](const Vec3& x) { return surface.nearest(x).distance; }, box, cell);
-    std::vector<Piece> pieces;
-    for (const ContourPiece& p : contour.pieces)
-        if (length(p.piece.to - p.piece.from) > 0) pieces.push_back(p.piece);
-    return pieces;
+    const auto cut = [&](const Bounds& box, int cells) {
+        const double cell = std::max(box.max[0] - box.min[0], box.max[1] - box.min[1]) / cells;
+        const Contour contour([&](const Vec3& x) { return surface.nearest(x).distance; }, box, cell);
+        std::vector<Piece> pieces;
+        for (const ContourPiece& p : contour.pieces)
+            if (length(p.piece.to - p.piece.from) > 0) pieces.push_back(p.piece);
+        return pieces;
+    };
+    const auto rough = cut(surface.bounds(), first_cells);
+    return rough.empty() ? rough : cut(bounds_of(rough), slice_cells);
 }
 
 } // namespace treacle::scene

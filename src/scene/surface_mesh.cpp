@@ -11,8 +11,8 @@
 namespace treacle::scene {
 namespace {
 
-constexpr double candidate_density = 12;  // candidates per d^2 of the surface
-constexpr double check_density = 40;      // places per d^2 where the coverage is checked
+constexpr double candidate_density = 12; // candidates per d^2 of the surface
+constexpr double check_density = 40;     // places per d^2 where the coverage is checked
 
 std::vector<Triangle> corners_of(const TriangleMesh& mesh) {
     std::vector<Triangle> result;
@@ -47,21 +47,21 @@ public:
         std::vector<Vec3> candidates;
         std::vector<Vec3> stuck; // in the middle of thin parts
         place_on_triangles(candidate_density / (d * d), 0, [&](const Vec3& c, const Vec3& n) {
-            const Settled s = lower(c, n, sampling);
-            candidates.push_back(s.point);
-            if (s.thin) stuck.push_back(s.point);
+            const auto s = lower(c, n, sampling);
+            if (s) (s->thin ? stuck : candidates).push_back(s->point);
         });
-        EvenLayer layer(d, [&](const Vec3& x) { return project(*this, x, sampling.inset, d); });
-        layer.choose(candidates);
+        EvenLayer layer(
+            d, [&](const Vec3& x, double tolerance) { return project(*this, x, sampling.inset, tolerance); });
+        layer.choose(candidates, stuck);
         layer.relax();
         layer.fill(candidates);
         // Small triangles leave chance gaps between the candidates: look again, more densely.
         place_on_triangles(check_density / (d * d), 0.5, [&](const Vec3& c, const Vec3& n) {
             if (layer.covers(c - sampling.inset * n)) return;
-            const Settled s = lower(c, n, sampling);
-            if (layer.covers(s.point)) return;
-            layer.add(s.point);
-            if (s.thin) stuck.push_back(s.point);
+            const auto s = lower(c, n, sampling);
+            if (!s || layer.covers(s->point)) return;
+            layer.add(s->point);
+            if (s->thin) stuck.push_back(s->point);
         });
         SurfaceSamples result;
         result.positions = layer.points();
@@ -71,11 +71,11 @@ public:
     }
 
 private:
-    // settle(), with a short cut: where c stays the closest point of the whole way down, nothing is in between.
-    Settled lower(const Vec3& c, const Vec3& n, const SurfaceSampling& sampling) const {
-        if (sampling.inset == 0) return {c, false};
+    // settle(), with a short cut: where c stays the closest point, nothing is in between.
+    std::optional<Settled> lower(const Vec3& c, const Vec3& n, const SurfaceSampling& sampling) const {
+        if (sampling.inset == 0) return Settled{c, false};
         const Vec3 p = c - sampling.inset * n;
-        if (length(tree_.closest(p).point - c) < 1e-6 * sampling.spacing) return {p, false};
+        if (length(tree_.closest(p).point - c) < 1e-6 * sampling.spacing) return Settled{p, false};
         return settle(*this, c, n, sampling.inset, sampling.spacing);
     }
 

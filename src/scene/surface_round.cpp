@@ -1,4 +1,4 @@
-// Bodies of revolution and their cuts by the plane.
+// Bodies of revolution, and their cuts by a plane through the axis.
 #include "scene/even_layer.hpp"
 #include "scene/surface.hpp"
 #include "scene/vector_math.hpp"
@@ -80,7 +80,8 @@ public:
     void arc(Point2 centre, double radius, double from, double to) {
         const auto n = count_intervals(radius * std::abs(to - from), spacing_);
         for (std::int64_t i = 0; i <= n; ++i) {
-            const double angle = n == 0 ? from : from + (to - from) * static_cast<double>(i) / static_cast<double>(n);
+            const double angle =
+                n == 0 ? from : from + (to - from) * static_cast<double>(i) / static_cast<double>(n);
             const double c = std::cos(angle), s = std::sin(angle);
             add({{std::max(0.0, centre.r + radius * c), centre.h + radius * s}, {c, s}});
         }
@@ -126,10 +127,18 @@ public:
             const double half = 0.5 * body_.height * along, disc = body_.radius * across;
             double low = 0, high = 0;
             switch (body_.profile) {
-            case Profile::sphere: low = high = body_.radius; break;
-            case Profile::cylinder: low = high = half + disc; break;
-            case Profile::capsule: low = high = half + body_.radius; break;
-            case Profile::torus: low = high = disc + body_.tube; break;
+            case Profile::sphere:
+                low = high = body_.radius;
+                break;
+            case Profile::cylinder:
+                low = high = half + disc;
+                break;
+            case Profile::capsule:
+                low = high = half + body_.radius;
+                break;
+            case Profile::torus:
+                low = high = disc + body_.tube;
+                break;
             case Profile::cone: {
                 const double apex = 0.5 * body_.height * body_.axis[a];
                 low = -std::min(-apex - disc, apex);
@@ -145,11 +154,16 @@ public:
     double volume() const override {
         const double r = body_.radius, h = body_.height, t = body_.tube;
         switch (body_.profile) {
-        case Profile::sphere: return 4 * pi / 3 * r * r * r;
-        case Profile::cylinder: return pi * r * r * h;
-        case Profile::capsule: return pi * r * r * (h + 4 * r / 3);
-        case Profile::cone: return pi * r * r * h / 3;
-        case Profile::torus: return 2 * pi * pi * r * t * t;
+        case Profile::sphere:
+            return 4 * pi / 3 * r * r * r;
+        case Profile::cylinder:
+            return pi * r * r * h;
+        case Profile::capsule:
+            return pi * r * r * (h + 4 * r / 3);
+        case Profile::cone:
+            return pi * r * r * h / 3;
+        case Profile::torus:
+            return 2 * pi * pi * r * t * t;
         }
         return 0;
     }
@@ -157,11 +171,16 @@ public:
     double area() const override {
         const double r = body_.radius, h = body_.height, t = body_.tube;
         switch (body_.profile) {
-        case Profile::sphere: return 4 * pi * r * r;
-        case Profile::cylinder: return 2 * pi * r * (r + h);
-        case Profile::capsule: return 2 * pi * r * (h + 2 * r);
-        case Profile::cone: return pi * r * (r + std::hypot(r, h));
-        case Profile::torus: return 4 * pi * pi * r * t;
+        case Profile::sphere:
+            return 4 * pi * r * r;
+        case Profile::cylinder:
+            return 2 * pi * r * (r + h);
+        case Profile::capsule:
+            return 2 * pi * r * (h + 2 * r);
+        case Profile::cone:
+            return pi * r * (r + std::hypot(r, h));
+        case Profile::torus:
+            return 4 * pi * pi * r * t;
         }
         return 0;
     }
@@ -172,8 +191,9 @@ public:
         const double depth = std::min(sampling.inset, largest_depth());
         if (sharp || depth < sampling.inset) return rings(sampling.spacing, sampling.inset);
         const auto candidates = rings(0.25 * sampling.spacing, sampling.inset).positions;
-        EvenLayer layer(sampling.spacing,
-                        [&](const Vec3& x) { return project(*this, x, sampling.inset, sampling.spacing); });
+        EvenLayer layer(sampling.spacing, [&](const Vec3& x, double tolerance) {
+            return project(*this, x, sampling.inset, tolerance);
+        });
         layer.choose(candidates);
         layer.relax();
         layer.fill(candidates);
@@ -189,10 +209,14 @@ protected:
         const double r = body_.radius, h = body_.height;
         switch (body_.profile) {
         case Profile::sphere:
-        case Profile::capsule: return r;
-        case Profile::cylinder: return std::min(r, 0.5 * h);
-        case Profile::cone: return r * h / (r + std::hypot(r, h));
-        case Profile::torus: return body_.tube;
+        case Profile::capsule:
+            return r;
+        case Profile::cylinder:
+            return std::min(r, 0.5 * h);
+        case Profile::cone:
+            return r * h / (r + std::hypot(r, h));
+        case Profile::torus:
+            return body_.tube;
         }
         return 0;
     }
@@ -202,7 +226,9 @@ protected:
         Walk walk(spacing);
         const double r = std::max(0.0, body_.radius - inset), b = 0.5 * body_.height;
         switch (body_.profile) {
-        case Profile::sphere: walk.arc({0, 0}, r, -0.5 * pi, 0.5 * pi); break;
+        case Profile::sphere:
+            walk.arc({0, 0}, r, -0.5 * pi, 0.5 * pi);
+            break;
         case Profile::capsule:
             walk.arc({0, -b}, r, -0.5 * pi, 0);
             walk.line({r, -b}, {r, b});
@@ -252,7 +278,8 @@ protected:
                 continue;
             }
             for (std::int64_t i = 0; i < n; ++i) {
-                const double angle = 2 * pi * (static_cast<double>(i) + (staggered ? 0.5 : 0)) / static_cast<double>(n);
+                const double angle =
+                    2 * pi * (static_cast<double>(i) + (staggered ? 0.5 : 0)) / static_cast<double>(n);
                 add(s, std::cos(angle) * side_ + std::sin(angle) * other, result);
             }
             staggered = !staggered;
@@ -264,11 +291,16 @@ protected:
     Nearest2 nearest_profile(Point2 p) const {
         const double r = body_.radius, b = 0.5 * body_.height;
         switch (body_.profile) {
-        case Profile::sphere: return from_circle(p, {0, 0}, r);
-        case Profile::cylinder: return from_cylinder(p, r, b);
-        case Profile::capsule: return from_circle(p, {0, std::clamp(p.h, -b, b)}, r);
-        case Profile::cone: return from_cone(p, r, b);
-        case Profile::torus: return from_circle(p, {r, 0}, body_.tube);
+        case Profile::sphere:
+            return from_circle(p, {0, 0}, r);
+        case Profile::cylinder:
+            return from_cylinder(p, r, b);
+        case Profile::capsule:
+            return from_circle(p, {0, std::clamp(p.h, -b, b)}, r);
+        case Profile::cone:
+            return from_cone(p, r, b);
+        case Profile::torus:
+            return from_circle(p, {r, 0}, body_.tube);
         }
         return {};
     }
@@ -285,11 +317,16 @@ public:
     double volume() const override {
         const double r = body_.radius, h = body_.height, t = body_.tube;
         switch (body_.profile) {
-        case Profile::sphere: return pi * r * r;
-        case Profile::cylinder: return 2 * r * h;
-        case Profile::capsule: return 2 * r * h + pi * r * r;
-        case Profile::cone: return r * h;
-        case Profile::torus: return 2 * pi * t * t;
+        case Profile::sphere:
+            return pi * r * r;
+        case Profile::cylinder:
+            return 2 * r * h;
+        case Profile::capsule:
+            return 2 * r * h + pi * r * r;
+        case Profile::cone:
+            return r * h;
+        case Profile::torus:
+            return 2 * pi * t * t;
         }
         return 0;
     }
@@ -297,11 +334,16 @@ public:
     double area() const override {
         const double r = body_.radius, h = body_.height, t = body_.tube;
         switch (body_.profile) {
-        case Profile::sphere: return 2 * pi * r;
-        case Profile::cylinder: return 4 * r + 2 * h;
-        case Profile::capsule: return 2 * h + 2 * pi * r;
-        case Profile::cone: return 2 * r + 2 * std::hypot(r, h);
-        case Profile::torus: return 4 * pi * t;
+        case Profile::sphere:
+            return 2 * pi * r;
+        case Profile::cylinder:
+            return 4 * r + 2 * h;
+        case Profile::capsule:
+            return 2 * h + 2 * pi * r;
+        case Profile::cone:
+            return 2 * r + 2 * std::hypot(r, h);
+        case Profile::torus:
+            return 4 * pi * t;
         }
         return 0;
     }
@@ -321,57 +363,9 @@ public:
     }
 };
 
-class Ring final : public Surface {
-public:
-    Ring(const Vec3& centre, double inner, double outer) : centre_(centre), inner_(inner), outer_(outer) {}
-
-    Nearest nearest(const Vec3& x) const override {
-        const Vec3 gap{x[0] - centre_[0], x[1] - centre_[1], 0};
-        const double r = length(gap);
-        const Vec3 out = r > 0 ? (1 / r) * gap : Vec3{1, 0, 0};
-        if (r - outer_ >= inner_ - r || inner_ == 0) return {r - outer_, out};
-        return {inner_ - r, -out};
-    }
-    Bounds bounds() const override {
-        return {{centre_[0] - outer_, centre_[1] - outer_, 0}, {centre_[0] + outer_, centre_[1] + outer_, 0}};
-    }
-    double volume() const override { return pi * (outer_ * outer_ - inner_ * inner_); }
-    double area() const override { return 2 * pi * (outer_ + inner_); }
-
-    SurfaceSamples sample(const SurfaceSampling& sampling) const override {
-        SurfaceSamples result;
-        const double out = outer_ - sampling.inset, in = inner_ > 0 ? inner_ + sampling.inset : 0;
-        if (out < in) {
-            add_circle(0.5 * (inner_ + outer_) * (inner_ > 0), 1, sampling.spacing, result);
-            result.thin = result.positions.size();
-            return result;
-        }
-        add_circle(out, 1, sampling.spacing, result);
-        if (inner_ > 0) add_circle(std::max(0.0, in), -1, sampling.spacing, result);
-        return result;
-    }
-
-private:
-    void add_circle(double radius, double side, double spacing, SurfaceSamples& result) const {
-        const auto n = std::max<std::int64_t>(1, count_intervals(2 * pi * radius, spacing));
-        for (std::int64_t i = 0; i < n; ++i) {
-            const double angle = 2 * pi * static_cast<double>(i) / static_cast<double>(n);
-            const Vec3 out{std::cos(angle), std::sin(angle), 0};
-            result.positions.push_back(Vec3{centre_[0], centre_[1], 0} + (n == 1 ? 0 : radius) * out);
-            result.normals.push_back(side * out);
-        }
-    }
-
-    Vec3 centre_;
-    double inner_, outer_;
-};
-
 } // namespace
 
 SurfacePointer make_revolved(const Revolved& body) { return std::make_shared<Round>(body); }
 SurfacePointer make_outline(const Revolved& body) { return std::make_shared<Outline>(body); }
-SurfacePointer make_ring(const Vec3& centre, double inner, double outer) {
-    return std::make_shared<Ring>(centre, inner, outer);
-}
 
 } // namespace treacle::scene

@@ -10,7 +10,7 @@ namespace treacle::scene {
 namespace {
 
 constexpr int leaf_size = 4;
-constexpr int stack_size = 128; // the tree is halved at each level: depth <= 32, two entries a level
+constexpr int stack_size = 128;      // the tree is halved at each level: depth <= 32, two entries a level
 constexpr double dipole_range = 2.0; // in radii of the group
 
 double squared_distance(const Bounds& box, const Vec3& x) {

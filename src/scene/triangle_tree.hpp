@@ -12,9 +12,9 @@ using Triangle = std::array<Vec3, 3>;
 
 struct ClosestPoint {
     Vec3 point{0, 0, 0};
-    std::size_t triangle = 0;             // as numbered at construction
+    std::size_t triangle = 0;               // as numbered at construction
     std::array<double, 3> weights{0, 0, 0}; // barycentric
-    double distance = 0;                  // [m] >= 0
+    double distance = 0;                    // [m] >= 0
 };
 
 class TriangleTree {
@@ -34,9 +34,9 @@ public:
 private:
     struct Node {
         Bounds box;
-        Vec3 centre{0, 0, 0};    // area-weighted
+        Vec3 centre{0, 0, 0}; // area-weighted
         Vec3 area_normal{0, 0, 0};
-        double radius = 0;       // of the sphere around centre that holds the triangles
+        double radius = 0;        // of the sphere around centre that holds the triangles
         int first = 0, count = 0; // leaf: triangles; else count = 0 and the children are at first, first + 1
     };
     void build(int node, int first, int count);

@@ -1,0 +1,201 @@
+#include "shapes.hpp"
+
+#include "base/error.hpp"
+#include "scene/sampling.hpp"
+
+#include <algorithm>
+#include <gtest/gtest.h>
+#include <map>
+#include <numbers>
+#include <set>
+
+using namespace treacle;
+using namespace treacle::scene;
+using namespace treacle::scene::testing;
+
+namespace {
+
+VolumeFill fill_of(const std::vector<Shape>& liquid, const Vec3& max, double spacing, int dimensions = 3) {
+    VolumeFill fill;
+    fill.liquids.emplace_back();
+    for (const Shape& s : liquid) fill.liquids.back().emplace_back(s, RegionOptions{dimensions, {}});
+    fill.lattice = {spacing, {0, 0, 0}, max, dimensions};
+    return fill;
+}
+
+// Cuts a box into n parts at places that are no multiples of the spacing, and some that are.
+std::vector<Bounds> cut(const Bounds& box, int n, double spacing) {
+    std::vector<Bounds> parts{box};
+    for (int i = 1; int(parts.size()) < n; ++i) {
+        Bounds& old = parts[std::size_t(i * 7) % parts.size()];
+        Bounds other = old;
+        const int axis = i % 3;
+        double place = old.min[axis] + 0.37 * (old.max[axis] - old.min[axis]);
+        if (i % 2 == 0) place = (std::floor(place / spacing) + 0.5) * spacing; // exactly on lattice points
+        if (place <= old.min[axis] || place >= old.max[axis]) continue;
+        old.max[axis] = other.min[axis] = place;
+        parts.push_back(other);
+    }
+    return parts;
+}
+
+} // namespace
+
+TEST(VolumeSampling, ABoxOfNSpacingsHasExactlyNLayersWhateverItsRoundOff) {
+    const double d = 0.1; // 0.3 = 3 d and 0.7 = 7 d only up to round-off
+    for (const double shift : {0.0, 0.5, 1.0, 2.5}) {
+        const Vec3 low{shift * d, shift * d, shift * d};
+        const auto samples = fill_volume(fill_of({box(low, plus(low, 1, {0.3, 0.7, 0.4}))}, {1, 1, 1}, d));
+        EXPECT_EQ(samples.positions.size(), 3u * 7u * 4u) << shift;
+    }
+}
+
+TEST(VolumeSampling, TheWholeDomainHasItsLatticePoints) {
+    const auto samples = fill_volume(fill_of({box({0, 0, 0}, {0.3, 0.6, 0.9})}, {0.3, 0.6, 0.9}, 0.1));
+    ASSERT_EQ(samples.positions.size(), 3u * 6u * 9u);
+    for (std::size_t i = 0; i < samples.ids.size(); ++i) EXPECT_EQ(samples.ids[i], i);
+    EXPECT_EQ(samples.positions[0], (Vec3{0.05, 0.05, 0.05}));
+}
+
+TEST(VolumeSampling, PlaneScenesHaveOneLayerAtZeroHeight) {
+    const auto samples = fill_volume(fill_of({box({0, 0, 0}, {0.4, 0.2, 0})}, {1, 1, 0}, 0.1, 2));
+    ASSERT_EQ(samples.positions.size(), 8u);
+    for (const Vec3& x : samples.positions) EXPECT_EQ(x[2], 0);
+}
+
+TEST(VolumeSampling, ASphereOfTenSpacingsHasItsVolume) {
+    const double d = 0.1;
+    const auto samples = fill_volume(fill_of({round(ShapeKind::sphere, {1.5, 1.5, 1.5}, 1)}, {3, 3, 3}, d));
+    const double volume = double(samples.positions.size()) * d * d * d;
+    EXPECT_NEAR(volume / (4 * std::numbers::pi / 3), 1, 0.02); // lattice points in a ball, R = 10 d
+}
+
+TEST(VolumeSampling, ParticlesKeepClearOfSolids) {
+    auto fill = fill_of({box({0, 0, 0}, {1, 1, 1})}, {1, 1, 1}, 0.05);
+    const SolidRegion ball(round(ShapeKind::sphere, {0.5, 0.5, 0.5}, 0.2));
+    fill.solids.push_back(ball);
+    fill.clearance = 0.03;
+    const auto samples = fill_volume(fill);
+    std::size_t expected = 0;
+    for (int i = 0; i < 8000; ++i) {
+        const Vec3 x = fill.lattice.position({i % 20, i / 20 % 20, i / 400});
+        expected += ball.distance(x) >= 0.03;
+    }
+    EXPECT_EQ(samples.positions.size(), expected);
+    for (const Vec3& x : samples.positions) EXPECT_GE(ball.distance(x), 0.03 - 1e-7);
+}
+
+TEST(VolumeSampling, TheFirstOfOverlappingLiquidsWinsAndIdsAreUnique) {
+    auto fill = fill_of({box({0, 0, 0}, {0.6, 1, 1})}, {1, 1, 1}, 0.1);
+    fill.liquids.push_back({SolidRegion(box({0.4, 0, 0}, {1, 1, 1}))});
+    const auto samples = fill_volume(fill);
+    EXPECT_EQ(samples.positions.size(), 1000u);
+    EXPECT_EQ(std::count(samples.liquids.begin(), samples.liquids.end(), 0), 600);
+    const std::set<std::uint64_t> unique(samples.ids.begin(), samples.ids.end());
+    EXPECT_EQ(unique.size(), 1000u);
+    for (std::size_t i = 0; i < samples.ids.size(); ++i)
+        EXPECT_EQ(samples.ids[i] / 1000, std::uint64_t(samples.liquids[i]));
+}
+
+TEST(VolumeSampling, AnyCutOfTheDomainGivesTheSameParticlesBitForBit) {
+    const MeshFile mesh("sphere.obj", sphere_mesh(3));
+    Shape ball = mesh_shape(mesh.path());
+    ball.scale = 0.3;
+    ball.translation = {0.45, 0.4, 0.5};
+    const double d = 0.021;
+    auto fill =
+        fill_of({ball, round(ShapeKind::torus, {0.5, 0.5, 0.6}, 0.3, 0, 0.1), box({0, 0, 0}, {1, 0.2, 0.3})},
+                {1, 1, 1}, d);
+    fill.liquids.push_back({SolidRegion(box({0.1, 0.1, 0.1}, {0.9, 0.4, 0.9}))});
+    fill.solids.emplace_back(round(ShapeKind::sphere, {0.6, 0.3, 0.4}, 0.12));
+    fill.clearance = 0.5 * d;
+    const auto whole = fill_volume(fill);
+    std::map<std::uint64_t, Vec3> expected;
+    for (std::size_t i = 0; i < whole.ids.size(); ++i) expected[whole.ids[i]] = whole.positions[i];
+    ASSERT_EQ(expected.size(), whole.ids.size());
+    for (const int n : {2, 3, 8, 31}) {
+        std::map<std::uint64_t, Vec3> together;
+        std::size_t count = 0;
+        for (const Bounds& part : cut({{0, 0, 0}, {1, 1, 1}}, n, d)) {
+            fill.part = part;
+            const auto samples = fill_volume(fill);
+            count += samples.ids.size();
+            for (std::size_t i = 0; i < samples.ids.size(); ++i)
+                together[samples.ids[i]] = samples.positions[i];
+        }
+        EXPECT_EQ(count, expected.size());
+        EXPECT_EQ(together, expected);
+    }
+}
+
+TEST(VolumeSampling, AnInvertedShapeFillsTheRestOfTheDomain) {
+    Shape ball = round(ShapeKind::sphere, {0.5, 0.5, 0.5}, 0.3);
+    const auto inside = fill_volume(fill_of({ball}, {1, 1, 1}, 0.05)).ids.size();
+    ball.inverted = true;
+    const auto outside = fill_volume(fill_of({ball}, {1, 1, 1}, 0.05)).ids.size();
+    EXPECT_EQ(inside + outside, 8000u);
+}
+
+TEST(VolumeSampling, EstimatesEqualTheCountsOfSmallScenesAndComeCloseForLargeOnes) {
+    const Shape ball = round(ShapeKind::sphere, {0.5, 0.5, 0.5}, 0.4);
+    const auto small = fill_of({ball}, {1, 1, 1}, 0.02);
+    EXPECT_EQ(estimate_liquid_counts(small)[0], fill_volume(small).ids.size());
+    const auto large = fill_of({ball}, {1, 1, 1}, 1e-4); // 2.7e11 particles, not made
+    EXPECT_NEAR(double(estimate_liquid_counts(large)[0]) * 1e-12, 4 * std::numbers::pi / 3 * 0.064, 0.003);
+}
+
+TEST(VolumeSampling, OverlapWithASolidIsCountedWithAnExample) {
+    const Regions liquid{SolidRegion(box({0, 0, 0}, {1, 0.5, 1}))};
+    const Lattice lattice{0.05, {0, 0, 0}, {1, 1, 1}, 3};
+    const Regions touching{SolidRegion(box({0, 0.5, 0}, {1, 1, 1}))};
+    EXPECT_EQ(find_overlap(liquid, touching, lattice).count, 0u);
+    const Regions sunk{SolidRegion(box({0.2, 0.3, 0.2}, {0.6, 0.9, 0.6}))};
+    const Overlap overlap = find_overlap(liquid, sunk, lattice);
+    EXPECT_EQ(overlap.count, 8u * 4u * 8u);
+    EXPECT_EQ(overlap.total, 4000u);
+    EXPECT_LT(sunk[0].distance(overlap.example), 0);
+    EXPECT_LT(liquid[0].distance(overlap.example), 0);
+    EXPECT_EQ(find_overlap(liquid, {}, lattice).count, 0u);
+}
+
+TEST(VolumeSampling, LiquidOutsideTheDomainIsCountedWithAnExample) {
+    const Lattice lattice{0.1, {0, 0, 0}, {1, 1, 1}, 3};
+    EXPECT_EQ(find_outside({SolidRegion(box({0, 0, 0}, {1, 1, 1}))}, lattice).count, 0u);
+    const Overlap high = find_outside({SolidRegion(box({0, 0, 0.5}, {1, 1, 1.2}))}, lattice);
+    EXPECT_EQ(high.count, 200u);
+    EXPECT_EQ(high.total, 700u);
+    EXPECT_GT(high.example[2], 1);
+    const Overlap low = find_outside({SolidRegion(box({-0.3, 0, 0}, {1, 1, 1}))}, lattice);
+    EXPECT_EQ(low.count, 300u);
+    EXPECT_LT(low.example[0], 0);
+    Shape everything = round(ShapeKind::sphere, {0.5, 0.5, 0.5}, 0.2);
+    everything.inverted = true;
+    EXPECT_EQ(find_outside({SolidRegion(everything)}, lattice).count, 0u);
+}
+
+TEST(VolumeSampling, ALiquidAThousandTimesTooLargeIsFoundOutAtOnce) {
+    const Lattice lattice{0.001, {0, 0, 0}, {1, 1, 1}, 3}; // millimetres taken for metres
+    const Overlap overlap = find_outside({SolidRegion(round(ShapeKind::sphere, {0, 0, 0}, 1000))}, lattice);
+    EXPECT_GT(overlap.share(), 0.99);
+}
+
+TEST(VolumeSampling, TheShareOfSolidsIsTheirVolume) {
+    const Lattice lattice{0.02, {0, 0, 0}, {1, 1, 1}, 3};
+    const double share = solid_share({SolidRegion(round(ShapeKind::sphere, {0.5, 0.5, 0.5}, 0.3))}, lattice);
+    EXPECT_NEAR(share / (4 * std::numbers::pi / 3 * 0.027), 1, 0.02); // lattice points in a ball, R = 15 d
+}
+
+TEST(VolumeSampling, ALatticeTooLargeToNumberIsRefused) {
+    const Lattice lattice{1e-8, {0, 0, 0}, {1, 1, 1}, 3};
+    EXPECT_THROW(lattice.points(), InputError);
+}
+
+TEST(VolumeSampling, MillionsOfPointsTakeAboutASecond) {
+    const double d = 1.0 / 150;
+    const Stopwatch watch;
+    const auto samples = fill_volume(fill_of({box({0, 0, 0}, {1, 1, 1})}, {1, 1, 1}, d));
+    const double taken = watch.seconds();
+    EXPECT_EQ(samples.ids.size(), 3375000u);
+    EXPECT_LT(taken, 1.0); // measured 0.1 s
+    std::printf("%.2f s\n", taken);
+}
