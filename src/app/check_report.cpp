@@ -111,8 +111,10 @@ void Report::liquids() {
         const int dimensions = scene().domain.dimensions;
         double shapes = 0;
         for (const auto& region : at_.geometry.liquids[i]) shapes += region.volume();
-        row("", "its particles fill " + volume_text(static_cast<double>(count) * std::pow(d, dimensions), dimensions) +
-                    ", its shapes hold " + volume_text(shapes, dimensions));
+        const auto filled = volume_text(static_cast<double>(count) * std::pow(d, dimensions), dimensions);
+        const bool exact = at_.preview.coarsening == 1;
+        row("", "its shapes hold " + volume_text(shapes, dimensions) +
+                    (exact ? ", its particles fill " + filled : std::string()));
         for (const auto& region : at_.geometry.liquids[i]) mesh(region, "liquids." + liquid.name);
     }
 }

@@ -1,6 +1,5 @@
 #include "app/end_together.hpp"
 
-#include <chrono>
 #include <condition_variable>
 #include <cstdio>
 #include <cstdlib>
@@ -13,13 +12,16 @@ namespace treacle::app {
 
 namespace {
 
-constexpr std::chrono::seconds patience{30};
+struct Failure {
+    ExitCode code = ExitCode::ok;
+    std::string text;
+};
 
 // Ends this process, and by that all ranks of the program, unless it is destroyed in time.
 class LastResort {
 public:
-    LastResort(int rank, ExitCode code, std::string text)
-        : thread_([this, rank, code, text = std::move(text)] { wait(rank, code, text); }) {}
+    LastResort(int rank, Failure failure, std::chrono::seconds patience)
+        : thread_([this, rank, failure = std::move(failure), patience] { wait(rank, failure, patience); }) {}
     ~LastResort() {
         {
             const std::lock_guard lock(mutex_);
@@ -30,22 +32,17 @@ public:
     }
 
 private:
-    void wait(int rank, ExitCode code, const std::string& text) {
+    void wait(int rank, const Failure& failure, std::chrono::seconds patience) {
         std::unique_lock lock(mutex_);
         if (changed_.wait_for(lock, patience, [this] { return over_; })) return;
-        std::fprintf(stderr, "rank %d alone: %s\n", rank, text.c_str());
-        std::_Exit(static_cast<int>(code));
+        std::fprintf(stderr, "rank %d alone: %s\n", rank, failure.text.c_str());
+        std::_Exit(static_cast<int>(failure.code));
     }
 
     std::mutex mutex_;
     std::condition_variable changed_;
     bool over_ = false;
     std::thread thread_;
-};
-
-struct Failure {
-    ExitCode code = ExitCode::ok;
-    std::string text;
 };
 
 Failure current_failure(int rank) {
@@ -62,7 +59,8 @@ Failure current_failure(int rank) {
 
 } // namespace
 
-ExitCode end_together(const Comm& comm, const std::function<ExitCode()>& command) {
+ExitCode end_together(const Comm& comm, const std::function<ExitCode()>& command,
+                      std::chrono::seconds patience) {
     const Comm farewell = comm.split(0); // no message of the command can be taken for one of these
     ExitCode code = ExitCode::ok;
     std::optional<LastResort> last_resort;
@@ -72,7 +70,7 @@ ExitCode end_together(const Comm& comm, const std::function<ExitCode()>& command
                 code = command();
             } catch (...) {
                 const auto failure = current_failure(comm.rank());
-                if (comm.size() > 1) last_resort.emplace(comm.rank(), failure.code, failure.text);
+                if (comm.size() > 1) last_resort.emplace(comm.rank(), failure, patience);
                 throw Error(failure.code, failure.text);
             }
         });

@@ -55,7 +55,8 @@ Estimates estimate_run(const Input& input, const Geometry& geometry, std::uint64
     out.speed = std::max(out.initial_speed, std::sqrt(pull * out.length));
     out.courant_step = out.speed > 0 ? scene.time.cfl * d / out.speed : infinite;
     out.gravity_step = pull > 0 ? scene.time.cfl * std::sqrt(d / pull) : infinite;
-    out.viscous_step = sph::viscous_step_limit(make_constants(input), scene.liquids.front().viscosity);
+    const double viscosity = scene.liquids.front().viscosity;
+    out.viscous_step = viscosity > 0 ? sph::viscous_step_limit(make_constants(input), viscosity) : infinite;
     if (scene.time.rule == scene::StepRule::fixed) {
         out.step = scene.time.step;
     } else {

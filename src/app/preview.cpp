@@ -70,6 +70,12 @@ private:
 void add_solids(const Geometry& geometry, double spacing, Preview& preview) {
     auto walls = geometry.walls;
     walls.lattice = preview.lattice;
+    if (preview.coarsening > 1) {
+        // The coarser lattice need not fit a periodic edge; such sides have no particles either way.
+        for (auto& side : walls.sides) {
+            if (side == scene::Side::periodic) side = scene::Side::open;
+        }
+    }
     const auto samples = scene::sample_domain_walls(walls);
     for (std::size_t i = 0; i < samples.positions.size(); ++i) preview.solids.add(samples.positions[i], samples.faces[i]);
     for (const auto& body : geometry.bodies) {

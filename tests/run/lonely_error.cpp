@@ -1,0 +1,14 @@
+#include "app/end_together.hpp"
+
+// Rank 1 throws outside of any guard while the others wait for it.
+int main(int argc, char** argv) {
+    using namespace treacle;
+    const MpiRuntime mpi(argc, argv);
+    const Comm comm = Comm::world();
+    const auto command = [&] {
+        if (comm.rank() == 1) throw InputError({"here", "something", "because", ""});
+        comm.barrier();
+        return ExitCode::ok;
+    };
+    return static_cast<int>(app::end_together(comm, command, std::chrono::seconds(2)));
+}
