@@ -62,7 +62,7 @@ void ParticleStore::permute(const Array<int>& order, int n) {
             [&](auto& view) {
                 using View = std::decay_t<decltype(view)>;
                 auto& to = std::get<View>(scratch);
-                reserve(to, view.extent(0));
+                reserve(to, static_cast<std::size_t>(n));
                 gather_rows(view, to, order, n);
                 std::swap(view, to);
             },

@@ -54,20 +54,43 @@ void check_supported(const Input& input) {
     if (!problems.empty()) throw InputError(std::move(problems));
 }
 
-std::unique_ptr<sph::IsphStep> make_solver(const Comm& comm, const Input& input, const Geometry& geometry) {
+double reference_speed(const Input& input, const Geometry& geometry) {
+    if (input.method.viscosity.reference_speed > 0) return input.method.viscosity.reference_speed;
+    const auto& g = input.scene.domain.gravity;
+    const double pull = std::sqrt(g[0] * g[0] + g[1] * g[1] + g[2] * g[2]);
+    if (pull == 0) return 0;
+    double lowest = 1e300, highest = -1e300;
+    for (const auto& regions : geometry.liquids) {
+        for (const auto& region : regions) {
+            const auto bounds = region.bounds();
+            for (int corner = 0; corner < 8; ++corner) {
+                double along = 0;
+                for (std::size_t k = 0; k < 3; ++k) {
+                    const double x = corner >> k & 1 ? std::min(bounds.max[k], input.scene.domain.max[k])
+                                                     : std::max(bounds.min[k], input.scene.domain.min[k]);
+                    if (g[k] != 0) along += x * g[k] / pull;
+                }
+                lowest = std::min(lowest, along);
+                highest = std::max(highest, along);
+            }
+        }
+    }
+    return std::sqrt(pull * std::max(0.0, highest - lowest));
+}
+
+std::unique_ptr<sph::IsphStep> make_solver(const Comm& comm, const Input& input, double reference_speed) {
     sph::IsphSetup setup;
     setup.options = input.method;
     setup.constants = make_constants(input);
     const auto& domain = input.scene.domain;
-    setup.domain = sph::make_domain_box(domain, geometry.offset + 0.5 * domain.spacing);
+    setup.domain = sph::make_domain_box(domain, solid_offset(input) + 0.5 * domain.spacing);
     setup.grid = sph::make_cell_grid(domain, setup.constants.support);
     setup.forces.gravity = domain.gravity;
     setup.forces.viscosity = input.scene.liquids.front().viscosity;
     for (const auto& face : domain.faces) setup.forces.friction.push_back(friction_of(face.slip));
     for (const auto& body : input.scene.bodies) setup.forces.friction.push_back(friction_of(body.slip));
     setup.bodies = domain_sides + static_cast<int>(input.scene.bodies.size());
-    setup.forces.artificial = input.method.viscosity.artificial * setup.constants.support *
-                              input.method.viscosity.reference_speed;
+    setup.forces.artificial = input.method.viscosity.artificial * setup.constants.support * reference_speed;
     return std::make_unique<sph::IsphStep>(comm, setup);
 }
 

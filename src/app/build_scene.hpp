@@ -12,8 +12,12 @@ std::vector<std::string> load_names(const Input& input);
 // Throws InputError for what the SPH method does not do: several densities, moving bodies, slip lengths.
 void check_supported(const Input& input);
 
-// A solver for the scene without particles. Collective.
-std::unique_ptr<sph::IsphStep> make_solver(const Comm& comm, const Input& input, const Geometry& geometry);
+// Speed of the artificial viscosity unless the scene gives one: sqrt(g H), with the height H of the liquid at the
+// start [m/s].
+double reference_speed(const Input& input, const Geometry& geometry);
+
+// A solver for the scene without particles. Collective. The speed is that of the artificial viscosity.
+std::unique_ptr<sph::IsphStep> make_solver(const Comm& comm, const Input& input, double reference_speed);
 
 // Puts the scene's particles into the solver and starts it. Collective; each rank makes those of its own box.
 void fill_solver(const Input& input, const Geometry& geometry, sph::IsphStep& solver);

@@ -26,6 +26,11 @@ sph::WallSetup wall_setup(const Input& input) {
 }
 } // namespace
 
+double solid_offset(const Input& input) {
+    const auto& density = input.method.density;
+    return sph::rest_gap(wall_setup(input), density.blend_from, density.blend_to) - input.scene.domain.spacing / 2;
+}
+
 Geometry build_geometry(const Input& input, const std::vector<std::string>& folders) {
     const auto& domain = input.scene.domain;
     Geometry out;
@@ -42,9 +47,7 @@ Geometry build_geometry(const Input& input, const std::vector<std::string>& fold
         for (const auto& shape : liquid.shapes) add(shape, regions);
     }
     for (const auto& body : input.scene.bodies) add(body.shape, out.bodies);
-    // A resting lattice keeps its rest density next to a wall when the layer stands this far behind the surface.
-    const auto& density = input.method.density;
-    out.offset = sph::rest_gap(wall_setup(input), density.blend_from, density.blend_to) - domain.spacing / 2;
+    out.offset = solid_offset(input);
     out.walls.lattice = out.lattice;
     for (std::size_t k = 0; k < 6; ++k) out.walls.sides[k] = side_of(domain.faces[k]);
     if (domain.dimensions == 2) out.walls.sides[4] = out.walls.sides[5] = scene::Side::open;

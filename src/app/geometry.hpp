@@ -21,6 +21,10 @@ struct Geometry {
 // Index of a body's loads and slip: the six sides of the domain come first, then the bodies of the scene.
 inline constexpr int domain_sides = 6;
 
+// Depth of a solid's particle layer below its surface, at which a resting lattice of liquid that touches the
+// surface keeps its rest density [m].
+double solid_offset(const Input& input);
+
 // Reads meshes and builds the regions. Throws InputError.
 Geometry build_geometry(const Input& input, const std::vector<std::string>& folders);
 

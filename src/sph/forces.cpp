@@ -71,7 +71,8 @@ struct PressureForceLoop {
         });
         if (own > 0) {
             fluid.solid.each(i, [&](int s, double dx, double dy, double dz, double r2) {
-                const double f = -c.rest_density * fluid.solid_volume(s) * own * kernel.gradient(math::sqrt(r2));
+                const double f =
+                    -c.rest_density * fluid.solid_volume(s) * own * kernel.gradient(math::sqrt(r2));
                 ax += f * dx;
                 ay += f * dy;
                 az += f * dz;

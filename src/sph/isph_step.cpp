@@ -41,6 +41,7 @@ void IsphStep::start(SolidVolumes volumes) {
     recut();
     place_liquid();
     place_solids();
+    last_pressures_ = volumes == SolidVolumes::keep ? LastPressures::known : LastPressures::none;
     if (volumes == SolidVolumes::keep) return;
     NeighbourList list;
     list.build(solid_.store, solid_.store, setup_.grid, solid_cells_, setup_.constants.support);
@@ -146,6 +147,7 @@ void IsphStep::refresh() {
     place_liquid();
     find_neighbours();
     compute_density(setup_.options, setup_.constants, liquid_, solid_, neighbours_);
+    Kokkos::deep_copy(liquid_.role(), static_cast<int>(Role::poisson));
 }
 
 void IsphStep::solve_pressure(double dt, StepReport& report) {
@@ -210,7 +212,8 @@ StepReport IsphStep::advance(double dt) {
     }
     {
         const auto phase = timers_.scope("predict");
-        report.roles = predict(options, constants, liquid_, solid_, neighbours_, dt); // (S5), (S6)
+        report.roles = predict(options, constants, liquid_, solid_, neighbours_, last_pressures_, dt); // (S5), (S6)
+        last_pressures_ = LastPressures::known;
         halo_.gather(liquid_.store, {liquid_.role_field()});
         report.anchored = anchoring_.anchor(comm_, liquid_, neighbours_, halo_);
     }

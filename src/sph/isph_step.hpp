@@ -52,7 +52,8 @@ public:
     const Neighbourhood& neighbours() const { return neighbours_; }
 
     // Collective: to be called when particles have been put into the stores, on whatever rank. Cuts the domain,
-    // sends particles to their owners, and computes the volumes of solid particles unless they are given.
+    // sends particles to their owners, and computes the volumes of solid particles unless they are kept, as from
+    // a checkpoint.
     enum class SolidVolumes { compute, keep };
     void start(SolidVolumes volumes = SolidVolumes::compute);
     // As start, with the decomposition of a checkpoint of the same number of ranks.
@@ -96,6 +97,7 @@ private:
     solve::KrylovSolver solver_;
     PhaseTimers timers_;
     double imbalance_after_cut_ = 1;
+    LastPressures last_pressures_ = LastPressures::known;
 };
 
 } // namespace treacle::sph

@@ -109,11 +109,21 @@ PlanarWall measure_wall(const WallSetup& setup, double gap) {
     return mean;
 }
 
+namespace {
+// The walls of a domain stand on the lattice of the liquid: no lateral offset.
+PlanarWall measure_aligned(const WallSetup& setup, double gap) {
+    PlanarWall out;
+    with_kernel(setup.kind, setup.dimensions, setup.support,
+                [&](const auto& kernel) { out = measure_at(kernel, setup, gap, 0.0, 0.0); });
+    return out;
+}
+} // namespace
+
 double rest_gap(const WallSetup& setup, double blend_from, double blend_to) {
     double lo = 0.3 * setup.spacing, hi = setup.support;
     for (int k = 0; k < 60; ++k) {
         const double gap = (lo + hi) / 2;
-        const auto wall = measure_wall(setup, gap);
+        const auto wall = measure_aligned(setup, gap);
         const double zeta =
             std::clamp((wall.wall_neighbours - blend_from) / (blend_to - blend_from), 0.0, 1.0);
         const double ratio = (1 - zeta) * wall.density_ratio + zeta * wall.number_ratio;

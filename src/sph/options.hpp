@@ -24,12 +24,12 @@ struct DensityOptions {
 
 struct PressureOptions {
     DirichletRule dirichlet = DirichletRule::predicted;
-    double prediction = 0.5;        // gamma of Eq. 2.6
+    double prediction = 1;          // gamma of Eq. 2.6; the dissertation's 0.5 is noisier (README)
     SolidTerm solid_term = SolidTerm::exact;
     double amplification_limit = 5; // gamma of Eq. 3.3
     PressurePreconditioner preconditioner = PressurePreconditioner::incomplete_cholesky;
     StoppingRule stop = StoppingRule::density_error;
-    double density_error = 1e-4;    // mean compression of the Poisson particles, share of the rest density
+    double density_error = 1e-5;    // mean compression of the Poisson particles, share of the rest density
     double residual = 1e-6;         // relative, for the residual rule
     int max_iterations = 2000;
 
@@ -37,7 +37,7 @@ struct PressureOptions {
 };
 
 struct ViscosityOptions {
-    double artificial = 0.02;     // Monaghan's alpha
+    double artificial = 0.1;      // Monaghan's alpha
     double reference_speed = 0;   // [m/s]; 0: sqrt(g H) of the initial liquid
     double xsph = 0;              // share of the neighbours' mean velocity that moves a particle
 

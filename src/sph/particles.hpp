@@ -66,6 +66,7 @@ public:
 
     ParticleStore store;
     const Array3& position() const { return store.position(); }
+    const Array<std::int64_t>& id() const { return store.id(); }
     const Array3& velocity() const { return store.get<Array3>(velocity_); }
     const Array<double>& volume() const { return store.get<Array<double>>(volume_); } // V_s [m^D]
     const Array<int>& body() const { return store.get<Array<int>>(body_); }           // 0: the domain's walls

@@ -5,6 +5,10 @@
 namespace treacle::sph {
 
 namespace {
+// Without pressures of a last step, particles predicted to keep their density are unknowns, up to this share of it:
+// a liquid at rest has its hydrostatic pressure from the first step on.
+constexpr double start_slack = 1e-4;
+
 // Pair sums of one liquid particle that its row of the pressure system is made of.
 struct RowSums {
     double divergence = 0;     // sum m (u_i - u_j).grad W + rho0 sum V_s (u_i - u_s).grad W [kg/m3/s]
@@ -30,6 +34,7 @@ struct PredictionLoop {
     LaplacianWeight<Kernel> laplacian;
     Fluid fluid;
     PressureOptions options;
+    LastPressures pressures;
     double dt;
     Array<double> blended, source, diagonal, wall_term;
     Array<int> role;
@@ -73,6 +78,9 @@ struct PredictionLoop {
 
     KOKKOS_INLINE_FUNCTION double solid_term(int i, const RowSums& sum) const {
         if (options.solid_term == SolidTerm::none) return 0;
+        // The exact source needs the last pressures; without them only the Neumann problem itself is exact.
+        const bool starting = pressures == LastPressures::none && options.solid_term == SolidTerm::exact;
+        if (starting && sum.weights > 0) return 0;
         if (options.solid_term == SolidTerm::decomposed) return sum.decomposed();
         const double ratio = fluid.constants.rest_density / fluid.density(i);
         return ratio * ratio * sum.wall_square(); // alpha_i of Eq. 3.2
@@ -94,7 +102,9 @@ struct PredictionLoop {
         const double b = (predicted - rest) / (dt * dt);
         const double alpha = solid_term(i, sum);
         double numerator = b; // (2.6), times the positive denominator
-        if (options.dirichlet == DirichletRule::predicted) {
+        if (pressures == LastPressures::none) {
+            numerator += start_slack * rest / (dt * dt);
+        } else if (options.dirichlet == DirichletRule::predicted) {
             numerator += options.prediction * (sum.weighted + fluid.pressure(i) * sum.solid_weights);
         }
         wall_term(i) = alpha;
@@ -112,14 +122,15 @@ struct PredictionLoop {
 } // namespace
 
 RoleCounts predict(const SphOptions& options, const Constants& constants, LiquidParticles& liquid,
-                   const SolidParticles& solid, const Neighbourhood& neighbours, double dt) {
+                   const SolidParticles& solid, const Neighbourhood& neighbours, LastPressures pressures,
+                   double dt) {
     const auto fluid = gather_fluid(constants, liquid, solid, neighbours);
     int poissons = 0, separates = 0;
     with_kernel(options.kernel, constants.dimensions, constants.support, [&](const auto& kernel) {
         using Kernel = std::decay_t<decltype(kernel)>;
         Kokkos::parallel_reduce("treacle::predict", fluid.count,
                                 PredictionLoop<Kernel>{laplacian_weight(kernel, constants, liquid), fluid,
-                                                       options.pressure, dt, liquid.blended_density(),
+                                                       options.pressure, pressures, dt, liquid.blended_density(),
                                                        liquid.source(), liquid.diagonal(), liquid.wall_term(),
                                                        liquid.role()},
                                 poissons, separates);

@@ -9,6 +9,9 @@ struct RoleCounts {
     std::int64_t separated = 0;
 };
 
+// Whether the pressures of a last step are there to predict from; not so in the first step of a run.
+enum class LastPressures { none, known };
+
 // (S5) Predicted density rho* by the continuity equation with u* (Eq. 2.4), and (S6) the role of each owned
 // particle by one projected Jacobi step from gamma p^t (Eq. 2.6), the solid term and the right-hand side of the
 // pressure system -lap p = (rho* - rho0) / dt^2 (signs of chapter 3: a_ij > 0).
@@ -16,6 +19,7 @@ struct RoleCounts {
 // (sum_j a_ij + wall term), wall_term.
 // Returns this rank's counts.
 RoleCounts predict(const SphOptions& options, const Constants& constants, LiquidParticles& liquid,
-                   const SolidParticles& solid, const Neighbourhood& neighbours, double dt);
+                   const SolidParticles& solid, const Neighbourhood& neighbours, LastPressures pressures,
+                   double dt);
 
 } // namespace treacle::sph

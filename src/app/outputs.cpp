@@ -1,0 +1,191 @@
+#include "app/outputs.hpp"
+
+#include "app/build_scene.hpp"
+#include "app/host_rows.hpp"
+#include "app/measure.hpp"
+
+#include <algorithm>
+
+namespace treacle::app {
+
+namespace {
+// In the order in which a step goes through them.
+constexpr const char* phases[] = {"sort", "neighbours", "density", "forces", "predict", "assemble", "solve",
+                                  "pressure force", "move"};
+
+std::vector<std::string> step_columns(const Input& input) {
+    const std::string mass = input.scene.domain.dimensions == 3 ? "kg" : "kg/m";
+    const std::string energy = input.scene.domain.dimensions == 3 ? "J" : "J/m";
+    std::vector<std::string> columns{"step", "time [s]", "dt [s]", "pressure iterations", "pressure residual",
+                                     "density error", "mean compression", "max compression", "particles",
+                                     "poisson", "dirichlet", "separated", "anchored", "mass [" + mass + "]"};
+    for (const char* axis : {"x", "y", "z"}) columns.push_back(std::string("momentum ") + axis + " [" + mass + " m/s]");
+    for (const char* axis : {"x", "y", "z"}) {
+        columns.push_back(std::string("angular momentum ") + axis + " [" + mass + " m2/s]");
+    }
+    for (const auto* name : {"kinetic energy", "potential energy"}) columns.push_back(std::string(name) + " [" + energy + "]");
+    columns.insert(columns.end(), {"max speed [m/s]", "lost by outflow", "lost by leak", "lost as non-finite",
+                                   "imbalance"});
+    for (const char* phase : phases) columns.push_back(std::string(phase) + " [s]");
+    return columns;
+}
+
+std::vector<std::string> measurement_columns(const Input& input) {
+    std::vector<std::string> columns{"step", "time [s]"};
+    for (const auto& one : input.scene.measurements) columns.push_back(measurement_column(one, input.scene.domain));
+    return columns;
+}
+
+std::vector<std::string> body_columns(const Input& input) {
+    const std::string force = input.scene.domain.dimensions == 3 ? "N" : "N/m";
+    const std::string torque = input.scene.domain.dimensions == 3 ? "N m" : "N";
+    std::vector<std::string> columns{"step", "time [s]"};
+    for (const auto& name : load_names(input)) {
+        for (const char* axis : {"x", "y", "z"}) columns.push_back(name + " pressure force " + axis + " [" + force + "]");
+        for (const char* axis : {"x", "y", "z"}) columns.push_back(name + " pressure torque " + axis + " [" + torque + "]");
+    }
+    return columns;
+}
+
+const std::vector<std::string> lost_columns{"step",         "time [s]",     "id",           "cause",
+                                            "x [m]",        "y [m]",        "z [m]",        "velocity x [m/s]",
+                                            "velocity y [m/s]", "velocity z [m/s]"};
+
+struct HostField {
+    const Field* field;
+    std::variant<std::vector<double>, std::vector<std::int64_t>> rows;
+};
+
+// Frame fields refer to the rows, which must outlive them.
+std::vector<HostField> collect_fields(const ParticleStore& store, const std::vector<std::string>& names) {
+    std::vector<HostField> out;
+    for (const auto& field : store.fields()) {
+        if (!field.output || std::find(names.begin(), names.end(), field.name) == names.end()) continue;
+        std::visit([&](const auto& view) { out.push_back({&field, host_rows(view, store.owned())}); }, field.array);
+    }
+    return out;
+}
+
+io::ParticleBlock make_block(const std::vector<double>& positions, const std::vector<HostField>& fields) {
+    io::ParticleBlock block{positions, {}};
+    for (const auto& one : fields) {
+        const std::string unit = one.field->unit.empty() ? "1" : one.field->unit;
+        std::visit([&](const auto& rows) {
+            block.fields.push_back({one.field->name, unit, components(*one.field), std::span(rows)});
+        }, one.rows);
+    }
+    return block;
+}
+
+io::Precision precision_of(const Input& input) {
+    return input.scene.output.double_precision ? io::Precision::float64 : io::Precision::float32;
+}
+} // namespace
+
+Outputs::Outputs(const Comm& comm, const io::RunFolder& folder, const Input& input, const Progress& progress,
+                 Opening opening)
+    : comm_(comm), folder_(folder), input_(input),
+      frames_(comm, folder.frames(), input.scene.output.name, precision_of(input)),
+      next_measurement_(input.scene.measurements.size(), 0.0),
+      last_measurement_(input.scene.measurements.size(), 0.0), phase_seconds_(std::size(phases), 0.0) {
+    const bool fresh = opening == Opening::fresh;
+    if (!fresh) frames_.resume(progress.time);
+    comm.guard_root([&] {
+        const auto open = [&](const std::filesystem::path& path, std::vector<std::string> columns) {
+            return fresh ? CsvTable::create(path, std::move(columns))
+                         : CsvTable::resume(path, std::move(columns), progress.step);
+        };
+        steps_ = open(folder.steps(), step_columns(input));
+        bodies_ = open(folder.bodies(), body_columns(input));
+        if (!input.scene.measurements.empty()) measurements_ = open(folder.measurements(), measurement_columns(input));
+    });
+}
+
+void Outputs::write_frame(const Progress& progress, sph::IsphStep& solver) {
+    const auto& store = solver.liquid().store;
+    auto names = input_.scene.output.fields;
+    names.push_back("id");
+    const auto positions = host_rows(store.position(), store.owned());
+    const auto fields = collect_fields(store, names);
+    frames_.write(progress.step, progress.time, make_block(positions, fields));
+}
+
+void Outputs::write_solids(const sph::IsphStep& solver) {
+    const auto& store = solver.solid().store;
+    io::FrameWriter writer(comm_, folder_.frames(), "solid", precision_of(input_));
+    const auto positions = host_rows(store.position(), store.owned());
+    const auto fields = collect_fields(store, {"id", "body"});
+    writer.write(0, 0.0, make_block(positions, fields));
+}
+
+void Outputs::write_step(const Progress& progress, const sph::StepReport& report,
+                         const sph::LiquidTotals& totals, const PhaseTimers& timers) {
+    if (!steps_) return;
+    std::vector<double> row{double(progress.step), progress.time, report.dt, double(report.pressure.iterations),
+                            report.pressure.relative_residual, report.pressure.error_measure,
+                            report.mean_compression, report.max_compression, double(totals.particles),
+                            double(report.roles.poisson), double(report.roles.dirichlet),
+                            double(report.roles.separated), double(report.anchored), totals.mass};
+    row.insert(row.end(), totals.momentum.begin(), totals.momentum.end());
+    row.insert(row.end(), totals.angular_momentum.begin(), totals.angular_momentum.end());
+    row.insert(row.end(), {totals.kinetic_energy, totals.potential_energy, totals.max_speed});
+    for (const auto count : progress.lost) row.push_back(double(count));
+    row.push_back(report.imbalance);
+    for (std::size_t k = 0; k < std::size(phases); ++k) {
+        const double seconds = timers.seconds(phases[k]);
+        row.push_back(seconds - phase_seconds_[k]);
+        phase_seconds_[k] = seconds;
+    }
+    steps_->append(row);
+}
+
+void Outputs::write_measurements(const Progress& progress, const sph::IsphStep& solver) {
+    const auto& measurements = input_.scene.measurements;
+    bool due = false;
+    for (std::size_t k = 0; k < measurements.size(); ++k) {
+        if (progress.time < next_measurement_[k] - 1e-12) continue;
+        const double interval = measurements[k].interval;
+        last_measurement_[k] = measure(measurements[k], input_.scene.domain, solver);
+        if (interval > 0) next_measurement_[k] = interval * (std::floor(progress.time / interval + 1e-9) + 1);
+        due = true;
+    }
+    if (!due || !measurements_) return;
+    std::vector<double> row{double(progress.step), progress.time};
+    row.insert(row.end(), last_measurement_.begin(), last_measurement_.end());
+    measurements_->append(row);
+}
+
+void Outputs::write_loads(const Progress& progress, const sph::StepReport& report) {
+    if (!bodies_) return;
+    std::vector<double> row{double(progress.step), progress.time};
+    row.insert(row.end(), report.loads.begin(), report.loads.end());
+    bodies_->append(row);
+}
+
+void Outputs::write_lost(const Progress& progress, const sph::StepReport& report) {
+    std::int64_t all = 0;
+    for (const auto count : report.lost_by_cause) all += count;
+    if (all == 0) return;
+    std::vector<double> rows;
+    for (const auto& particle : report.lost) {
+        rows.insert(rows.end(), {double(progress.step), progress.time, double(particle.id),
+                                 double(static_cast<int>(particle.cause))});
+        rows.insert(rows.end(), particle.position, particle.position + 3);
+        rows.insert(rows.end(), particle.velocity, particle.velocity + 3);
+    }
+    const auto gathered = comm_.all_gather(std::span<const double>(rows));
+    comm_.guard_root([&] {
+        if (!lost_) lost_ = CsvTable::resume(folder_.lost_particles(), lost_columns, progress.step);
+        const std::size_t width = lost_columns.size();
+        for (std::size_t k = 0; k < gathered.size(); k += width) lost_->append(std::span(gathered).subspan(k, width));
+        lost_->flush();
+    });
+}
+
+void Outputs::flush() {
+    for (auto* table : {&steps_, &measurements_, &bodies_, &lost_}) {
+        if (*table) (*table)->flush();
+    }
+}
+
+} // namespace treacle::app

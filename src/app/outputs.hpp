@@ -1,0 +1,41 @@
+#pragma once
+#include "app/checkpointing.hpp"
+#include "base/csv.hpp"
+#include "io/frame.hpp"
+
+#include <optional>
+
+namespace treacle::app {
+
+enum class Opening { fresh, resumed };
+
+// The files that a run writes while it goes: frames, steps.csv, measurements.csv, bodies.csv, the lost particles.
+// Collective; tables live on rank 0.
+class Outputs {
+public:
+    // Resumed: rows and frames later than the progress are dropped.
+    Outputs(const Comm& comm, const io::RunFolder& folder, const Input& input, const Progress& progress,
+            Opening opening);
+
+    void write_frame(const Progress& progress, sph::IsphStep& solver);
+    void write_solids(const sph::IsphStep& solver);
+    void write_step(const Progress& progress, const sph::StepReport& report, const sph::LiquidTotals& totals,
+                    const PhaseTimers& timers);
+    void write_measurements(const Progress& progress, const sph::IsphStep& solver);
+    void write_loads(const Progress& progress, const sph::StepReport& report);
+    // Appends the culprits to lost_particles.csv.
+    void write_lost(const Progress& progress, const sph::StepReport& report);
+    void flush();
+
+private:
+    Comm comm_;
+    io::RunFolder folder_;
+    const Input& input_;
+    io::FrameWriter frames_;
+    std::optional<CsvTable> steps_, measurements_, bodies_, lost_;
+    std::vector<double> next_measurement_; // [s] per measurement
+    std::vector<double> last_measurement_;
+    std::vector<double> phase_seconds_;    // at the last step
+};
+
+} // namespace treacle::app

@@ -1,0 +1,91 @@
+#include "app/run.hpp"
+
+#include "app/time_loop.hpp"
+#include "base/file.hpp"
+#include "base/options.hpp"
+#include "io/manifest.hpp"
+#include "kokkos/runtime.hpp"
+#include "solve/runtime.hpp"
+
+#include <fstream>
+#include <sstream>
+
+namespace treacle::app {
+
+namespace {
+std::string read_text(const Comm& comm, const std::filesystem::path& path) {
+    std::string text;
+    comm.guard_root([&] {
+        std::ifstream file(path);
+        std::ostringstream content;
+        content << file.rdbuf();
+        text = content.str();
+    });
+    return comm.broadcast(text);
+}
+
+void write_description(const Comm& comm, const io::RunFolder& folder, const RunRequest& request,
+                       const std::string& scene) {
+    comm.guard_root([&] { write_file_atomically(folder.effective_scene(), scene); });
+    io::Manifest manifest;
+    manifest.command = request.command;
+    manifest.input = request.source.scene.string();
+    manifest.input_text = scene;
+    manifest.libraries = {{"PETSc", solve::petsc_version()},
+                          {"HYPRE", solve::hypre_version()},
+                          {"Kokkos", std::to_string(kokkos_version())},
+                          {"execution space", execution_space_name()}};
+    io::write_manifest(comm, folder.manifest(), manifest);
+}
+
+std::filesystem::path default_folder(const std::filesystem::path& scene) {
+    const auto stem = scene.stem() == "scene" ? std::filesystem::absolute(scene).parent_path().filename() : scene.stem();
+    return std::filesystem::path("out") / stem;
+}
+} // namespace
+
+ExitCode run_scene(const Comm& comm, const RunRequest& request) {
+    // Every rank reads and checks the scene; nothing is written before all of it has been found good.
+    Input input;
+    Geometry geometry;
+    comm.guard([&] {
+        input = load_input(request.source);
+        check_supported(input);
+        geometry = build_geometry(input, mesh_folders(request.source));
+        validate_geometry(input, geometry, comm);
+        check_time_step(input);
+    });
+    const auto folder =
+        io::prepare_run_folder(comm, request.out.empty() ? default_folder(request.source.scene) : request.out,
+                               request.existing);
+    const auto scene = effective(input);
+    write_description(comm, folder, request, scene);
+
+    Progress progress;
+    progress.reference_speed = reference_speed(input, geometry);
+    auto solver = make_solver(comm, input, progress.reference_speed);
+    fill_solver(input, geometry, *solver);
+    TimeLoop loop({comm, folder, input, io::text_hash(scene), request.wall_limit}, std::move(solver), progress);
+    for (const auto& note : geometry.notes) loop.log().warn(note);
+    return loop.run(Opening::fresh);
+}
+
+ExitCode resume_run(const Comm& comm, const ResumeRequest& request) {
+    const auto folder = io::open_run_folder(comm, request.folder);
+    const auto scene = read_text(comm, folder.effective_scene());
+    Input input;
+    comm.guard([&] {
+        parse(Document::from_text(scene, folder.effective_scene().string()), input);
+        check_supported(input);
+    });
+    const auto hash = io::text_hash(scene);
+    const auto checkpoint = find_checkpoint(comm, folder, hash);
+    auto solver = make_solver(comm, input, checkpoint.progress.reference_speed);
+    load_checkpoint(checkpoint, *solver);
+    TimeLoop loop({comm, folder, input, hash, request.wall_limit}, std::move(solver), checkpoint.progress);
+    for (const auto& message : checkpoint.skipped) loop.log().warn(message);
+    loop.log().line("going on from " + checkpoint.path.string());
+    return loop.run(Opening::resumed);
+}
+
+} // namespace treacle::app

@@ -1,0 +1,33 @@
+#pragma once
+#include "mpi/comm.hpp"
+
+#include <chrono>
+#include <filesystem>
+#include <string>
+
+namespace treacle::app {
+
+// Why a run should end before its time: a signal (SIGTERM, SIGINT, SIGUSR1), a file named STOP in its folder, or
+// the time limit of the clock.
+class StopControl {
+public:
+    StopControl(const Comm& comm, std::filesystem::path stop_file, double wall_limit);
+    ~StopControl();
+    StopControl(const StopControl&) = delete;
+    StopControl& operator=(const StopControl&) = delete;
+
+    enum class Reason { none, signal, stop_file, wall_limit };
+    // Collective: the same answer on every rank. One small reduction.
+    Reason ask();
+    double wall_seconds() const;
+
+private:
+    Comm comm_;
+    std::filesystem::path stop_file_;
+    double wall_limit_;
+    std::chrono::steady_clock::time_point start_;
+};
+
+std::string describe(StopControl::Reason reason);
+
+} // namespace treacle::app

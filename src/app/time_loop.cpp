@@ -1,0 +1,233 @@
+#include "app/time_loop.hpp"
+
+#include "base/error.hpp"
+#include "base/text.hpp"
+#include "io/manifest.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <sys/resource.h>
+
+namespace treacle::app {
+
+namespace {
+// Times closer than this share of the run count as equal.
+constexpr double same_time = 1e-10;
+
+constexpr const char* cause_words[sph::loss_causes] = {"left through an open side", "went through a wall",
+                                                       "were no longer finite"};
+
+std::int64_t lost_against_limit(const Progress& progress) {
+    return progress.lost[static_cast<std::size_t>(sph::LossCause::leak) - 1] +
+           progress.lost[static_cast<std::size_t>(sph::LossCause::non_finite) - 1];
+}
+} // namespace
+
+void check_time_step(const Input& input) {
+    const auto& time = input.scene.time;
+    const double viscosity = input.scene.liquids.front().viscosity;
+    const double limit = sph::viscous_step_limit(make_constants(input), viscosity);
+    const double step = time.rule == scene::StepRule::fixed ? time.step : 0;
+    if (std::max(step, time.min_step) <= limit) return;
+    char text[64];
+    std::snprintf(text, sizeof text, "%.3g s", limit);
+    throw InputError({"", std::string("time.") + (step > 0 ? "step" : "min_step") +
+                              " is above the limit of the explicit viscosity, " + text,
+                      "method sph integrates a viscosity of " + format_number(viscosity) + " Pa s explicitly",
+                      "take a step below the limit, a coarser domain.spacing, or a thinner liquid"});
+}
+
+TimeLoop::TimeLoop(LoopSetup setup, std::unique_ptr<sph::IsphStep> solver, const Progress& progress)
+    : setup_(std::move(setup)), solver_(std::move(solver)), progress_(progress),
+      stop_(setup_.comm, setup_.folder.stop(), setup_.wall_limit),
+      log_(setup_.comm.is_root() ? Voice::speaks : Voice::silent), next_line_(progress.time),
+      start_time_(progress.time), next_wall_save_(setup_.input.scene.output.checkpoint_wall_interval),
+      start_step_(progress.step) {}
+
+bool TimeLoop::finished() const {
+    const double end = setup_.input.scene.time.end;
+    return progress_.time >= end * (1 - same_time);
+}
+
+// With the CFL rule steps end exactly on the times of frames: the way to the next one is divided evenly.
+double TimeLoop::choose_step() const {
+    const auto& time = setup_.input.scene.time;
+    if (time.rule == scene::StepRule::fixed) return time.step;
+    double dt = solver_->stable_step(time.cfl);
+    if (time.step > 0) dt = std::min(dt, time.step);
+    if (!(dt >= time.min_step)) {
+        throw SimulationError({"time step", "the stable step has fallen to " + format_number(dt) + " s",
+                               "the liquid has become too fast for time.min_step = " + format_number(time.min_step) + " s",
+                               "look at the last frame for particles that fly off; a smaller time.cfl may help"});
+    }
+    double target = time.end;
+    const double interval = setup_.input.scene.output.interval;
+    if (interval > 0) target = std::min(target, interval * double(progress_.frames));
+    const double way = target - progress_.time;
+    if (way <= time.min_step) return dt;
+    return way / std::ceil(way / dt * (1 - same_time));
+}
+
+void TimeLoop::check_losses(const sph::StepReport& report, Outputs& outputs) {
+    std::int64_t lost = 0;
+    for (std::size_t k = 0; k < sph::loss_causes; ++k) {
+        progress_.lost[k] += report.lost_by_cause[k];
+        lost += report.lost_by_cause[k];
+    }
+    if (lost == 0) return;
+    outputs.write_lost(progress_, report);
+    solver_->refresh();
+    const double limit = setup_.input.scene.lost_limit * double(progress_.initial_particles);
+    if (double(lost_against_limit(progress_)) <= limit) return;
+    std::string causes;
+    for (std::size_t k = 0; k < sph::loss_causes; ++k) {
+        if (progress_.lost[k] == 0) continue;
+        causes += (causes.empty() ? "" : ", ") + std::to_string(progress_.lost[k]) + " " + cause_words[k];
+    }
+    throw SimulationError({"step " + std::to_string(progress_.step),
+                           std::to_string(lost_against_limit(progress_)) + " particles are lost: " + causes,
+                           "lost_limit allows " + format_number(limit) + "; the culprits are in " +
+                               setup_.folder.lost_particles().string(),
+                           "take a smaller time step, or raise lost_limit"});
+}
+
+void TimeLoop::save() {
+    auto progress = progress_;
+    progress.wall_seconds += stop_.wall_seconds();
+    save_checkpoint(setup_.folder, setup_.input, setup_.scene_hash, progress, *solver_);
+}
+
+void TimeLoop::write_due(Outputs& outputs, const sph::StepReport& report) {
+    const auto& output = setup_.input.scene.output;
+    const double now = progress_.time * (1 + same_time) + 1e-300;
+    bool line = finished();
+    if (output.interval > 0 && now >= output.interval * double(progress_.frames)) {
+        outputs.write_frame(progress_, *solver_);
+        progress_.frames = static_cast<std::int64_t>(std::floor(now / output.interval)) + 1;
+        line = line || output.log_interval == 0;
+    }
+    if (output.log_interval > 0 && now >= next_line_) {
+        next_line_ += output.log_interval;
+        line = true;
+    }
+    if (line) {
+        outputs.flush();
+        report_progress(report);
+    }
+    bool due = false;
+    if (output.checkpoint_interval > 0 && now >= output.checkpoint_interval * double(progress_.checkpoints + 1)) {
+        progress_.checkpoints = static_cast<std::int64_t>(std::floor(now / output.checkpoint_interval));
+        due = true;
+    }
+    if (output.checkpoint_wall_interval > 0 &&
+        setup_.comm.max(stop_.wall_seconds()) >= next_wall_save_) {
+        next_wall_save_ += output.checkpoint_wall_interval;
+        due = true;
+    }
+    if (due) save();
+}
+
+void TimeLoop::report_progress(const sph::StepReport& report) {
+    const double end = setup_.input.scene.time.end;
+    const double done = progress_.time / end;
+    const double rate = (progress_.time - start_time_) / std::max(1e-9, stop_.wall_seconds());
+    const double left = rate > 0 ? (end - progress_.time) / rate : 0;
+    char text[256];
+    std::snprintf(text, sizeof text,
+                  "step %6lld  t %.5g s  dt %.3g s  its %3d  particles %lld  lost %lld  max speed %.3g m/s  %3.0f %%  ",
+                  static_cast<long long>(progress_.step), progress_.time, report.dt, report.pressure.iterations,
+                  static_cast<long long>(totals_.particles), static_cast<long long>(lost_against_limit(progress_)),
+                  totals_.max_speed, 100 * done);
+    log_.line(text + format_duration(left) + " left");
+}
+
+void TimeLoop::take_step(Outputs& outputs) {
+    const double dt = choose_step();
+    const auto report = solver_->advance(dt);
+    ++progress_.step;
+    progress_.time += dt;
+    iterations_ += report.pressure.iterations;
+    check_losses(report, outputs);
+    totals_ = sph::measure_totals(setup_.comm, solver_->liquid(), solver_->setup().constants.mass,
+                                  solver_->setup().forces.gravity);
+    if (!std::isfinite(totals_.kinetic_energy)) {
+        throw SimulationError({"step " + std::to_string(progress_.step), "the kinetic energy is not finite",
+                               "velocities have grown without bound", "take a smaller time step"});
+    }
+    outputs.write_step(progress_, report, totals_, solver_->timers());
+    outputs.write_loads(progress_, report);
+    outputs.write_measurements(progress_, *solver_);
+    write_due(outputs, report);
+}
+
+void TimeLoop::write_summary(const std::string& how_it_ended) {
+    const auto& comm = setup_.comm;
+    struct rusage usage{};
+    getrusage(RUSAGE_SELF, &usage);
+    const double peak = 1024.0 * double(usage.ru_maxrss);
+    using io::Value;
+    Value summary = Value::object({{"ended", how_it_ended},
+                                   {"steps", progress_.step},
+                                   {"time [s]", progress_.time},
+                                   {"particles at the start", progress_.initial_particles},
+                                   {"particles", totals_.particles},
+                                   {"maximum speed [m/s]", totals_.max_speed},
+                                   {"kinetic energy [J]", totals_.kinetic_energy},
+                                   {"potential energy [J]", totals_.potential_energy},
+                                   {"pressure iterations in this sitting", iterations_},
+                                   {"ranks", comm.size()}});
+    Value lost = Value::object({});
+    for (std::size_t k = 0; k < sph::loss_causes; ++k) lost.set(cause_words[k], progress_.lost[k]);
+    summary.set("lost particles", lost);
+    const auto spread = [&](double value) {
+        return Value::object({{"min", comm.min(value)}, {"mean", comm.sum(value) / comm.size()}, {"max", comm.max(value)}});
+    };
+    Value phases = Value::object({});
+    for (const auto& phase : solver_->timers().phases()) phases.set(phase.name, spread(phase.seconds));
+    summary.set("seconds per phase", phases);
+    const double sitting = stop_.wall_seconds();
+    summary.set("wall time of this sitting [s]", comm.max(sitting));
+    summary.set("wall time [s]", comm.max(sitting + progress_.wall_seconds));
+    summary.set("peak memory per rank [bytes]", spread(peak));
+    summary.set("memory of particles, lists and matrix per rank [bytes]", spread(double(solver_->bytes())));
+    io::write_summary(comm, setup_.folder.summary(), summary);
+}
+
+ExitCode TimeLoop::run(Opening opening) {
+    const auto& constants = solver_->setup().constants;
+    totals_ = sph::measure_totals(setup_.comm, solver_->liquid(), constants.mass, solver_->setup().forces.gravity);
+    Outputs outputs(setup_.comm, setup_.folder, setup_.input, progress_, opening);
+    if (opening == Opening::fresh) {
+        progress_.initial_particles = totals_.particles;
+        progress_.initial_mass = totals_.mass;
+        log_.line(std::to_string(totals_.particles) + " liquid and " +
+                  std::to_string(setup_.comm.sum(static_cast<std::int64_t>(solver_->solid().store.owned()))) +
+                  " solid particles on " + std::to_string(setup_.comm.size()) + " ranks");
+        if (setup_.input.scene.output.interval > 0) {
+            solver_->refresh();
+            outputs.write_solids(*solver_);
+            outputs.write_frame(progress_, *solver_);
+            progress_.frames = 1;
+        }
+        outputs.write_measurements(progress_, *solver_);
+    }
+    auto reason = StopControl::Reason::none;
+    while (!finished() && reason == StopControl::Reason::none) {
+        take_step(outputs);
+        reason = stop_.ask();
+    }
+    outputs.flush();
+    if (finished()) {
+        write_summary("finished");
+        log_.line("finished: " + setup_.folder.root.string());
+        return ExitCode::ok;
+    }
+    save();
+    write_summary("stopped by " + describe(reason));
+    log_.line("stopped by " + describe(reason) + " with a checkpoint; go on with treacle resume " +
+              setup_.folder.root.string());
+    return ExitCode::stopped;
+}
+
+} // namespace treacle::app

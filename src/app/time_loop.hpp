@@ -1,0 +1,54 @@
+#pragma once
+#include "app/build_scene.hpp"
+#include "app/outputs.hpp"
+#include "app/stop_control.hpp"
+#include "base/error.hpp"
+#include "base/log.hpp"
+
+namespace treacle::app {
+
+struct LoopSetup {
+    Comm comm;
+    io::RunFolder folder;
+    Input input;
+    std::string scene_hash;
+    double wall_limit = 0; // [s]
+};
+
+// Carries a run from where its progress stands to its end, with all output on the way.
+class TimeLoop {
+public:
+    TimeLoop(LoopSetup setup, std::unique_ptr<sph::IsphStep> solver, const Progress& progress);
+
+    // Collective. Returns ok or stopped; throws SimulationError when the run fails, the last checkpoint and all
+    // earlier output intact.
+    ExitCode run(Opening opening);
+    Log& log() { return log_; }
+
+private:
+    double choose_step() const;
+    void take_step(Outputs& outputs);
+    void check_losses(const sph::StepReport& report, Outputs& outputs);
+    void write_due(Outputs& outputs, const sph::StepReport& report);
+    void save();
+    void report_progress(const sph::StepReport& report);
+    void write_summary(const std::string& how_it_ended);
+    bool finished() const;
+
+    LoopSetup setup_;
+    std::unique_ptr<sph::IsphStep> solver_;
+    Progress progress_;
+    StopControl stop_;
+    Log log_;
+    sph::LiquidTotals totals_;
+    double next_line_ = 0;        // [s] simulated
+    double start_time_ = 0;       // [s] simulated, of this sitting
+    double next_wall_save_ = 0;   // [s] of the clock
+    std::int64_t start_step_ = 0;
+    std::int64_t iterations_ = 0;
+};
+
+// Throws InputError when a fixed step is above the limit of the explicit viscosity.
+void check_time_step(const Input& input);
+
+} // namespace treacle::app
