@@ -128,12 +128,12 @@ class RunFolder:
     def manifest(self):
         return json.loads((self.folder / "manifest.json").read_text())
 
-    def frames(self):
-        """Pairs (time [s], path) in the order of the series' index."""
-        # The liquid's index is NAME.hdf.series; others add to the name.
-        series = sorted(self.folder.rglob("*.hdf.series"), key=lambda path: len(path.name))
+    def frames(self, solids=False):
+        """Pairs (time [s], path) of the liquid's frames, or of the solids', in the order of their index."""
+        series = [path for path in sorted(self.folder.rglob("*.hdf.series"))
+                  if (path.name == "solid.hdf.series") == solids]
         if not series:
-            raise CommandFailed(f"no .hdf.series under {self.folder}")
+            raise CommandFailed(f"no index of frames under {self.folder}")
         index = json.loads(series[0].read_text())
         return [(entry["time"], series[0].parent / entry["name"]) for entry in index["files"]]
 

@@ -93,6 +93,8 @@ class Claims(unittest.TestCase):
             {"file-series-version": "1.0", "files": [{"name": "a.hdf", "time": 0.5}]}))
         folder = run.RunFolder(self.folder)
         self.assertEqual([(0.5, self.folder / "a.hdf")], folder.frames())
+        with self.assertRaisesRegex(table.CommandFailed, "no index of frames"):
+            folder.frames(solids=True)
         self.assertEqual([1.0, 2.0], list(folder.frame()["position"][:, 0]))
 
     def test_a_gtest_report_without_tests_does_not_pass(self):
