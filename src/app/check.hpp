@@ -12,8 +12,8 @@ struct CheckRequest {
     std::filesystem::path picture; // PNG of the particles at the start; empty: none
 };
 
-// `treacle check`: everything short of running. Prints what the scene is made of, what a run of it needs, and what
-// is doubtful about it. Collective. Throws InputError with all that is wrong.
+// `treacle check`: everything short of running. Prints what the scene is made of, what a run of it needs, and
+// what is doubtful about it. Collective. Throws InputError with all that is wrong.
 ExitCode check_scene(const Comm& comm, const CheckRequest& request);
 
 } // namespace treacle::app

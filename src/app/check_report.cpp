@@ -73,15 +73,18 @@ std::string volume_text(double volume, int dimensions) {
 void Report::domain() {
     const auto& domain = scene().domain;
     heading("scene: " + at_.path.string() + (scene().title.empty() ? "" : ", " + scene().title));
-    row("domain", edges(domain.min, domain.max, domain.dimensions) + ", spacing " + short_number(domain.spacing) + " m");
+    row("domain", edges(domain.min, domain.max, domain.dimensions) + ", spacing " +
+                      short_number(domain.spacing) + " m");
     const auto names = load_names(at_.input);
     for (std::size_t k = 0; k < 2 * static_cast<std::size_t>(domain.dimensions); ++k) {
         row(names[k], side_text(domain.faces[k]));
     }
     for (std::size_t k = 0; k < static_cast<std::size_t>(domain.dimensions); ++k) {
-        if (domain.faces[2 * k].kind != scene::FaceKind::periodic && !at_.geometry.lattice.fits(static_cast<int>(k))) {
-            warn(std::string("domain: its length in ") + "xyz"[k] +
-                 " is no multiple of the spacing: liquid that touches both sides leaves a gap at one of them");
+        if (domain.faces[2 * k].kind != scene::FaceKind::periodic &&
+            !at_.geometry.lattice.fits(static_cast<int>(k))) {
+            warn(
+                std::string("domain: its length in ") + "xyz"[k] +
+                " is no multiple of the spacing: liquid that touches both sides leaves a gap at one of them");
         }
     }
 }
@@ -90,9 +93,10 @@ void Report::mesh(const scene::SolidRegion& region, const std::string& owner) {
     if (!region.mesh()) return;
     const auto& report = *region.mesh();
     row("mesh of " + owner, report.path);
-    row("", "closed, " + std::to_string(report.components) + (report.components == 1 ? " part, " : " parts, ") +
-                grouped(report.triangles) + " triangles, " +
-                edges(report.bounds.min, report.bounds.max, 3) + ", volume " + volume_text(report.volume, 3));
+    row("", "closed, " + std::to_string(report.components) +
+                (report.components == 1 ? " part, " : " parts, ") + grouped(report.triangles) +
+                " triangles, " + edges(report.bounds.min, report.bounds.max, 3) + ", volume " +
+                volume_text(report.volume, 3));
     for (const auto& note : report.notes()) row("", note);
     if (report.thinnest < scene().domain.spacing) {
         warn(owner + ": its mesh is in places thinner than the spacing (" + short_number(report.thinnest) +
@@ -104,7 +108,8 @@ void Report::liquids() {
     heading("liquids");
     for (std::size_t i = 0; i < scene().liquids.size(); ++i) {
         const auto& liquid = scene().liquids[i];
-        row(liquid.name, short_number(liquid.density) + " kg/m3, " + short_number(liquid.viscosity) + " Pa s");
+        row(liquid.name,
+            short_number(liquid.density) + " kg/m3, " + short_number(liquid.viscosity) + " Pa s");
         std::uint64_t count = 0;
         for (const int which : at_.preview.liquid.liquids) count += which == static_cast<int>(i);
         const double d = at_.preview.lattice.spacing;
@@ -124,13 +129,14 @@ void Report::bodies() {
     for (std::size_t i = 0; i < scene().bodies.size(); ++i) {
         const auto& body = scene().bodies[i];
         const auto& region = at_.geometry.bodies[i];
-        row(body.name, std::string(body.slip == scene::Slip::no_slip ? "no-slip" : "free-slip") + ", volume " +
-                           volume_text(region.volume(), scene().domain.dimensions));
+        row(body.name, std::string(body.slip == scene::Slip::no_slip ? "no-slip" : "free-slip") +
+                           ", volume " + volume_text(region.volume(), scene().domain.dimensions));
         mesh(region, "bodies." + body.name);
     }
     if (at_.preview.thin_solid > 0) {
         warn("bodies: " + grouped(at_.preview.thin_solid) +
-             " solid particles are where a body is too thin for a layer on each side; liquid may feel it from behind");
+             " solid particles are where a body is too thin for a layer on each side; liquid may feel it "
+             "from behind");
     }
 }
 
@@ -151,23 +157,28 @@ void Report::steps() {
     const auto& time = scene().time;
     heading("time");
     row("end", short_number(time.end) + " s");
-    row("limit by speed", step_text(estimates_.courant_step) + " at " + short_number(estimates_.speed) + " m/s, " +
-                              (estimates_.initial_speed < estimates_.speed ? "sqrt(g H)" : "as at the start"));
+    row("limit by speed",
+        step_text(estimates_.courant_step) + " at " + short_number(estimates_.speed) + " m/s, " +
+            (estimates_.initial_speed < estimates_.speed ? "sqrt(g H)" : "as at the start"));
     row("limit by gravity", step_text(estimates_.gravity_step));
     row("limit by viscosity", step_text(estimates_.viscous_step));
     const bool fixed = time.rule == scene::StepRule::fixed;
     row("step", (fixed ? "fixed, " : "about ") + step_text(estimates_.step) + ", " +
-                    (std::isfinite(estimates_.steps) ? grouped(static_cast<std::uint64_t>(estimates_.steps)) : "few") +
+                    (std::isfinite(estimates_.steps) ? grouped(static_cast<std::uint64_t>(estimates_.steps))
+                                                     : "few") +
                     " steps");
     if (fixed && time.step > estimates_.courant_step) {
-        warn("time.step: particles at " + short_number(estimates_.speed) + " m/s move more than time.cfl spacings in a step");
+        warn("time.step: particles at " + short_number(estimates_.speed) +
+             " m/s move more than time.cfl spacings in a step");
     }
     if (!fixed && estimates_.step < time.min_step) {
-        warn("time.min_step: the first steps are expected to be smaller, and the run would end with exit code 3");
+        warn("time.min_step: the first steps are expected to be smaller, and the run would end with exit "
+             "code 3");
     }
     if (estimates_.viscous_step < 0.1 * std::min(estimates_.courant_step, estimates_.gravity_step)) {
         warn("liquids: the explicit viscosity makes the time step " +
-             short_number(std::min(estimates_.courant_step, estimates_.gravity_step) / estimates_.viscous_step) +
+             short_number(std::min(estimates_.courant_step, estimates_.gravity_step) /
+                          estimates_.viscous_step) +
              " times smaller than the motion asks for");
     }
 }

@@ -42,7 +42,8 @@ std::filesystem::path find_scene(const Comm& comm, const std::string& name) {
     comm.guard_root([&] {
         if (std::filesystem::is_directory(path)) path /= "scene.yaml";
         if (std::filesystem::exists(path)) return;
-        throw InputError({path.string(), "there is no such file", "a scene is a YAML file, or a folder with scene.yaml",
+        throw InputError({path.string(), "there is no such file",
+                          "a scene is a YAML file, or a folder with scene.yaml",
                           "`treacle schema` describes it"});
     });
     return comm.broadcast(path.string());
@@ -56,7 +57,8 @@ double read_wall_limit(const std::string& text) {
     }
     const double seconds = std::get<double>(read);
     if (seconds > 0) return seconds;
-    throw InputError({"--wall-limit " + text, "must be > 0", "it is a length of time", "write for instance 2h"});
+    throw InputError(
+        {"--wall-limit " + text, "must be > 0", "it is a length of time", "write for instance 2h"});
 }
 
 struct SourceWords {
@@ -74,7 +76,9 @@ void add_repeated(CLI::App& app, const std::string& name, Words& values, const s
 }
 
 void add_source(CLI::App& app, SourceWords& words) {
-    app.add_option("scene", words.scene, "YAML file, or a folder with scene.yaml")->required()->type_name("SCENE");
+    app.add_option("scene", words.scene, "YAML file, or a folder with scene.yaml")
+        ->required()
+        ->type_name("SCENE");
     add_repeated(app, "--set", words.overrides, "Override a key of the scene: a.b.c=value.");
     add_repeated(app, "--data", words.data, "Folder in which meshes are looked up.");
 }
@@ -85,11 +89,11 @@ void add_petsc(CLI::App& app, Chosen& chosen) {
 }
 
 void add_run(CLI::App& program, Chosen& chosen, const Words& arguments) {
-    struct Words_ : SourceWords {
+    struct RunWords : SourceWords {
         std::string out, wall_limit;
         bool overwrite = false;
     };
-    auto words = std::make_shared<Words_>();
+    auto words = std::make_shared<RunWords>();
     auto& app = *program.add_subcommand("run", "Run a scene; under mpirun on all its ranks.");
     add_source(app, *words);
     app.add_option("--out", words->out, "Folder for the results (default: out/NAME)")->type_name("DIR");
@@ -105,7 +109,8 @@ void add_run(CLI::App& program, Chosen& chosen, const Words& arguments) {
                 RunRequest request;
                 request.source = words->source(comm);
                 request.out = words->out;
-                request.existing = words->overwrite ? io::ExistingFiles::overwrite : io::ExistingFiles::refuse;
+                request.existing =
+                    words->overwrite ? io::ExistingFiles::overwrite : io::ExistingFiles::refuse;
                 request.wall_limit = limit;
                 request.command = arguments;
                 return run_scene(comm, request);
@@ -115,12 +120,13 @@ void add_run(CLI::App& program, Chosen& chosen, const Words& arguments) {
 }
 
 void add_resume(CLI::App& program, Chosen& chosen, const Words& arguments) {
-    struct Words_ {
+    struct ResumeWords {
         std::string folder, wall_limit;
         Words data;
     };
-    auto words = std::make_shared<Words_>();
-    auto& app = *program.add_subcommand("resume", "Go on from the newest valid checkpoint, on any number of ranks.");
+    auto words = std::make_shared<ResumeWords>();
+    auto& app =
+        *program.add_subcommand("resume", "Go on from the newest valid checkpoint, on any number of ranks.");
     app.add_option("folder", words->folder, "Folder of a run")->required()->type_name("DIR");
     add_repeated(app, "--data", words->data, "Folder in which meshes are looked up.");
     app.add_option("--wall-limit", words->wall_limit, "Stop with a checkpoint after this time of the clock")
@@ -128,42 +134,49 @@ void add_resume(CLI::App& program, Chosen& chosen, const Words& arguments) {
     add_petsc(app, chosen);
     app.callback([words, arguments, &chosen] {
         chosen.make = [words, arguments]() -> Command {
-            ResumeRequest request{words->folder, {words->data.begin(), words->data.end()},
-                                  read_wall_limit(words->wall_limit), arguments};
+            ResumeRequest request{words->folder,
+                                  {words->data.begin(), words->data.end()},
+                                  read_wall_limit(words->wall_limit),
+                                  arguments};
             return [request](const Comm& comm) { return resume_run(comm, request); };
         };
     });
 }
 
 void add_check(CLI::App& program, Chosen& chosen) {
-    struct Words_ : SourceWords {
+    struct CheckWords : SourceWords {
         std::string picture;
     };
-    auto words = std::make_shared<Words_>();
-    auto& app = *program.add_subcommand("check", "Everything short of running: keys, files, meshes, overlaps, "
-                                                 "particles, memory, time step, dimensionless numbers.");
+    auto words = std::make_shared<CheckWords>();
+    auto& app =
+        *program.add_subcommand("check", "Everything short of running: keys, files, meshes, overlaps, "
+                                         "particles, memory, time step, dimensionless numbers.");
     add_source(app, *words);
-    app.add_option("--picture", words->picture, "Draw the particles at the start into this PNG")->type_name("FILE");
+    app.add_option("--picture", words->picture, "Draw the particles at the start into this PNG")
+        ->type_name("FILE");
     app.callback([words, &chosen] {
         chosen.make = [words]() -> Command {
-            return [words](const Comm& comm) { return check_scene(comm, {words->source(comm), words->picture}); };
+            return [words](const Comm& comm) {
+                return check_scene(comm, {words->source(comm), words->picture});
+            };
         };
     });
 }
 
-enum class SchemaForm { text, json };
-
 void add_manuals(CLI::App& program, Chosen& chosen) {
-    struct Words_ {
+    struct SchemaWords {
         std::string key;
         bool json = false;
     };
-    auto words = std::make_shared<Words_>();
+    auto words = std::make_shared<SchemaWords>();
     auto& app = *program.add_subcommand("schema", "The manual of the scene file.");
-    auto* key = app.add_option("key", words->key, "One key or block, such as liquids.viscosity")->type_name("KEY");
+    auto* key =
+        app.add_option("key", words->key, "One key or block, such as liquids.viscosity")->type_name("KEY");
     app.add_flag("--json", words->json, "A JSON Schema, for editors")->excludes(key);
     app.callback([words, &chosen] {
-        chosen.make = [words]() -> Command { return print(words->json ? schema_json() : schema_text(words->key)); };
+        chosen.make = [words]() -> Command {
+            return print(words->json ? schema_json() : schema_text(words->key));
+        };
     });
     program.add_subcommand("materials", "Presets of liquids, with their sources.")->callback([&chosen] {
         chosen.make = [] { return print(scene::materials_table()); };
@@ -177,19 +190,24 @@ void add_info(CLI::App& program, Chosen& chosen) {
         ->required()
         ->type_name("FILE|DIR");
     app.callback([path, &chosen] {
-        chosen.make = [path]() -> Command { return [path](const Comm& comm) { return show_info(comm, *path); }; };
+        chosen.make = [path]() -> Command {
+            return [path](const Comm& comm) { return show_info(comm, *path); };
+        };
     });
 }
 
 constexpr const char* frames_doc = "first:last:stride, from 0, last included, negative from the end";
 
 void add_export(CLI::App& program, Chosen& chosen) {
-    struct Words_ {
+    struct ExportWords {
         std::string source, format, frames, out;
     };
-    auto words = std::make_shared<Words_>();
-    auto& app = *program.add_subcommand("export", "Convert frames for other programs; frames are shared out over ranks.");
-    app.add_option("source", words->source, "Folder of a run, or one frame")->required()->type_name("DIR|FRAME");
+    auto words = std::make_shared<ExportWords>();
+    auto& app = *program.add_subcommand(
+        "export", "Convert frames for other programs; frames are shared out over ranks.");
+    app.add_option("source", words->source, "Folder of a run, or one frame")
+        ->required()
+        ->type_name("DIR|FRAME");
     app.add_option("--to", words->format, "ply, vtp or csv")->required()->type_name("FORMAT");
     app.add_option("--frames", words->frames, frames_doc)->type_name("A:B:C");
     app.add_option("--out", words->out, "Folder (default: exports/ in that of the run, or beside the frame)")
@@ -204,7 +222,8 @@ void add_export(CLI::App& program, Chosen& chosen) {
 }
 
 struct RenderWords {
-    std::string folder, field = "speed", map = "viridis", range, camera, style = "spheres", background = "white";
+    std::string folder, field = "speed", map = "viridis", range, camera, style = "spheres",
+                        background = "white";
     std::string frames, size, movie, out;
     double frames_per_second = 0;
     bool no_movie = false;
@@ -230,10 +249,12 @@ RenderRequest render_request(const RenderWords& words) {
 
 void add_render(CLI::App& program, Chosen& chosen) {
     auto words = std::make_shared<RenderWords>();
-    auto& app = *program.add_subcommand("render", "Draw the frames of a run: a PNG each, and a movie; frames are "
-                                                  "shared out over ranks.");
+    auto& app =
+        *program.add_subcommand("render", "Draw the frames of a run: a PNG each, and a movie; frames are "
+                                          "shared out over ranks.");
     app.add_option("folder", words->folder, "Folder of a run")->required()->type_name("DIR");
-    app.add_option("--field", words->field, "What colours the particles: speed (default), pressure, density, ...")
+    app.add_option("--field", words->field,
+                   "What colours the particles: speed (default), pressure, density, ...")
         ->type_name("NAME");
     app.add_option("--colour-map,--color-map", words->map, "viridis (default) or diverging")
         ->check(CLI::IsMember({"viridis", "diverging"}))
@@ -249,12 +270,15 @@ void add_render(CLI::App& program, Chosen& chosen) {
         ->check(CLI::IsMember({"white", "dark"}))
         ->type_name("COLOUR");
     app.add_option("--frames", words->frames, frames_doc)->type_name("A:B:C");
-    app.add_option("--fps", words->frames_per_second, "Frames per second of the movie (default: real time, 10 to 60)")
+    app.add_option("--fps", words->frames_per_second,
+                   "Frames per second of the movie (default: real time, 10 to 60)")
         ->check(CLI::Range(0.1, 1000.0))
         ->type_name("NUMBER");
-    app.add_option("--size", words->size, "Of the pictures in pixels (default: the camera's)")->type_name("WxH");
-    auto* movie = app.add_option("--movie", words->movie, "MP4 (default: CAMERA_FIELD.mp4 beside the pictures)")
-                      ->type_name("FILE");
+    app.add_option("--size", words->size, "Of the pictures in pixels (default: the camera's)")
+        ->type_name("WxH");
+    auto* movie =
+        app.add_option("--movie", words->movie, "MP4 (default: CAMERA_FIELD.mp4 beside the pictures)")
+            ->type_name("FILE");
     app.add_flag("--no-movie", words->no_movie, "Pictures only")->excludes(movie);
     app.add_option("--out", words->out, "Folder (default: pictures/ in that of the run)")->type_name("DIR");
     app.callback([words, &chosen] {
@@ -295,7 +319,8 @@ Words join_values(const Words& arguments) {
 
 Words command_names(const CLI::App& program) {
     Words names;
-    for (const auto* app : program.get_subcommands([](const CLI::App*) { return true; })) names.push_back(app->get_name());
+    for (const auto* app : program.get_subcommands([](const CLI::App*) { return true; }))
+        names.push_back(app->get_name());
     return names;
 }
 

@@ -10,8 +10,8 @@ namespace treacle::app {
 
 // What the command line asks for.
 struct CommandLine {
-    std::string petsc;                             // options for PETSc
-    std::function<ExitCode(const Comm&)> command;  // collective
+    std::string petsc;                            // options for PETSc
+    std::function<ExitCode(const Comm&)> command; // collective
 };
 
 // The same on every rank. Throws InputError for an unknown command or option, with the nearest known one.

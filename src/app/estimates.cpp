@@ -45,13 +45,15 @@ double typical_length(const Input& input, const Geometry& geometry) {
 
 } // namespace
 
-Estimates estimate_run(const Input& input, const Geometry& geometry, std::uint64_t liquid, std::uint64_t solid) {
+Estimates estimate_run(const Input& input, const Geometry& geometry, std::uint64_t liquid,
+                       std::uint64_t solid) {
     const auto& scene = input.scene;
     const double pull = length_of(scene.domain.gravity);
     const double d = scene.domain.spacing;
     Estimates out;
     out.length = typical_length(input, geometry);
-    for (const auto& one : scene.liquids) out.initial_speed = std::max(out.initial_speed, length_of(one.velocity));
+    for (const auto& one : scene.liquids)
+        out.initial_speed = std::max(out.initial_speed, length_of(one.velocity));
     out.speed = std::max(out.initial_speed, std::sqrt(pull * out.length));
     out.courant_step = out.speed > 0 ? scene.time.cfl * d / out.speed : infinite;
     out.gravity_step = pull > 0 ? scene.time.cfl * std::sqrt(d / pull) : infinite;
@@ -74,16 +76,21 @@ std::vector<DimensionlessNumber> dimensionless_numbers(const Input& input, const
     const double length = estimates.length, speed = estimates.speed;
     std::vector<DimensionlessNumber> out;
     if (liquid.viscosity > 0 && speed > 0) {
-        out.push_back({"Reynolds number", "rho U H / mu", liquid.density * speed * length / liquid.viscosity});
+        out.push_back(
+            {"Reynolds number", "rho U H / mu", liquid.density * speed * length / liquid.viscosity});
     }
     if (pull > 0 && estimates.initial_speed > 0) {
-        out.push_back({"Froude number", "U0 / sqrt(g H)", estimates.initial_speed / std::sqrt(pull * length)});
+        out.push_back(
+            {"Froude number", "U0 / sqrt(g H)", estimates.initial_speed / std::sqrt(pull * length)});
     }
     if (liquid.surface_tension > 0) {
         const double tension = liquid.surface_tension;
-        if (pull > 0) out.push_back({"Bond number", "rho g H^2 / sigma", liquid.density * pull * length * length / tension});
+        if (pull > 0)
+            out.push_back(
+                {"Bond number", "rho g H^2 / sigma", liquid.density * pull * length * length / tension});
         if (speed > 0) {
-            out.push_back({"Weber number", "rho U^2 H / sigma", liquid.density * speed * speed * length / tension});
+            out.push_back(
+                {"Weber number", "rho U^2 H / sigma", liquid.density * speed * speed * length / tension});
         }
         if (liquid.viscosity > 0 && speed > 0) {
             out.push_back({"capillary number", "mu U / sigma", liquid.viscosity * speed / tension});

@@ -31,23 +31,13 @@ Job plan(const Comm& comm, const ExportRequest& request) {
     return job;
 }
 
-void make_folder(const std::filesystem::path& path) {
-    if (path.empty()) return;
-    std::error_code error;
-    std::filesystem::create_directories(path, error);
-    if (error || !std::filesystem::is_directory(path)) {
-        throw InputError({path.string(), "the folder cannot be made", error.message(),
-                          "choose another one with --out"});
-    }
-}
-
 } // namespace
 
 ExitCode export_frames(const Comm& comm, const ExportRequest& request) {
     const auto format = io::export_format(request.format);
     auto job = plan(comm, request);
     if (!request.out.empty()) job.out = request.out;
-    comm.guard_root([&] { make_folder(job.out); });
+    comm.guard_root([&] { make_output_folder(job.out); });
     comm.guard([&] {
         for (auto i = static_cast<std::size_t>(comm.rank()); i < job.frames.size();
              i += static_cast<std::size_t>(comm.size())) {

@@ -75,7 +75,8 @@ ScalarField scalar_field(const io::Frame& frame, const std::string& name) {
             return {with_unit_of(name, column), magnitude(column), true};
         }
         for (int k = 0; column.components > 1 && k < column.components; ++k) {
-            if (component_name(column, k) == name) return {with_unit_of(name, column), component(column, k), false};
+            if (component_name(column, k) == name)
+                return {with_unit_of(name, column), component(column, k), false};
         }
     }
     for (std::size_t k = 0; k < 3; ++k) {
@@ -83,9 +84,10 @@ ScalarField scalar_field(const io::Frame& frame, const std::string& name) {
     }
     const auto names = scalar_names(frame);
     const auto close = nearest(name, names);
-    throw InputError({"--field " + name, "there is no such field in the frames" +
-                                             (close ? "; did you mean " + *close + "?" : std::string()),
-                      "they hold " + join(names, ", "), "output.fields of the scene says what a run writes"});
+    throw InputError(
+        {"--field " + name,
+         "there is no such field in the frames" + (close ? "; did you mean " + *close + "?" : std::string()),
+         "they hold " + join(names, ", "), "output.fields of the scene says what a run writes"});
 }
 
 } // namespace treacle::app

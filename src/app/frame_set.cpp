@@ -68,8 +68,8 @@ std::vector<std::size_t> pick_frames(const FrameRange& range, std::size_t count)
         for (auto i = first; i <= last; i += static_cast<std::size_t>(range.stride)) places.push_back(i);
     }
     if (places.empty()) {
-        throw InputError({"--frames", "no frame is left", "the first one comes after the last one",
-                          "swap the two"});
+        throw InputError(
+            {"--frames", "no frame is left", "the first one comes after the last one", "swap the two"});
     }
     return places;
 }
@@ -91,6 +91,16 @@ void require_frames(const RunView& run) {
     if (!run.frames.empty()) return;
     throw InputError({run.folder.root.string(), "there is no frame", "the run has not written one",
                       "set output.interval and run again"});
+}
+
+void make_output_folder(const std::filesystem::path& path) {
+    if (path.empty()) return; // the current one
+    std::error_code error;
+    std::filesystem::create_directories(path, error);
+    if (error || !std::filesystem::is_directory(path)) {
+        throw InputError(
+            {path.string(), "the folder cannot be made", error.message(), "choose another one with --out"});
+    }
 }
 
 } // namespace treacle::app

@@ -26,8 +26,8 @@ std::vector<std::size_t> pick_frames(const FrameRange& range, std::size_t count)
 // A finished or running run, opened to look at: its scene, its frames.
 struct RunView {
     io::RunFolder folder;
-    Input input;                         // of effective.yaml
-    std::vector<io::SeriesEntry> frames; // of the liquid, by time; may be empty
+    Input input;                                 // of effective.yaml
+    std::vector<io::SeriesEntry> frames;         // of the liquid, by time; may be empty
     std::optional<std::filesystem::path> solids; // frame of the solids' particles
 
     std::filesystem::path frame(std::size_t i) const { return folder.frames() / frames[i].file; }
@@ -38,5 +38,8 @@ RunView open_run(const Comm& comm, const std::filesystem::path& path);
 
 // Throws InputError when the run has no frame.
 void require_frames(const RunView& run);
+
+// Makes a folder for pictures or exports, on this rank alone. Throws InputError.
+void make_output_folder(const std::filesystem::path& path);
 
 } // namespace treacle::app

@@ -15,7 +15,8 @@ namespace treacle::app {
 namespace {
 
 // Smallest and largest value over all ranks, as text.
-std::string range_text(const Comm& comm, const std::vector<double>& values, std::size_t first, std::size_t stride) {
+std::string range_text(const Comm& comm, const std::vector<double>& values, std::size_t first,
+                       std::size_t stride) {
     double low = std::numeric_limits<double>::infinity(), high = -low;
     for (auto i = first; i < values.size(); i += stride) {
         low = std::min(low, values[i]);
@@ -40,7 +41,8 @@ void show_frame(const Comm& comm, const std::filesystem::path& path, Log& log) {
     for (const auto& column : frame.fields) {
         log.line(label(with_unit_of(column.name, column)) +
                  range_text(comm, scalar_field(frame, column.name).values, 0, 1) +
-                 (column.components > 1 ? "  (length of " + std::to_string(column.components) + " components)" : ""));
+                 (column.components > 1 ? "  (length of " + std::to_string(column.components) + " components)"
+                                        : ""));
     }
 }
 
@@ -89,9 +91,10 @@ ExitCode show_info(const Comm& comm, const std::filesystem::path& path) {
     } else if (kind == ".series") {
         comm.guard([&] { show_series(path, log); });
     } else {
-        throw InputError({path.string(), "is nothing that treacle writes",
-                          "frames end in .hdf, their index in .hdf.series, checkpoints in .h5; a run has a folder",
-                          kind == ".yaml" ? "look at a scene with treacle check" : ""});
+        throw InputError(
+            {path.string(), "is nothing that treacle writes",
+             "frames end in .hdf, their index in .hdf.series, checkpoints in .h5; a run has a folder",
+             kind == ".yaml" ? "look at a scene with treacle check" : ""});
     }
     return ExitCode::ok;
 }

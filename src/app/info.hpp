@@ -6,8 +6,8 @@
 
 namespace treacle::app {
 
-// `treacle info`: what a frame, a checkpoint, the index of a series, or a run's folder holds. Collective. Throws
-// InputError when the path is none of these.
+// `treacle info`: what a frame, a checkpoint, the index of a series, or a run's folder holds. Collective.
+// Throws InputError when the path is none of these.
 ExitCode show_info(const Comm& comm, const std::filesystem::path& path);
 
 } // namespace treacle::app

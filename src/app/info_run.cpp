@@ -37,7 +37,8 @@ void show_entries(const Json& object, const std::string& indent, Log& log) {
     for (const auto& [key, value] : object.items()) {
         const bool small = value.is_object() && value.contains("min") && value.contains("max");
         if (small) {
-            log.line(label(indent + key) + text_of(value["min"]) + " to " + text_of(value["max"]) + " over the ranks");
+            log.line(label(indent + key) + text_of(value["min"]) + " to " + text_of(value["max"]) +
+                     " over the ranks");
         } else if (value.is_object()) {
             log.line(label(indent + key));
             show_entries(value, indent + "  ", log);
@@ -47,7 +48,8 @@ void show_entries(const Json& object, const std::string& indent, Log& log) {
     }
 }
 
-void show_object(const std::filesystem::path& path, const std::string& title, const std::string& missing, Log& log) {
+void show_object(const std::filesystem::path& path, const std::string& title, const std::string& missing,
+                 Log& log) {
     const auto object = read_json(path);
     if (!object.is_object()) {
         log.line(title + ": " + missing);
@@ -110,8 +112,8 @@ void show_frames(const RunView& run, Log& log) {
         log.line("frames: none");
         return;
     }
-    log.line("frames: " + std::to_string(run.frames.size()) + ", from " + short_number(run.frames.front().time) +
-             " to " + short_number(run.frames.back().time) + " s");
+    log.line("frames: " + std::to_string(run.frames.size()) + ", from " +
+             short_number(run.frames.front().time) + " to " + short_number(run.frames.back().time) + " s");
     const auto frame = io::read_frame(run.frame(run.frames.size() - 1));
     log.line(label("last one") + run.frame(run.frames.size() - 1).string());
     log.line(label("particles") + grouped(static_cast<std::uint64_t>(frame.total)));

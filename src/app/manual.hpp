@@ -8,7 +8,8 @@ namespace treacle::app {
 // `treacle --version`: program, sources, compiler and libraries.
 std::string version_text();
 
-// `treacle schema`: of everything ("") or of one key. Throws InputError with the nearest key when there is none.
+// `treacle schema`: of everything ("") or of one key. Throws InputError with the nearest key when there is
+// none.
 std::string schema_text(const std::string& key);
 std::string schema_json();
 

@@ -9,7 +9,9 @@
 
 namespace treacle::app {
 
-video::DomainBox domain_box(const scene::Domain& domain) { return {domain.min, domain.max, domain.dimensions}; }
+video::DomainBox domain_box(const scene::Domain& domain) {
+    return {domain.min, domain.max, domain.dimensions};
+}
 
 PictureSize read_picture_size(const std::string& text) {
     PictureSize size;
@@ -37,9 +39,10 @@ scene::Camera find_camera(const scene::Scene& scene, const std::string& name) {
     }
     names.emplace_back("automatic");
     const auto close = nearest(name, names);
-    throw InputError({"--camera " + name,
-                      "the scene has no such camera" + (close ? "; did you mean " + *close + "?" : std::string()),
-                      "there are " + join(names, ", "), ""});
+    throw InputError(
+        {"--camera " + name,
+         "the scene has no such camera" + (close ? "; did you mean " + *close + "?" : std::string()),
+         "there are " + join(names, ", "), ""});
 }
 
 video::View view_of(const scene::Camera& camera, const scene::Domain& domain, const PictureSize& size) {

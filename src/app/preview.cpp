@@ -9,12 +9,14 @@ namespace {
 
 constexpr double most_particles = 1e6;
 
-// Whether lattice points of one liquid are taken, over the box of indices that it fills and one more on each side.
+// Whether lattice points of one liquid are taken, over the box of indices that it fills and one more on each
+// side.
 class Occupancy {
 public:
     using Index = std::array<std::int64_t, 3>;
 
-    Occupancy(const scene::Lattice& lattice, const std::vector<Vec3>& points) : dimensions_(lattice.dimensions) {
+    Occupancy(const scene::Lattice& lattice, const std::vector<Vec3>& points)
+        : dimensions_(lattice.dimensions) {
         for (const auto& x : points) indices_.push_back(index_of(lattice, x));
         Index high = low_ = indices_.front();
         for (const auto& i : indices_) {
@@ -49,10 +51,12 @@ private:
     }
 
     std::size_t place(const Index& i) const {
-        return static_cast<std::size_t>(i[0] - low_[0] + size_[0] * (i[1] - low_[1] + size_[1] * (i[2] - low_[2])));
+        return static_cast<std::size_t>(i[0] - low_[0] +
+                                        size_[0] * (i[1] - low_[1] + size_[1] * (i[2] - low_[2])));
     }
 
-    template <class Visit> void around(const Index& i, const Visit& visit) const {
+    template <class Visit>
+    void around(const Index& i, const Visit& visit) const {
         const std::int64_t depth = dimensions_ == 3 ? 1 : 0;
         for (std::int64_t c = -depth; c <= depth; ++c) {
             for (std::int64_t b = -1; b <= 1; ++b) {
@@ -77,7 +81,8 @@ void add_solids(const Geometry& geometry, double spacing, Preview& preview) {
         }
     }
     const auto samples = scene::sample_domain_walls(walls);
-    for (std::size_t i = 0; i < samples.positions.size(); ++i) preview.solids.add(samples.positions[i], samples.faces[i]);
+    for (std::size_t i = 0; i < samples.positions.size(); ++i)
+        preview.solids.add(samples.positions[i], samples.faces[i]);
     for (const auto& body : geometry.bodies) {
         const auto surface = scene::sample_surface(
             body, {spacing, geometry.offset, {geometry.lattice.min, geometry.lattice.max}});
@@ -131,7 +136,8 @@ std::vector<double> thin_shares(const Preview& preview, std::size_t liquids) {
         points[static_cast<std::size_t>(preview.liquid.liquids[i])].push_back(preview.liquid.positions[i]);
     }
     std::vector<double> shares;
-    for (const auto& part : points) shares.push_back(part.empty() ? 0 : Occupancy(preview.lattice, part).thin_share());
+    for (const auto& part : points)
+        shares.push_back(part.empty() ? 0 : Occupancy(preview.lattice, part).thin_share());
     return shares;
 }
 

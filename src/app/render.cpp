@@ -102,14 +102,16 @@ double frames_per_second(const RenderRequest& request, const Job& job) {
     return std::clamp(std::round(static_cast<double>(job.frames.size() - 1) / span), 10.0, 60.0);
 }
 
-std::filesystem::path picture_path(const std::filesystem::path& out, const Job& job, std::size_t frame_index) {
+std::filesystem::path picture_path(const std::filesystem::path& out, const Job& job,
+                                   std::size_t frame_index) {
     const auto frame = job.run.frame(frame_index).stem().string(); // NAME_000042
     return out / (job.stem + frame.substr(frame.rfind('_')) + ".png");
 }
 
 class MovieMaker {
 public:
-    MovieMaker(const Comm& comm, const RenderRequest& request, const Job& job, const std::filesystem::path& path)
+    MovieMaker(const Comm& comm, const RenderRequest& request, const Job& job,
+               const std::filesystem::path& path)
         : comm_(comm) {
         comm.guard_root([&] {
             video::MovieOptions options;
@@ -147,15 +149,6 @@ private:
     std::optional<video::MovieWriter> writer_; // on rank 0
 };
 
-void make_folder(const std::filesystem::path& path) {
-    std::error_code error;
-    std::filesystem::create_directories(path, error);
-    if (error || !std::filesystem::is_directory(path)) {
-        throw InputError({path.string(), "the folder cannot be made", error.message(),
-                          "choose another one with --out"});
-    }
-}
-
 } // namespace
 
 video::ValueRange read_value_range(const std::string& text) {
@@ -172,11 +165,12 @@ video::ValueRange read_value_range(const std::string& text) {
 ExitCode render_run(const Comm& comm, const RenderRequest& request) {
     const Job job = plan(comm, request);
     const auto out = request.out.empty() ? job.run.folder.root / "pictures" : request.out;
-    comm.guard_root([&] { make_folder(out); });
+    comm.guard_root([&] { make_output_folder(out); });
     Log log(comm.is_root() ? Voice::speaks : Voice::silent);
 
     std::optional<MovieMaker> movie;
-    const bool wanted = request.movie == Movie::write && (job.frames.size() > 1 || !request.movie_file.empty());
+    const bool wanted =
+        request.movie == Movie::write && (job.frames.size() > 1 || !request.movie_file.empty());
     if (wanted) {
         const auto path = request.movie_file.empty() ? out / (job.stem + ".mp4") : request.movie_file;
         movie.emplace(comm, request, job, path);
@@ -198,7 +192,8 @@ ExitCode render_run(const Comm& comm, const RenderRequest& request) {
     log.clear_progress();
     log.line(std::to_string(job.frames.size()) + (job.frames.size() == 1 ? " picture: " : " pictures: ") +
              picture_path(out, job, job.frames.front()).string() +
-             (job.frames.size() > 1 ? " ... " + picture_path(out, job, job.frames.back()).filename().string() : ""));
+             (job.frames.size() > 1 ? " ... " + picture_path(out, job, job.frames.back()).filename().string()
+                                    : ""));
     if (movie) movie->finish(log);
     return ExitCode::ok;
 }

@@ -12,26 +12,27 @@ namespace treacle::app {
 enum class Movie { write, leave_out };
 
 struct RenderRequest {
-    std::filesystem::path folder;               // of a run
-    std::string field = "speed";                // see scalar_names
+    std::filesystem::path folder; // of a run
+    std::string field = "speed";  // see scalar_names
     video::ColourMap map = video::ColourMap::viridis;
-    std::optional<video::ValueRange> range;     // of the colours, in the field's unit; found from all frames unless given
-    std::string camera;                         // see find_camera
+    std::optional<video::ValueRange>
+        range;          // of the colours, in the field's unit; found from all frames unless given
+    std::string camera; // see find_camera
     video::Look look = video::Look::spheres;
     video::Background background = video::Background::white;
-    std::string frames;                         // see FrameRange
-    double frames_per_second = 0;               // 0: real time, within 10 and 60
+    std::string frames;           // see FrameRange
+    double frames_per_second = 0; // 0: real time, within 10 and 60
     PictureSize size;
-    Movie movie = Movie::write;                 // left out for a single frame
-    std::filesystem::path movie_file;           // default: CAMERA_FIELD.mp4 in `out`
-    std::filesystem::path out;                  // default: the run's folder pictures/
+    Movie movie = Movie::write;       // left out for a single frame
+    std::filesystem::path movie_file; // default: CAMERA_FIELD.mp4 in `out`
+    std::filesystem::path out;        // default: the run's folder pictures/
 };
 
 // "low:high" as a range of values. Throws InputError.
 video::ValueRange read_value_range(const std::string& text);
 
-// `treacle render`: one PNG per frame, CAMERA_FIELD_STEP.png, and a movie of them. Collective; each rank draws some
-// of the frames, rank 0 writes the movie. Throws InputError, SimulationError.
+// `treacle render`: one PNG per frame, CAMERA_FIELD_STEP.png, and a movie of them. Collective; each rank
+// draws some of the frames, rank 0 writes the movie. Throws InputError, SimulationError.
 ExitCode render_run(const Comm& comm, const RenderRequest& request);
 
 } // namespace treacle::app
