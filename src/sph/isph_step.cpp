@@ -150,7 +150,8 @@ void IsphStep::refresh() {
     Kokkos::deep_copy(liquid_.role(), static_cast<int>(Role::poisson));
 }
 
-void IsphStep::solve_pressure(double dt, StepReport& report) {
+solve::Matrix IsphStep::wrap_matrix() {
+    const auto phase = timers_.scope("hand over");
     solve::CsrBlocks blocks;
     blocks.diagonal_offsets = system_.own().offset.data();
     blocks.diagonal_columns = system_.own().column.data();
@@ -161,8 +162,10 @@ void IsphStep::solve_pressure(double dt, StepReport& report) {
     blocks.first_row = static_cast<int>(system_.first_row());
     blocks.rows = system_.rows();
     blocks.global_rows = static_cast<int>(system_.global_rows());
-    solve::Matrix matrix(comm_, blocks);
+    return {comm_, blocks};
+}
 
+void IsphStep::solve_pressure(solve::Matrix& matrix, double dt, StepReport& report) {
     const auto rows = static_cast<std::size_t>(system_.rows());
     const auto& options = setup_.options.pressure;
     auto test = solve::ConvergenceTest::residual(options.residual);
@@ -222,8 +225,10 @@ StepReport IsphStep::advance(double dt) {
         system_.assemble(options, constants, comm_, liquid_, neighbours_, halo_);
     }
     {
+        auto matrix = wrap_matrix();
+        if (matrix_observer_) matrix_observer_(matrix);
         const auto phase = timers_.scope("solve");
-        solve_pressure(dt, report); // (S7)
+        solve_pressure(matrix, dt, report); // (S7)
     }
     {
         const auto phase = timers_.scope("pressure force");

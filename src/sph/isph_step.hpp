@@ -8,6 +8,7 @@
 #include "sph/prediction.hpp"
 #include "sph/pressure_system.hpp"
 
+#include <functional>
 #include <memory>
 
 namespace treacle::sph {
@@ -69,6 +70,10 @@ public:
     // Largest step by the CFL condition on speeds and accelerations and by the explicit viscosity [s].
     double stable_step(double cfl) const;
 
+    // Called with the pressure matrix of every step before its solve, outside of all phases: for measurements.
+    using MatrixObserver = std::function<void(const solve::Matrix&)>;
+    void observe_matrix(MatrixObserver observer) { matrix_observer_ = std::move(observer); }
+
     // Bytes that this rank's particles, lists and matrix take.
     std::size_t bytes() const;
 
@@ -79,7 +84,8 @@ private:
     void place_solids();
     void find_neighbours();
     void update_density(StepReport& report);
-    void solve_pressure(double dt, StepReport& report);
+    solve::Matrix wrap_matrix();
+    void solve_pressure(solve::Matrix& matrix, double dt, StepReport& report);
     void collect(StepReport& report, double dt);
 
     Comm comm_;
@@ -95,6 +101,7 @@ private:
     Anchoring anchoring_;
     PressureSystem system_;
     solve::KrylovSolver solver_;
+    MatrixObserver matrix_observer_;
     PhaseTimers timers_;
     double imbalance_after_cut_ = 1;
     LastPressures last_pressures_ = LastPressures::known;
