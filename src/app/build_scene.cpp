@@ -1,6 +1,7 @@
 #include "app/build_scene.hpp"
 
 #include "base/error.hpp"
+#include "scene/materials.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -11,6 +12,12 @@ namespace {
 constexpr const char* side_names[domain_sides] = {"x_min", "x_max", "y_min", "y_max", "z_min", "z_max"};
 
 double friction_of(scene::Slip slip) { return slip == scene::Slip::no_slip ? 1.0 : 0.0; }
+
+// Whether the surface tension is that of the liquid's material, rather than one that the user gave.
+bool is_of_preset(const scene::Liquid& liquid) {
+    const auto* preset = scene::find_material(liquid.material);
+    return preset && preset->surface_tension == liquid.surface_tension;
+}
 } // namespace
 
 std::vector<std::string> load_names(const Input& input) {
@@ -29,15 +36,15 @@ void check_supported(const Input& input) {
                                     " in density or viscosity",
                                 "method sph takes one density and one viscosity", "give both liquids the same"});
         }
-        if (liquid.surface_tension > 0 && liquid.material == "none") {
+        if (liquid.surface_tension > 0 && !is_of_preset(liquid)) {
             problems.push_back({liquid.where, "liquids." + liquid.name + ".surface_tension is not modelled by method sph",
                                 "it would be ignored", "leave it out"});
         }
     }
     for (const auto& body : input.scene.bodies) {
         if (body.kind != scene::BodyKind::fixed) {
-            problems.push_back({body.where, "bodies." + body.name + " moves", "method sph takes fixed bodies only",
-                                "set its kind to fixed"});
+            problems.push_back({body.where, "bodies." + body.name + " moves", "method sph takes static bodies only",
+                                "set its kind to static"});
         }
         if (body.slip == scene::Slip::slip_length) {
             problems.push_back({body.where, "bodies." + body.name + ".slip: a slip length is not modelled by method sph",
@@ -46,12 +53,22 @@ void check_supported(const Input& input) {
     }
     for (std::size_t k = 0; k < domain_sides; ++k) {
         if (input.scene.domain.faces[k].slip == scene::Slip::slip_length) {
-            problems.push_back({"", std::string("domain.boundaries.") + side_names[k] +
+            problems.push_back({input.scene.domain.faces[k].where, std::string("domain.boundaries.") + side_names[k] +
                                         ".slip: a slip length is not modelled by method sph",
                                 "", "choose free_slip or no_slip"});
         }
     }
     if (!problems.empty()) throw InputError(std::move(problems));
+}
+
+std::vector<std::string> method_notes(const Input& input) {
+    std::vector<std::string> notes;
+    for (const auto& liquid : input.scene.liquids) {
+        if (liquid.surface_tension == 0) continue;
+        notes.push_back("liquids." + liquid.name + ": method sph does not model the surface tension of " +
+                        liquid.material);
+    }
+    return notes;
 }
 
 double reference_speed(const Input& input, const Geometry& geometry) {
@@ -89,6 +106,7 @@ std::unique_ptr<sph::IsphStep> make_solver(const Comm& comm, const Input& input,
     setup.forces.viscosity = input.scene.liquids.front().viscosity;
     for (const auto& face : domain.faces) setup.forces.friction.push_back(friction_of(face.slip));
     for (const auto& body : input.scene.bodies) setup.forces.friction.push_back(friction_of(body.slip));
+    setup.reference_speed = reference_speed;
     setup.bodies = domain_sides + static_cast<int>(input.scene.bodies.size());
     setup.forces.artificial = input.method.viscosity.artificial * setup.constants.support * reference_speed;
     return std::make_unique<sph::IsphStep>(comm, setup);
@@ -159,29 +177,34 @@ struct SolidSample {
     int body;
 };
 
-std::vector<SolidSample> sample_solids(const Geometry& geometry, const scene::Bounds& part) {
-    std::vector<SolidSample> out;
+struct SolidSamples {
+    std::vector<SolidSample> rows;
+    std::size_t thin = 0; // of the whole domain
+};
+
+SolidSamples sample_solids(const Geometry& geometry, const scene::Bounds& part) {
+    SolidSamples out;
     auto walls = geometry.walls;
     walls.part = part;
     const auto samples = scene::sample_domain_walls(walls);
     for (std::size_t i = 0; i < samples.positions.size(); ++i) {
-        out.push_back({samples.positions[i], static_cast<std::int64_t>(samples.ids[i]), samples.faces[i]});
+        out.rows.push_back({samples.positions[i], static_cast<std::int64_t>(samples.ids[i]), samples.faces[i]});
     }
     auto next = static_cast<std::int64_t>(scene::count_domain_walls(geometry.walls));
     for (std::size_t b = 0; b < geometry.bodies.size(); ++b) {
-        const auto surface = scene::sample_surface(
-            geometry.bodies[b],
-            {geometry.lattice.spacing, geometry.offset, {geometry.lattice.min, geometry.lattice.max}});
+        const auto surface = scene::sample_surface(geometry.bodies[b], body_sampling(geometry));
+        out.thin += surface.thin;
         for (const auto& position : surface.positions) {
             const std::int64_t id = next++;
-            if (inside(part, position)) out.push_back({position, id, domain_sides + static_cast<int>(b)});
+            if (inside(part, position)) out.rows.push_back({position, id, domain_sides + static_cast<int>(b)});
         }
     }
     return out;
 }
 
-void add_solids(const Geometry& geometry, const scene::Bounds& part, sph::IsphStep& solver) {
-    const auto samples = sample_solids(geometry, part);
+std::size_t add_solids(const Geometry& geometry, const scene::Bounds& part, sph::IsphStep& solver) {
+    const auto sampled = sample_solids(geometry, part);
+    const auto& samples = sampled.rows;
     auto& solid = solver.solid();
     solid.store.resize_owned(static_cast<int>(samples.size()));
     Column x(solid.position()), v(solid.velocity());
@@ -197,18 +220,25 @@ void add_solids(const Geometry& geometry, const scene::Bounds& part, sph::IsphSt
         (*body)(i) = samples[i].body;
         (*volume)(i) = 0;
     }
+    return sampled.thin;
 }
 } // namespace
 
-void fill_solver(const Input& input, const Geometry& geometry, sph::IsphStep& solver) {
+std::vector<std::string> fill_solver(const Input& input, const Geometry& geometry, sph::IsphStep& solver) {
     const auto part = part_of(solver.setup().grid, solver.decomposition().box());
     const bool empty = solver.decomposition().box().empty();
+    std::int64_t thin = 0;
     solver.comm().guard([&] {
         if (empty) return;
         add_liquid(input, geometry, part, solver);
-        add_solids(geometry, part, solver);
+        thin = static_cast<std::int64_t>(add_solids(geometry, part, solver));
     });
     solver.start();
+    auto notes = geometry.notes;
+    for (auto& note : method_notes(input)) notes.push_back(std::move(note));
+    thin = solver.comm().max(thin);
+    if (thin > 0) notes.push_back(thin_note(static_cast<std::size_t>(thin)));
+    return notes;
 }
 
 } // namespace treacle::app

@@ -194,7 +194,7 @@ void IsphStep::solve_pressure(solve::Matrix& matrix, double dt, StepReport& repo
 StepReport IsphStep::advance(double dt) {
     StepReport report;
     report.dt = dt;
-    const auto& [options, constants, forces, domain, grid, bodies] = setup_;
+    const auto& [options, constants, forces, domain, grid, reference_speed, bodies] = setup_;
     {
         const auto phase = timers_.scope("sort");
         rebalance();
@@ -282,7 +282,8 @@ double IsphStep::stable_step(double cfl) const {
     Kokkos::parallel_reduce("treacle::fastest", liquid_.store.owned(), KOKKOS_LAMBDA(int i, double& most) {
         most = math::max(most, u(i, 0) * u(i, 0) + u(i, 1) * u(i, 1) + u(i, 2) * u(i, 2));
     }, Kokkos::Max<double>(fastest));
-    const double speed = std::sqrt(comm_.max(liquid_.store.owned() > 0 ? fastest : 0.0));
+    const double own = std::sqrt(liquid_.store.owned() > 0 ? fastest : 0.0);
+    const double speed = comm_.max(std::max(own, setup_.reference_speed));
     const auto& g = setup_.forces.gravity;
     const double pull = std::sqrt(g[0] * g[0] + g[1] * g[1] + g[2] * g[2]);
     const double d = setup_.constants.spacing;

@@ -20,6 +20,7 @@ struct IsphSetup {
     ForceOptions forces;
     DomainBox domain;
     CellGrid grid;
+    double reference_speed = 0; // sqrt(g H): the speed at which the weight of the liquid acts on it [m/s]
     int bodies = 1; // bodies that carry loads; 0 is the domain's walls
 };
 
@@ -67,7 +68,8 @@ public:
     // Collective: brings the density of the owned particles up to date with their positions, for output.
     void refresh();
 
-    // Largest step by the CFL condition on speeds and accelerations and by the explicit viscosity [s].
+    // Largest step in which no particle moves farther than `cfl` spacings at its speed or the reference speed, which
+    // bounds what the pressure must hold up, and the limit of the explicit viscosity [s].
     double stable_step(double cfl) const;
 
     // Called with the pressure matrix of every step before its solve, outside of all phases: for measurements.
