@@ -12,6 +12,9 @@ std::vector<std::string> load_names(const Input& input);
 // Throws InputError for what the SPH method does not do: several densities, moving bodies, slip lengths.
 void check_supported(const Input& input);
 
+// What the method leaves out of the scene without harm, one sentence each: the surface tension of a material.
+std::vector<std::string> method_notes(const Input& input);
+
 // Speed of the artificial viscosity unless the scene gives one: sqrt(g H), with the height H of the liquid at the
 // start [m/s].
 double reference_speed(const Input& input, const Geometry& geometry);
@@ -20,6 +23,7 @@ double reference_speed(const Input& input, const Geometry& geometry);
 std::unique_ptr<sph::IsphStep> make_solver(const Comm& comm, const Input& input, double reference_speed);
 
 // Puts the scene's particles into the solver and starts it. Collective; each rank makes those of its own box.
-void fill_solver(const Input& input, const Geometry& geometry, sph::IsphStep& solver);
+// Returns what the user should know about the scene: fallbacks, thin bodies, what is not modelled.
+std::vector<std::string> fill_solver(const Input& input, const Geometry& geometry, sph::IsphStep& solver);
 
 } // namespace treacle::app

@@ -133,11 +133,7 @@ void Report::bodies() {
                            ", volume " + volume_text(region.volume(), scene().domain.dimensions));
         mesh(region, "bodies." + body.name);
     }
-    if (at_.preview.thin_solid > 0) {
-        warn("bodies: " + grouped(at_.preview.thin_solid) +
-             " solid particles are where a body is too thin for a layer on each side; liquid may feel it "
-             "from behind");
-    }
+    if (at_.preview.thin_solid > 0) warn(thin_note(at_.preview.thin_solid));
 }
 
 void Report::particles() {
@@ -199,6 +195,7 @@ void Report::warnings() {
              " % of it is thinner than three spacings: refine domain.spacing");
     }
     for (const auto& note : at_.geometry.notes) warn(note);
+    for (const auto& note : method_notes(at_.input)) warn(note);
     for (const auto& text : warnings_) lines_.push_back("warning: " + text);
     if (warnings_.empty()) lines_.emplace_back("no warnings");
 }

@@ -3,6 +3,7 @@
 #include "base/error.hpp"
 #include "base/text.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <sstream>
@@ -55,6 +56,22 @@ Geometry build_geometry(const Input& input, const std::vector<std::string>& fold
     return out;
 }
 
+scene::SurfaceSampling body_sampling(const Geometry& geometry) {
+    scene::SurfaceSampling sampling{geometry.lattice.spacing, geometry.offset,
+                                    {geometry.lattice.min, geometry.lattice.max}};
+    for (std::size_t k = 0; k < static_cast<std::size_t>(geometry.lattice.dimensions); ++k) {
+        const double reach = std::max(0.0, geometry.offset);
+        if (geometry.walls.sides[2 * k] == scene::Side::wall) sampling.clip.min[k] -= reach;
+        if (geometry.walls.sides[2 * k + 1] == scene::Side::wall) sampling.clip.max[k] += reach;
+    }
+    return sampling;
+}
+
+std::string thin_note(std::size_t samples) {
+    return "bodies: " + std::to_string(samples) +
+           " solid particles are where a body is too thin for a layer on each side; liquid may feel it from behind";
+}
+
 ParticleCounts estimate_particles(const Geometry& geometry) {
     ParticleCounts counts;
     scene::VolumeFill fill;
@@ -65,9 +82,7 @@ ParticleCounts estimate_particles(const Geometry& geometry) {
     for (const auto count : scene::estimate_liquid_counts(fill)) counts.liquid += count;
     counts.solid = scene::count_domain_walls(geometry.walls);
     for (const auto& body : geometry.bodies) {
-        scene::SurfaceSampling sampling{geometry.lattice.spacing, geometry.offset,
-                                        {geometry.lattice.min, geometry.lattice.max}};
-        counts.solid += scene::estimate_surface_count(body, sampling);
+        counts.solid += scene::estimate_surface_count(body, body_sampling(geometry));
     }
     return counts;
 }
@@ -131,13 +146,13 @@ void validate_geometry(const Input& input, const Geometry& geometry, const Comm&
     check_overlaps(input, geometry, problems);
     const auto counts = estimate_particles(geometry);
     if (counts.liquid == 0) {
-        problems.push_back({"", "the scene has no liquid particle", "no point of the particle lattice lies in its liquids",
+        problems.push_back({input.scene.liquids.front().where, "the scene has no liquid particle", "no point of the particle lattice lies in its liquids",
                             "enlarge the liquid's shapes, or refine domain.spacing"});
     }
     const double needed = bytes_per_particle(input) * double(counts.liquid) + 200.0 * double(counts.solid);
     const double available = available_memory();
     if (available > 0 && needed > available) {
-        problems.push_back({"",
+        problems.push_back({input.scene.domain.where,
                             "the run needs about " + format_bytes(static_cast<std::uint64_t>(needed)) + " of memory for " +
                                 std::to_string(counts.liquid) + " liquid and " + std::to_string(counts.solid) +
                                 " solid particles",

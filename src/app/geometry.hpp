@@ -28,6 +28,13 @@ double solid_offset(const Input& input);
 // Reads meshes and builds the regions. Throws InputError.
 Geometry build_geometry(const Input& input, const std::vector<std::string>& folders);
 
+// How the surfaces of bodies are sampled. Where the domain has walls, up to the layer of these, so that the two
+// layers meet.
+scene::SurfaceSampling body_sampling(const Geometry& geometry);
+
+// What users are told when bodies are thinner than two layers.
+std::string thin_note(std::size_t samples);
+
 // Numbers of particles, without making them.
 struct ParticleCounts {
     std::uint64_t liquid = 0;

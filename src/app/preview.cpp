@@ -84,8 +84,9 @@ void add_solids(const Geometry& geometry, double spacing, Preview& preview) {
     for (std::size_t i = 0; i < samples.positions.size(); ++i)
         preview.solids.add(samples.positions[i], samples.faces[i]);
     for (const auto& body : geometry.bodies) {
-        const auto surface = scene::sample_surface(
-            body, {spacing, geometry.offset, {geometry.lattice.min, geometry.lattice.max}});
+        auto sampling = body_sampling(geometry);
+        sampling.spacing = spacing;
+        const auto surface = scene::sample_surface(body, sampling);
         preview.thin_solid += surface.thin;
         for (const auto& x : surface.positions) preview.solids.add(x, domain_sides);
     }

@@ -64,9 +64,9 @@ ExitCode run_scene(const Comm& comm, const RunRequest& request) {
     Progress progress;
     progress.reference_speed = reference_speed(input, geometry);
     auto solver = make_solver(comm, input, progress.reference_speed);
-    fill_solver(input, geometry, *solver);
+    const auto notes = fill_solver(input, geometry, *solver);
     TimeLoop loop({comm, folder, input, io::text_hash(scene), request.wall_limit}, std::move(solver), progress);
-    for (const auto& note : geometry.notes) loop.log().warn(note);
+    for (const auto& note : notes) loop.log().warn(note);
     return loop.run(Opening::fresh);
 }
 

@@ -32,7 +32,7 @@ void check_time_step(const Input& input) {
     if (std::max(step, time.min_step) <= limit) return;
     char text[64];
     std::snprintf(text, sizeof text, "%.3g s", limit);
-    throw InputError({"", std::string("time.") + (step > 0 ? "step" : "min_step") +
+    throw InputError({time.where, std::string("time.") + (step > 0 ? "step" : "min_step") +
                               " is above the limit of the explicit viscosity, " + text,
                       "method sph integrates a viscosity of " + format_number(viscosity) + " Pa s explicitly",
                       "take a step below the limit, a coarser domain.spacing, or a thinner liquid"});

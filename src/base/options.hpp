@@ -114,6 +114,8 @@ public:
     virtual bool given(const std::string&) const { return false; }
     // "scene.yaml:14", where the current block starts; empty when not parsing.
     virtual std::string place() const { return ""; }
+    // Where the value of this key stands, or the block that lacks it; empty when not parsing.
+    virtual std::string place_of(const std::string&) const { return ""; }
     // Plane scenes: vectors declared from here on may be read, and are emitted, with two numbers.
     virtual void allow_plane_vectors() {}
     virtual bool plane_vectors() const { return false; }

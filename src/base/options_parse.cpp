@@ -168,6 +168,10 @@ public:
     bool parsing() const override { return true; }
     bool given(const std::string& key) const override { return node_.find(key) != nullptr; }
     std::string place() const override { return node_.place; }
+    std::string place_of(const std::string& key) const override {
+        const Node* node = node_.find(key);
+        return node ? node->place : node_.place;
+    }
     void allow_plane_vectors() override { session_.plane_vectors = true; }
     bool plane_vectors() const override { return session_.plane_vectors; }
 

@@ -26,7 +26,7 @@ void declare_boundaries(Declaration& d, Domain& domain) {
                  "what leaves one side enters at the other", "make both periodic or none"});
         const bool plane = i == 4 && domain.dimensions == 2;
         for (const std::size_t face : {i, i + 1}) {
-            d.check(!plane || domain.faces[face] == Face{}, face_names[face],
+            d.check(!plane || domain.faces[face].same_kind_as(Face{}), face_names[face],
                     {"must not be given", "a plane scene has no sides in z", "remove it"});
         }
     }
@@ -55,6 +55,7 @@ void check_extent(Declaration& d, const Domain& domain) {
 } // namespace
 
 void Face::declare(Declaration& d) {
+    if (d.parsing()) where = d.place();
     d.choice<FaceKind>("kind", kind,
                        {{"wall", FaceKind::wall}, {"open", FaceKind::open}, {"periodic", FaceKind::periodic}},
                        "Whether liquid stops here, leaves, or enters again at the opposite side.");
@@ -87,6 +88,7 @@ void Domain::declare(Declaration& d) {
         range_above(0).because("it is the distance of neighbouring particles", "write for instance 5 mm"),
         "Distance of neighbouring particles, or width of the grid's cells.");
     d.required("spacing");
+    if (d.parsing()) where = d.place_of("spacing");
     d.vec3("gravity", gravity, unit::acceleration, "Acceleration; in a plane scene by default [0, -9.81].");
     d.block_of(
         "boundaries", [this](Declaration& inside) { declare_boundaries(inside, *this); },

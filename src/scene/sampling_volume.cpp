@@ -267,6 +267,33 @@ Overlap find_overlap(const Regions& liquid, const Regions& solids, const Lattice
     return result;
 }
 
+namespace {
+// Cuts off what reaches beyond the domain: the box keeps the part inside.
+std::vector<IndexBox> cut_outside(IndexBox& box, const Index& size) {
+    std::vector<IndexBox> outside;
+    for (int a = 0; a < 3; ++a) {
+        IndexBox below = box, above = box;
+        below.hi[a] = std::min<std::int64_t>(box.hi[a], 0);
+        above.lo[a] = std::max(box.lo[a], size[a]);
+        box.lo[a] = std::max<std::int64_t>(box.lo[a], 0);
+        box.hi[a] = std::min(box.hi[a], size[a]);
+        for (const IndexBox& part : {below, above})
+            if (!part.empty()) outside.push_back(part);
+    }
+    return outside;
+}
+
+// The lattice, carried on beyond the domain, over a box of space.
+IndexBox box_around(const Lattice& lattice, const Bounds& bounds) {
+    IndexBox box{{0, 0, 0}, {1, 1, 1}};
+    for (int a = 0; a < lattice.dimensions; ++a) {
+        box.lo[a] = static_cast<std::int64_t>(std::floor((bounds.min[a] - lattice.min[a]) / lattice.spacing)) - 1;
+        box.hi[a] = static_cast<std::int64_t>(std::ceil((bounds.max[a] - lattice.min[a]) / lattice.spacing)) + 1;
+    }
+    return points_in(lattice, bounds, box);
+}
+} // namespace
+
 Overlap find_outside(const Regions& liquid, const Lattice& lattice) {
     Regions bounded;
     for (const SolidRegion& region : liquid)
@@ -274,29 +301,19 @@ Overlap find_outside(const Regions& liquid, const Lattice& lattice) {
     Overlap result;
     if (bounded.empty()) return result;
     const VolumeFill fill{{bounded}, {}, 0, lattice, {}};
-    const Bounds around = grown(bounds_of(bounded), lattice.spacing);
-    const Index n = lattice.size();
-    IndexBox box{{0, 0, 0}, {1, 1, 1}};
-    for (int a = 0; a < lattice.dimensions; ++a) {
-        box.lo[a] = static_cast<std::int64_t>(std::floor((around.min[a] - lattice.min[a]) / lattice.spacing));
-        box.hi[a] = static_cast<std::int64_t>(std::ceil((around.max[a] - lattice.min[a]) / lattice.spacing));
+    IndexBox box = box_around(lattice, grown(bounds_of(bounded), 2 * face_tolerance * lattice.spacing));
+    const std::int64_t coarse = estimate_block(box);
+    // Point by point, so that liquid which only touches a side of the domain is not taken for outside.
+    for (const IndexBox& part : cut_outside(box, lattice.size())) {
+        visit_blocks(lattice, part, 1, Decider(fill), [&](const IndexBox& block, int answer) {
+            if (answer == none) return;
+            if (result.count == 0) result.example = lattice.position(block.lo);
+            result.count += block.points();
+        });
     }
-    visit_blocks(lattice, box, estimate_block(box), Decider(fill), [&](const IndexBox& block, int answer) {
-        if (answer == none) return;
-        IndexBox inside = block;
-        for (int a = 0; a < 3; ++a) {
-            inside.lo[a] = std::max<std::int64_t>(inside.lo[a], 0);
-            inside.hi[a] = std::min(inside.hi[a], n[a]);
-        }
-        result.total += block.points();
-        const std::uint64_t outside = block.points() - inside.points();
-        if (outside > 0 && result.count == 0) {
-            Index corner = block.lo;
-            for (int a = 0; a < 3; ++a)
-                if (block.lo[a] >= 0 && block.hi[a] > n[a]) corner[a] = block.hi[a] - 1;
-            result.example = lattice.position(corner);
-        }
-        result.count += outside;
+    result.total = result.count;
+    visit_blocks(lattice, box, coarse, Decider(fill), [&](const IndexBox& block, int answer) {
+        if (answer != none) result.total += block.points();
     });
     return result;
 }

@@ -30,7 +30,14 @@ std::string standard_name(const Measurement& measurement) {
 
 } // namespace
 
+const std::vector<std::string>& frame_fields() {
+    static const std::vector<std::string> names{"id",       "velocity",        "pressure", "liquid",
+                                                "density", "blended_density", "role"};
+    return names;
+}
+
 void Time::declare(Declaration& d) {
+    if (d.parsing()) where = d.place_of(d.given("step") ? "step" : "min_step");
     d.number("end", end, unit::time, range_above(0).because("the run starts at 0", "write for instance 2 s"),
              "When the run ends.");
     d.choice<StepRule>("rule", rule, {{"cfl", StepRule::cfl}, {"fixed", StepRule::fixed}},
@@ -54,8 +61,10 @@ void Output::declare(Declaration& d) {
     const auto fits = [](unsigned char c) { return c < 0x80 && (std::isalnum(c) || c == '_' || c == '-'); };
     d.check(!name.empty() && std::ranges::all_of(name, fits), "name",
             {"must have letters, digits, _ and - only", "it is the start of a file name", ""});
+    d.check(name != "solid", "name",
+            {"must not be solid", "the frames of the solids are called so", "take another name"});
     d.number("interval", interval, unit::time, interval_range, "Simulated time between frames; 0 for none.");
-    d.texts("fields", fields, "Values per particle in the frames.");
+    d.texts("fields", fields, "Values per particle in the frames, besides its id.", frame_fields());
     d.boolean("double_precision", double_precision, "Frames in 64 bits a number instead of 32.");
     d.number("checkpoint_interval", checkpoint_interval, unit::time, interval_range,
              "Simulated time between checkpoints; 0 for none.");

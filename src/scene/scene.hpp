@@ -21,9 +21,12 @@ struct Face {
     FaceKind kind = FaceKind::wall;
     Slip slip = Slip::free_slip;
     double slip_length = 0; // [m]
+    std::string where;
 
     void declare(Declaration& d);
-    bool operator==(const Face&) const = default;
+    bool same_kind_as(const Face& other) const {
+        return kind == other.kind && slip == other.slip && slip_length == other.slip_length;
+    }
 };
 
 struct Domain {
@@ -33,6 +36,7 @@ struct Domain {
     std::array<Face, 6> faces;
     double spacing = 0;        // particle spacing d or grid width dx [m]
     Vec3 gravity{0, 0, -9.81}; // [m/s2]; in a plane scene {0, -9.81, 0} unless given
+    std::string where;             // of the spacing
 
     void declare(Declaration& d);
 };
@@ -84,9 +88,13 @@ struct Time {
     double step = 0;        // [s] fixed rule; with cfl the largest step, 0: none
     double cfl = 0.3;       // largest move of a particle per step, in spacings
     double min_step = 1e-7; // [s] below it the run ends with exit code 3
+    std::string where;      // of the step
 
     void declare(Declaration& d);
 };
+
+// Values per particle that frames may have.
+const std::vector<std::string>& frame_fields();
 
 struct Output {
     std::string name = "frame";
