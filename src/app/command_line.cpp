@@ -1,5 +1,6 @@
 #include "app/command_line.hpp"
 
+#include "app/bench.hpp"
 #include "app/check.hpp"
 #include "app/export_frames.hpp"
 #include "app/info.hpp"
@@ -288,6 +289,45 @@ void add_render(CLI::App& program, Chosen& chosen) {
     });
 }
 
+void add_bench(CLI::App& program, Chosen& chosen) {
+    struct BenchWords {
+        std::string kind, scene;
+        BenchRequest request;
+    };
+    auto words = std::make_shared<BenchWords>();
+    auto& app = *program.add_subcommand("bench", "What a step costs on this machine, under mpirun on all ranks.");
+    app.add_option("kind", words->kind,
+                   "kernels: each phase against a product with the pressure matrix. strong, weak: for comparing "
+                   "numbers of ranks, the same liquid in all or per rank; the last line is JSON")
+        ->required()
+        ->check(CLI::IsMember({"kernels", "strong", "weak"}))
+        ->type_name("KIND");
+    auto* particles = app.add_option("--particles", words->request.particles,
+                                     "About; of a dam break (default 300000); weak: per rank");
+    particles->check(CLI::Range(std::int64_t{1000}, std::int64_t{4'000'000'000}))->type_name("NUMBER");
+    app.add_option("--steps", words->request.steps, "Measured steps (default 8)")
+        ->check(CLI::Range(1, 100000))
+        ->type_name("NUMBER");
+    app.add_option("--scene", words->scene, "A scene of your own in place of the dam break")
+        ->excludes(particles)
+        ->type_name("SCENE");
+    add_repeated(app, "--set", words->request.overrides, "Override a key of the scene: a.b.c=value.");
+    app.add_option("--json", words->request.json, "Write the figures into this file")->type_name("FILE");
+    add_petsc(app, chosen);
+    app.callback([words, &chosen] {
+        chosen.make = [words]() -> Command {
+            return [words](const Comm& comm) {
+                auto request = words->request;
+                request.kind = words->kind == "weak"     ? BenchKind::weak
+                               : words->kind == "strong" ? BenchKind::strong
+                                                         : BenchKind::kernels;
+                if (!words->scene.empty()) request.scene = find_scene(comm, words->scene);
+                return run_bench(comm, request);
+            };
+        };
+    });
+}
+
 void add_commands(CLI::App& program, Chosen& chosen, const Words& arguments) {
     add_run(program, chosen, arguments);
     add_resume(program, chosen, arguments);
@@ -296,6 +336,7 @@ void add_commands(CLI::App& program, Chosen& chosen, const Words& arguments) {
     add_info(program, chosen);
     add_export(program, chosen);
     add_render(program, chosen);
+    add_bench(program, chosen);
 }
 
 constexpr const char* exit_codes = R"(

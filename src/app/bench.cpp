@@ -1,0 +1,169 @@
+#include "app/bench.hpp"
+
+#include "app/bench_figures.hpp"
+#include "app/bench_scene.hpp"
+#include "app/build_scene.hpp"
+#include "app/time_loop.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+
+namespace treacle::app {
+
+namespace {
+using Clock = std::chrono::steady_clock;
+
+constexpr int disorder_steps = 15;
+constexpr int products_per_step = 11;
+
+double seconds_since(Clock::time_point start) {
+    return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+constexpr const char* kind_word(BenchKind kind) {
+    switch (kind) {
+    case BenchKind::kernels: return "kernels";
+    case BenchKind::strong: return "strong";
+    case BenchKind::weak: return "weak";
+    }
+    return "";
+}
+
+// The steps of a run, with measurements in the middle of each: the machine may be faster a minute later.
+class Measurement {
+public:
+    Measurement(const Comm& comm, const Input& input, sph::IsphStep& solver)
+        : comm_(comm), input_(input), solver_(solver) {}
+
+    void step() { solver_.advance(time_step()); }
+    StepSample measured_step();
+    std::vector<std::string> phases() const;
+
+private:
+    double time_step() const {
+        const auto& time = input_.scene.time;
+        return time.rule == scene::StepRule::fixed ? time.step : solver_.stable_step(time.cfl);
+    }
+    double product_seconds(const solve::Matrix& matrix);
+    void count(StepSample& sample) const;
+
+    const Comm& comm_;
+    const Input& input_;
+    sph::IsphStep& solver_;
+    Triad triad_;
+    Array<double> result_{"treacle::bench_result", 0};
+};
+
+std::vector<std::string> Measurement::phases() const {
+    std::vector<std::string> names;
+    for (const auto& phase : solver_.timers().phases()) names.push_back(phase.name);
+    return names;
+}
+
+double Measurement::product_seconds(const solve::Matrix& matrix) {
+    const auto rows = static_cast<std::size_t>(matrix.rows());
+    reserve(result_, rows);
+    const std::span<const double> x(solver_.system().right_hand_side().data(), rows);
+    std::vector<double> seconds;
+    for (int k = 0; k < products_per_step; ++k) {
+        comm_.barrier();
+        const auto start = Clock::now();
+        matrix.multiply(x, {result_.data(), rows});
+        seconds.push_back(comm_.max(seconds_since(start)));
+    }
+    return spread(std::move(seconds)).median;
+}
+
+void Measurement::count(StepSample& sample) const {
+    const auto& system = solver_.system();
+    std::vector<double> sums{double(solver_.liquid().store.owned()), double(system.rows()), double(system.entries()),
+                             double(solver_.neighbours().liquid.size), double(solver_.neighbours().solid.size)};
+    comm_.sum(std::span(sums));
+    sample.liquid = sums[0];
+    sample.rows = sums[1];
+    sample.entries = sums[2];
+    sample.liquid_pairs = sums[3];
+    sample.solid_pairs = sums[4];
+}
+
+StepSample Measurement::measured_step() {
+    StepSample sample;
+    double aside = 0;
+    solver_.observe_matrix([&](const solve::Matrix& matrix) {
+        const auto start = Clock::now();
+        sample.product = product_seconds(matrix);
+        sample.triad = triad_.measure(comm_);
+        count(sample);
+        aside = seconds_since(start);
+    });
+    const double dt = time_step();
+    solver_.timers().reset();
+    comm_.barrier();
+    const auto start = Clock::now();
+    const auto report = solver_.advance(dt);
+    std::vector<double> slowest{seconds_since(start) - aside, report.pressure.set_up_seconds};
+    solver_.observe_matrix(nullptr);
+    for (const auto& phase : solver_.timers().phases()) slowest.push_back(phase.seconds);
+    comm_.max(std::span(slowest));
+    sample.step = slowest[0];
+    sample.set_up = slowest[1];
+    sample.phases.assign(slowest.begin() + 2, slowest.end());
+    sample.iterations = report.pressure.iterations;
+    sample.products = double(report.pressure.products);
+    sample.imbalance = report.imbalance;
+    return sample;
+}
+
+struct BenchCase {
+    Input input;
+    Geometry geometry;
+};
+
+BenchCase prepare(const Comm& comm, const BenchRequest& request) {
+    BenchCase out;
+    comm.guard([&] {
+        const InputSource source{request.scene, request.overrides, {}};
+        const int sections = request.kind == BenchKind::weak ? comm.size() : 1;
+        out.input = request.scene.empty() ? bench_scene(request.particles, sections, request.overrides)
+                                          : load_input(source);
+        check_supported(out.input);
+        out.geometry = build_geometry(out.input, mesh_folders(source));
+        validate_geometry(out.input, out.geometry, comm);
+        check_time_step(out.input);
+    });
+    return out;
+}
+} // namespace
+
+ExitCode run_bench(const Comm& comm, const BenchRequest& request) {
+    const auto [input, geometry] = prepare(comm, request);
+    auto solver = make_solver(comm, input, reference_speed(input, geometry));
+    Measurement measurement(comm, input, *solver);
+    const double before = peak_memory();
+    fill_solver(input, geometry, *solver);
+
+    BenchFigures figures;
+    figures.kind = kind_word(request.kind);
+    figures.ranks = comm.size();
+    figures.threads = Execution().concurrency();
+    figures.liquid = comm.sum(static_cast<std::int64_t>(solver->liquid().store.owned()));
+    figures.solid = comm.sum(static_cast<std::int64_t>(solver->solid().store.owned()));
+    figures.disorder_steps = disorder_steps;
+    figures.machine = describe_machine();
+    for (int k = 0; k < disorder_steps; ++k) measurement.step();
+    for (int k = 0; k < request.steps; ++k) figures.steps.push_back(measurement.measured_step());
+    figures.phases = measurement.phases();
+    figures.peak_bytes = comm.sum(peak_memory() - before);
+    figures.counted_bytes = comm.sum(double(solver->bytes()));
+
+    comm.guard_root([&] {
+        std::fputs(bench_table(figures).c_str(), stdout);
+        const auto values = bench_values(figures);
+        if (request.kind != BenchKind::kernels) std::printf("%s\n", one_line(values).c_str());
+        if (!request.json.empty()) io::write_json(request.json, values);
+    });
+    return ExitCode::ok;
+}
+
+} // namespace treacle::app
