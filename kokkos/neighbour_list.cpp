@@ -39,13 +39,14 @@ struct Surroundings {
 
 struct Search {
     Surroundings surroundings;
-    Array3 of, among;
+    Array3 of;
+    Array<double> along_x, along_y, along_z; // of the candidates: contiguous, so that tests go several at a time
     double radius2;
     bool same; // a particle is not its own neighbour
 
-    KOKKOS_INLINE_FUNCTION bool close(double x, double y, double z, int j) const {
-        const double dx = x - among(j, 0), dy = y - among(j, 1), dz = z - among(j, 2);
-        return dx * dx + dy * dy + dz * dz < radius2;
+    KOKKOS_INLINE_FUNCTION int close(double x, double y, double z, int j) const {
+        const double dx = x - along_x(j), dy = y - along_y(j), dz = z - along_z(j);
+        return dx * dx + dy * dy + dz * dz < radius2 ? 1 : 0;
     }
     KOKKOS_INLINE_FUNCTION int count(int i) const {
         const double x = of(i, 0), y = of(i, 1), z = of(i, 2);
@@ -55,20 +56,22 @@ struct Search {
         });
         return n;
     }
-    // Candidates are tried in small batches whose hits are first collected without a branch: the outcome of
-    // the distance test is as good as random.
+    // Candidates are tried in small batches whose hits are collected without a branch: the outcome of the
+    // distance test is as good as random.
     KOKKOS_INLINE_FUNCTION void fill(int i, int* row) const {
         constexpr int batch = 32;
         const double x = of(i, 0), y = of(i, 1), z = of(i, 2);
         const int self = same ? i : -1;
         surroundings.walk(x, y, z, [&](int first, int last) {
-            int hits[batch + 1];
+            int hit[batch], hits[batch + 1];
             for (int start = first; start < last; start += batch) {
-                const int stop = math::min(start + batch, last);
+                const int size = math::min(batch, last - start);
+                for (int k = 0; k < size; ++k) hit[k] = close(x, y, z, start + k);
+                if (self >= start && self < start + size) hit[self - start] = 0;
                 int n = 0;
-                for (int j = start; j < stop; ++j) {
-                    hits[n] = j;
-                    n += static_cast<int>(close(x, y, z, j)) & static_cast<int>(j != self);
+                for (int k = 0; k < size; ++k) {
+                    hits[n] = start + k;
+                    n += hit[k];
                 }
                 for (int k = 0; k < n; ++k) row[k] = hits[k];
                 row += n;
@@ -81,8 +84,15 @@ struct Search {
 void NeighbourList::build(const ParticleStore& of, const ParticleStore& among, const CellGrid& grid,
                           const CellList& cells, double radius) {
     const int n = of.owned();
-    const Search search{{grid, cells.window, cells.begin, cells.end},
-                        of.position(), among.position(), radius * radius, &of == &among};
+    for (auto& axis : along_) reserve(axis, static_cast<std::size_t>(among.total()));
+    const Search search{{grid, cells.window, cells.begin, cells.end}, of.position(), along_[0], along_[1],
+                        along_[2], radius * radius, &of == &among};
+    const auto x = among.position();
+    Kokkos::parallel_for("treacle::split_positions", among.total(), KOKKOS_LAMBDA(int j) {
+        search.along_x(j) = x(j, 0);
+        search.along_y(j) = x(j, 1);
+        search.along_z(j) = x(j, 2);
+    });
     reserve(offset, static_cast<std::size_t>(n) + 1);
     const auto rows = offset;
     std::int64_t total = 0;

@@ -133,6 +133,16 @@ void Halo::rebuild(ParticleStore& store, CellList& cells) {
     shift_images(store);
 }
 
+namespace {
+void shift_rows(const Array3& x, int first, int n, double dx, double dy, double dz) {
+    Kokkos::parallel_for("treacle::shift_images", n, KOKKOS_LAMBDA(int i) {
+        x(first + i, 0) += dx;
+        x(first + i, 1) += dy;
+        x(first + i, 2) += dz;
+    });
+}
+} // namespace
+
 void Halo::shift_images(const ParticleStore& store) {
     const auto x = store.position();
     for (std::size_t k = 0; k < incoming_offset_.size(); ++k) {
@@ -140,11 +150,7 @@ void Halo::shift_images(const ParticleStore& store) {
         if (dx == 0 && dy == 0 && dz == 0) continue;
         const int first = store.owned() + static_cast<int>(incoming_.offsets[k]);
         const int n = static_cast<int>(incoming_.offsets[k + 1] - incoming_.offsets[k]);
-        Kokkos::parallel_for("treacle::shift_images", n, KOKKOS_LAMBDA(int i) {
-            x(first + i, 0) += dx;
-            x(first + i, 1) += dy;
-            x(first + i, 2) += dz;
-        });
+        shift_rows(x, first, n, dx, dy, dz);
     }
 }
 
@@ -185,25 +191,14 @@ void add_rows(const View& field, const Array<int>& rows, std::int64_t first, std
               const Array<double>& buffer, int width, int column) {
     const int n = static_cast<int>(last - first);
     Kokkos::parallel_for("treacle::add_rows", n, KOKKOS_LAMBDA(int k) {
-        const std::int64_t at = (first + k) * width + column;
-        const int i = rows(first + k);
-        if constexpr (View::rank == 1) {
-            field(i) += buffer(at);
-        } else {
-            for (int c = 0; c < 3; ++c) field(i, c) += buffer(at + c);
-        }
+        add_row(field, rows(first + k), &buffer((first + k) * width + column));
     });
 }
 
 template <class View>
 void pack_ghosts(const View& field, int first, int n, const Array<double>& buffer, int width, int column) {
     Kokkos::parallel_for("treacle::pack_ghosts", n, KOKKOS_LAMBDA(int k) {
-        const std::int64_t at = std::int64_t(k) * width + column;
-        if constexpr (View::rank == 1) {
-            buffer(at) = field(first + k);
-        } else {
-            for (int c = 0; c < 3; ++c) buffer(at + c) = field(first + k, c);
-        }
+        pack_row(field, first + k, &buffer(std::int64_t(k) * width + column));
     });
 }
 

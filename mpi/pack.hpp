@@ -30,29 +30,46 @@ KOKKOS_INLINE_FUNCTION void from_word(double word, int& value) {
     value = static_cast<int>(wide);
 }
 
+// One row of a field to words and back, or summed. Free functions: nvcc takes no lambda whose first use of a
+// captured array is inside `if constexpr`.
+template <class View>
+KOKKOS_INLINE_FUNCTION void pack_row(const View& field, int row, double* words) {
+    if constexpr (View::rank == 1) {
+        words[0] = to_word(field(row));
+    } else {
+        for (int c = 0; c < 3; ++c) words[c] = field(row, c);
+    }
+}
+template <class View>
+KOKKOS_INLINE_FUNCTION void unpack_row(const View& field, int row, const double* words) {
+    if constexpr (View::rank == 1) {
+        from_word(words[0], field(row));
+    } else {
+        for (int c = 0; c < 3; ++c) field(row, c) = words[c];
+    }
+}
+template <class View>
+KOKKOS_INLINE_FUNCTION void add_row(const View& field, int row, const double* words) {
+    if constexpr (View::rank == 1) {
+        field(row) += words[0];
+    } else {
+        for (int c = 0; c < 3; ++c) field(row, c) += words[c];
+    }
+}
+
 // Rows rows(k) of a field to columns [column, ...) of buffer [n][width], and back to rows first + k.
 template <class View>
 void pack_rows(const View& field, const Array<int>& rows, int n, const Array<double>& buffer, int width,
                int column) {
     Kokkos::parallel_for("treacle::pack", n, KOKKOS_LAMBDA(int k) {
-        const std::int64_t at = std::int64_t(k) * width + column;
-        if constexpr (View::rank == 1) {
-            buffer(at) = to_word(field(rows(k)));
-        } else {
-            for (int c = 0; c < 3; ++c) buffer(at + c) = field(rows(k), c);
-        }
+        pack_row(field, rows(k), &buffer(std::int64_t(k) * width + column));
     });
 }
 
 template <class View>
 void unpack_rows(const View& field, int first, int n, const Array<double>& buffer, int width, int column) {
     Kokkos::parallel_for("treacle::unpack", n, KOKKOS_LAMBDA(int k) {
-        const std::int64_t at = std::int64_t(k) * width + column;
-        if constexpr (View::rank == 1) {
-            from_word(buffer(at), field(first + k));
-        } else {
-            for (int c = 0; c < 3; ++c) field(first + k, c) = buffer(at + c);
-        }
+        unpack_row(field, first + k, &buffer(std::int64_t(k) * width + column));
     });
 }
 

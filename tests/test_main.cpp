@@ -12,6 +12,7 @@ int main(int argc, char** argv) {
     if (!world.is_root()) {
         auto& listeners = testing::UnitTest::GetInstance()->listeners();
         delete listeners.Release(listeners.default_result_printer());
+        delete listeners.Release(listeners.default_xml_generator());
     }
     const int failed = RUN_ALL_TESTS();
     return static_cast<int>(world.max(static_cast<std::int64_t>(failed)));

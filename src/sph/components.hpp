@@ -15,12 +15,13 @@ public:
     // of this rank's particles that became Dirichlet.
     std::int64_t anchor(const Comm& comm, LiquidParticles& liquid, const Neighbourhood& neighbours, Halo& halo);
 
-private:
+    // Parts of the above; not private, since nvcc takes no kernel in a private function.
     std::int64_t label(const LiquidParticles& liquid, const Neighbourhood& neighbours);
     void merge_across_ranks(const Comm& comm, LiquidParticles& liquid, const Neighbourhood& neighbours,
                             Halo& halo);
-    std::int64_t choose_anchors(const Comm& comm, LiquidParticles& liquid);
 
+private:
+    std::int64_t choose_anchors(const Comm& comm, LiquidParticles& liquid);
     Array<int> root_{"treacle::root", 0};         // per owned Poisson particle: least index of its component
     Array<int> anchored_{"treacle::anchored", 0}; // per root: 0 or 1
     Array<int> label_{"treacle::label", 0};       // per root: -1 anchored, else global number of the component

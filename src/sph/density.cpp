@@ -9,7 +9,7 @@ struct DensityLoop {
     NumberKernel number;
     DensityOptions options;
     Fluid fluid;
-    Array<double> density, blended;
+    Array<double> density, blended, volume;
 
     KOKKOS_INLINE_FUNCTION void operator()(int i) const {
         const Constants& c = fluid.constants;
@@ -28,6 +28,7 @@ struct DensityLoop {
         });
         rho += c.rest_density * wall;
         density(i) = rho;
+        volume(i) = c.mass / rho;
         double zeta = options.kind == DensityKind::spiky ? 1.0 : 0.0; // (2.3)
         if (options.kind == DensityKind::blended) {
             const double share = (wall_neighbours - options.blend_from) / (options.blend_to - options.blend_from);
@@ -67,7 +68,7 @@ void compute_density(const SphOptions& options, const Constants& constants, Liqu
         using Kernel = std::decay_t<decltype(kernel)>;
         Kokkos::parallel_for("treacle::density", fluid.count,
                              DensityLoop<Kernel>{kernel, number, options.density, fluid, liquid.density(),
-                                                 liquid.blended_density()});
+                                                 liquid.blended_density(), liquid.volume()});
     });
 }
 

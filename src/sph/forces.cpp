@@ -15,17 +15,17 @@ struct ForceLoop {
     KOKKOS_INLINE_FUNCTION void operator()(int i) const {
         const Constants& c = fluid.constants;
         const auto& u = fluid.velocity;
-        const auto& rho = fluid.density;
         double ax = gravity[0], ay = gravity[1], az = gravity[2];
         const double soft = 0.01 * c.support * c.support;
-        const double laminar = 2 * (Kernel::dimensions + 2) * viscosity;
-        const double ux = u(i, 0), uy = u(i, 1), uz = u(i, 2), rho_i = rho(i);
+        // Densities of pairs are the rest density here: the liquid is incompressible, and a division less counts.
+        const double laminar = 2 * (Kernel::dimensions + 2) * viscosity / (c.rest_density * c.rest_density);
+        const double colliding = artificial / c.rest_density;
+        const double ux = u(i, 0), uy = u(i, 1), uz = u(i, 2);
         if (artificial > 0 || viscosity > 0) {
             fluid.liquid.each(i, [&](int j, double dx, double dy, double dz, double r2) {
                 const double approach = (ux - u(j, 0)) * dx + (uy - u(j, 1)) * dy + (uz - u(j, 2)) * dz;
-                double nu = laminar / (rho_i * rho(j));
-                if (approach < 0) nu += 2 * artificial / (rho_i + rho(j));
-                const double f = c.mass * nu * approach / (r2 + soft) * kernel.gradient(math::sqrt(r2));
+                const double drag = laminar * approach + colliding * math::min(approach, 0.0);
+                const double f = c.mass * drag / (r2 + soft) * kernel.gradient(math::sqrt(r2));
                 ax += f * dx;
                 ay += f * dy;
                 az += f * dz;
@@ -36,10 +36,9 @@ struct ForceLoop {
             if (grip == 0) return;
             const auto& v = fluid.solid_velocity;
             const double approach = (ux - v(s, 0)) * dx + (uy - v(s, 1)) * dy + (uz - v(s, 2)) * dz;
-            double nu = laminar / (rho_i * rho_i);
-            if (approach < 0) nu += artificial / rho_i;
+            const double drag = laminar * approach + colliding * math::min(approach, 0.0);
             const double mass = c.rest_density * fluid.solid_volume(s) * grip;
-            const double f = mass * nu * approach / (r2 + soft) * kernel.gradient(math::sqrt(r2));
+            const double f = mass * drag / (r2 + soft) * kernel.gradient(math::sqrt(r2));
             ax += f * dx;
             ay += f * dy;
             az += f * dz;
@@ -58,13 +57,11 @@ struct PressureForceLoop {
 
     KOKKOS_INLINE_FUNCTION void operator()(int i) const {
         const Constants& c = fluid.constants;
-        const auto& p = fluid.pressure;
-        const auto& rho = fluid.density;
-        const double own = p(i) / (rho(i) * rho(i));
+        const auto& load = fluid.load;
+        const double own = load(i);
         double ax = 0, ay = 0, az = 0;
         fluid.liquid.each(i, [&](int j, double dx, double dy, double dz, double r2) {
-            const double rho_j = rho(j);
-            const double f = -c.mass * (own + p(j) / (rho_j * rho_j)) * kernel.gradient(math::sqrt(r2));
+            const double f = -c.mass * (own + load(j)) * kernel.gradient(math::sqrt(r2));
             ax += f * dx;
             ay += f * dy;
             az += f * dz;
@@ -85,6 +82,8 @@ struct PressureForceLoop {
 };
 
 // Sums the reaction of the pressure force over the pairs, per body: an array reduction, whose order is fixed.
+using HostLoads = Kokkos::View<double*, Kokkos::HostSpace, Kokkos::MemoryTraits<Kokkos::Unmanaged>>;
+
 template <class Kernel>
 struct BodyLoadLoop {
     using value_type = double[];
@@ -101,7 +100,7 @@ struct BodyLoadLoop {
     }
     KOKKOS_INLINE_FUNCTION void operator()(int i, value_type sum) const {
         const Constants& c = fluid.constants;
-        const double own = fluid.pressure(i) / (fluid.density(i) * fluid.density(i));
+        const double own = fluid.load(i);
         if (!(own > 0)) return;
         fluid.solid.each(i, [&](int s, double dx, double dy, double dz, double r2) {
             const double f = c.mass * c.rest_density * fluid.solid_volume(s) * own *
@@ -127,9 +126,8 @@ struct XsphLoop {
     KOKKOS_INLINE_FUNCTION void operator()(int i) const {
         const auto& u = fluid.velocity;
         double cx = 0, cy = 0, cz = 0;
-        const double rho_i = fluid.density(i);
         fluid.liquid.each(i, [&](int j, double, double, double, double r2) {
-            const double w = 2 * fluid.constants.mass / (rho_i + fluid.density(j)) * kernel.value(math::sqrt(r2));
+            const double w = 0.5 * (fluid.volume(i) + fluid.volume(j)) * kernel.value(math::sqrt(r2));
             cx += w * (u(j, 0) - u(i, 0));
             cy += w * (u(j, 1) - u(i, 1));
             cz += w * (u(j, 2) - u(i, 2));
@@ -176,6 +174,15 @@ double viscous_step_limit(const Constants& constants, double viscosity) {
     return 0.125 * constants.support * constants.support * constants.rest_density / viscosity;
 }
 
+void compute_loads(const Constants& constants, LiquidParticles& liquid) {
+    const auto load = liquid.load(), p = liquid.pressure(), volume = liquid.volume();
+    const double inverse_mass = 1 / constants.mass;
+    Kokkos::parallel_for("treacle::loads", liquid.store.owned(), KOKKOS_LAMBDA(int i) {
+        const double specific = volume(i) * inverse_mass;
+        load(i) = p(i) * specific * specific;
+    });
+}
+
 BodyLoads apply_pressure(const SphOptions& options, const Constants& constants, LiquidParticles& liquid,
                          const SolidParticles& solid, const Neighbourhood& neighbours, int bodies, double dt) {
     const auto fluid = gather_fluid(constants, liquid, solid, neighbours);
@@ -186,7 +193,8 @@ BodyLoads apply_pressure(const SphOptions& options, const Constants& constants, 
                              PressureForceLoop<Kernel>{kernel, fluid, liquid.acceleration()});
         if (neighbours.solid.size > 0) {
             Kokkos::parallel_reduce("treacle::body_loads", fluid.count,
-                                    BodyLoadLoop<Kernel>{kernel, fluid, loads.size()}, loads.data());
+                                    BodyLoadLoop<Kernel>{kernel, fluid, loads.size()},
+                                    HostLoads(loads.data(), loads.size()));
         }
     });
     accelerate(liquid, dt);

@@ -137,7 +137,7 @@ void IsphStep::find_neighbours() {
 
 void IsphStep::update_density(StepReport& report) {
     compute_density(setup_.options, setup_.constants, liquid_, solid_, neighbours_);
-    halo_.gather(liquid_.store, {liquid_.density_field(), liquid_.velocity_field()});
+    halo_.gather(liquid_.store, {liquid_.volume_field(), liquid_.velocity_field()});
     const auto compression = measure_compression(setup_.constants, liquid_);
     report.mean_compression = compression.sum;
     report.max_compression = compression.max;
@@ -233,7 +233,8 @@ StepReport IsphStep::advance(double dt) {
     {
         const auto phase = timers_.scope("pressure force");
         system_.store_pressure(liquid_);
-        halo_.gather(liquid_.store, {liquid_.pressure_field()});
+        compute_loads(constants, liquid_);
+        halo_.gather(liquid_.store, {liquid_.load_field()});
         report.loads = apply_pressure(options, constants, liquid_, solid_, neighbours_, bodies, dt); // (S8)
     }
     {

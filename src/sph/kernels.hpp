@@ -6,7 +6,8 @@ namespace treacle::sph {
 enum class KernelKind { cubic_spline, wendland_c2, mueller };
 
 // Smoothing kernels of compact support h [m] in D dimensions. `value` is W(r) [1/m^D]; `gradient` is
-// W'(r)/r [1/m^(D+2)], so that the gradient at x_i is gradient(r) (x_i - x_j). Both expect r < h.
+// W'(r)/r [1/m^(D+2)], so that the gradient at x_i is gradient(r) (x_i - x_j); `radial` is W'(r) r [1/m^D], which
+// needs no division. All expect r < h.
 
 // Monaghan & Lattanzio 1985, with h as the support radius.
 template <int D>
@@ -25,6 +26,10 @@ struct CubicSpline {
     KOKKOS_INLINE_FUNCTION double gradient(double r) const {
         const double q = r * inverse_h, a = 1 - q;
         return gradient_scale * (q < 0.5 ? 2 - 3 * q : a * a / q);
+    }
+    KOKKOS_INLINE_FUNCTION double radial(double r) const {
+        const double q = r * inverse_h, a = 1 - q;
+        return gradient_scale * h * r * (q < 0.5 ? q * (2 - 3 * q) : a * a);
     }
 };
 
@@ -46,6 +51,7 @@ struct WendlandC2 {
         const double a = 1 - r * inverse_h;
         return gradient_scale * a * a * a;
     }
+    KOKKOS_INLINE_FUNCTION double radial(double r) const { return gradient(r) * r * r; }
 };
 
 // Mueller, Charypar & Gross 2003: poly6 for values, spiky for gradients; the dissertation's own pair.
@@ -66,6 +72,10 @@ struct Mueller {
     KOKKOS_INLINE_FUNCTION double gradient(double r) const {
         const double a = h - r;
         return gradient_scale * a * a / math::max(r, 1e-9 * h);
+    }
+    KOKKOS_INLINE_FUNCTION double radial(double r) const {
+        const double a = h - r;
+        return gradient_scale * a * a * r;
     }
 };
 

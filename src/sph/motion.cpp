@@ -16,7 +16,8 @@ void move_particles(const DomainBox& domain, LiquidParticles& liquid, double dt,
 }
 
 namespace {
-KOKKOS_INLINE_FUNCTION LossCause loss_of(const DomainBox& domain, const Array3& x, const Array3& u, int i) {
+template <class Vectors>
+KOKKOS_INLINE_FUNCTION LossCause loss_of(const DomainBox& domain, const Vectors& x, const Vectors& u, int i) {
     for (int k = 0; k < 3; ++k) {
         if (!math::isfinite(x(i, k)) || !math::isfinite(u(i, k))) return LossCause::non_finite;
     }

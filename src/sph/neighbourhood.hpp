@@ -51,7 +51,7 @@ struct Fluid {
     Constants constants;
     Pairs liquid, solid;
     Array3 velocity;
-    Array<double> pressure, density;
+    Array<double> pressure, volume, load;
     Array3 solid_velocity;
     Array<double> solid_volume;
     Array<int> solid_body;
@@ -65,7 +65,8 @@ inline Fluid gather_fluid(const Constants& constants, const LiquidParticles& liq
             pairs(neighbours.solid, liquid.store, solid.store),
             liquid.velocity(),
             liquid.pressure(),
-            liquid.density(),
+            liquid.volume(),
+            liquid.load(),
             solid.velocity(),
             solid.volume(),
             solid.body(),

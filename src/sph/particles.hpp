@@ -18,6 +18,8 @@ public:
           pressure_(store.add<Array<double>>("pressure", "Pa", FieldRole::state, true)),
           liquid_(store.add<Array<int>>("liquid", "", FieldRole::state, true)),
           density_(store.add<Array<double>>("density", "kg/m3", FieldRole::work, true)),
+          volume_(store.add<Array<double>>("volume", "m3", FieldRole::work)),
+          load_(store.add<Array<double>>("load", "Pa m6/kg2", FieldRole::work)),
           blended_(store.add<Array<double>>("blended_density", "kg/m3", FieldRole::work, true)),
           source_(store.add<Array<double>>("source", "kg/m3/s2", FieldRole::work)),
           diagonal_(store.add<Array<double>>("diagonal", "1/m2", FieldRole::work)),
@@ -34,6 +36,8 @@ public:
     const Array<double>& pressure() const { return store.get<Array<double>>(pressure_); }
     const Array<int>& liquid() const { return store.get<Array<int>>(liquid_); }
     const Array<double>& density() const { return store.get<Array<double>>(density_); }
+    const Array<double>& volume() const { return store.get<Array<double>>(volume_); } // m / density
+    const Array<double>& load() const { return store.get<Array<double>>(load_); }     // pressure / density^2
     const Array<double>& blended_density() const { return store.get<Array<double>>(blended_); }
     const Array<double>& source() const { return store.get<Array<double>>(source_); }
     const Array<double>& diagonal() const { return store.get<Array<double>>(diagonal_); }
@@ -46,14 +50,15 @@ public:
     // Field numbers, for the halo.
     int velocity_field() const { return velocity_; }
     int pressure_field() const { return pressure_; }
-    int density_field() const { return density_; }
+    int volume_field() const { return volume_; }
+    int load_field() const { return load_; }
     int role_field() const { return role_; }
     int row_field() const { return row_; }
     int component_field() const { return component_; }
 
 private:
-    int velocity_, pressure_, liquid_, density_, blended_, source_, diagonal_, wall_term_, acceleration_,
-        role_, row_, component_;
+    int velocity_, pressure_, liquid_, density_, volume_, load_, blended_, source_, diagonal_, wall_term_,
+        acceleration_, role_, row_, component_;
 };
 
 // One layer of particles on each solid's surface and on the walls of the domain.

@@ -48,9 +48,10 @@ struct PredictionLoop {
         const bool decomposed = options.solid_term == SolidTerm::decomposed && fluid.solid.count(i) > 0;
         RowSums out;
         fluid.liquid.each(i, [&](int j, double dx, double dy, double dz, double r2) {
-            const double g = laplacian.kernel.gradient(math::sqrt(r2));
+            const double r = math::sqrt(r2);
+            const double g = laplacian.kernel.gradient(r);
             const double volumes = volume + laplacian.volume(j);
-            const double a = laplacian.weight(volumes, r2, g);
+            const double a = laplacian.weight(volumes, r2, r);
             out.divergence += g * ((ux - u(j, 0)) * dx + (uy - u(j, 1)) * dy + (uz - u(j, 2)) * dz);
             out.weights += a;
             out.weighted += a * fluid.pressure(j);
@@ -64,10 +65,11 @@ struct PredictionLoop {
         out.divergence *= c.mass;
         double solid = 0;
         fluid.solid.each(i, [&](int s, double dx, double dy, double dz, double r2) {
-            const double g = laplacian.kernel.gradient(math::sqrt(r2));
+            const double r = math::sqrt(r2);
+            const double g = laplacian.kernel.gradient(r);
             const double vg = fluid.solid_volume(s) * g;
             solid += vg * ((ux - v(s, 0)) * dx + (uy - v(s, 1)) * dy + (uz - v(s, 2)) * dz);
-            out.solid_weights += laplacian.weight(volume + fluid.solid_volume(s), r2, g);
+            out.solid_weights += laplacian.weight(volume + fluid.solid_volume(s), r2, r);
             out.wall_vector[0] += vg * dx;
             out.wall_vector[1] += vg * dy;
             out.wall_vector[2] += vg * dz;
@@ -82,7 +84,7 @@ struct PredictionLoop {
         const bool starting = pressures == LastPressures::none && options.solid_term == SolidTerm::exact;
         if (starting && sum.weights > 0) return 0;
         if (options.solid_term == SolidTerm::decomposed) return sum.decomposed();
-        const double ratio = fluid.constants.rest_density / fluid.density(i);
+        const double ratio = fluid.constants.rest_density / fluid.constants.mass * fluid.volume(i);
         return ratio * ratio * sum.wall_square(); // alpha_i of Eq. 3.2
     }
 

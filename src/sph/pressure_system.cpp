@@ -91,8 +91,7 @@ struct FillLoop {
             const int global = row(j);
             if (global < 0) return;
             const int c = global - first;
-            const double a =
-                laplacian.weight(volume + laplacian.volume(j), r2, laplacian.kernel.gradient(math::sqrt(r2)));
+            const double a = laplacian.weight(volume + laplacian.volume(j), r2, math::sqrt(r2));
             if (c >= 0 && c < rows) {
                 if (!diagonal_written && c > r) {
                     here.add(r, diagonal(i));

@@ -36,10 +36,11 @@ public:
     const Array<double>& right_hand_side() const { return right_hand_side_; } // [rows]
     const Array<double>& solution() const { return solution_; }               // [rows], in: guess, out: result
 
-private:
+    // Parts of the above; not private, since nvcc takes no kernel in a private function.
     void number_rows(const Comm& comm, LiquidParticles& liquid, Halo& halo);
     void count_entries(const LiquidParticles& liquid, const Neighbourhood& neighbours);
 
+private:
     Block own_, other_;
     Array<double> right_hand_side_{"treacle::right_hand_side", 0};
     Array<double> solution_{"treacle::solution", 0};
