@@ -20,7 +20,8 @@ Input load_input(const InputSource& source) {
 }
 
 std::vector<std::string> mesh_folders(const InputSource& source) {
-    std::vector<std::string> folders{std::filesystem::absolute(source.scene).parent_path().string()};
+    std::vector<std::string> folders;
+    if (!source.scene.empty()) folders.push_back(std::filesystem::absolute(source.scene).parent_path().string());
     for (const auto& folder : source.data_folders) folders.push_back(folder.string());
     if (const char* folder = std::getenv("TREACLE_DATA")) folders.emplace_back(folder);
     return folders;
