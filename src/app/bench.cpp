@@ -123,12 +123,18 @@ struct BenchCase {
 BenchCase prepare(const Comm& comm, const BenchRequest& request) {
     BenchCase out;
     comm.guard([&] {
-        const InputSource source{request.scene, request.overrides, {}};
-        const int sections = request.kind == BenchKind::weak ? comm.size() : 1;
-        out.input = request.scene.empty() ? bench_scene(request.particles, sections, request.overrides)
-                                          : load_input(source);
+        if (request.scene.empty()) {
+            const int sections = request.kind == BenchKind::weak ? comm.size() : 1;
+            out.input = bench_scene(request.particles, sections, request.overrides);
+        } else if (request.kind == BenchKind::weak) {
+            throw InputError({request.scene.string(), "a scene of one size cannot be given to bench weak",
+                              "its liquid grows with the number of ranks", "leave out --scene, or use bench strong"});
+        } else {
+            out.input = load_input({request.scene, request.overrides, {}});
+        }
         check_supported(out.input);
-        out.geometry = build_geometry(out.input, mesh_folders(source));
+        out.geometry = build_geometry(out.input, request.scene.empty() ? std::vector<std::string>{}
+                                                                       : mesh_folders({request.scene, {}, {}}));
         validate_geometry(out.input, out.geometry, comm);
         check_time_step(out.input);
     });

@@ -297,8 +297,8 @@ void add_bench(CLI::App& program, Chosen& chosen) {
     auto words = std::make_shared<BenchWords>();
     auto& app = *program.add_subcommand("bench", "What a step costs on this machine, under mpirun on all ranks.");
     app.add_option("kind", words->kind,
-                   "kernels: each phase against a product with the pressure matrix. strong, weak: for comparing "
-                   "numbers of ranks, the same liquid in all or per rank; the last line is JSON")
+                   "kernels: each phase against a product with the pressure matrix; strong or weak: the same, for "
+                   "comparing numbers of ranks, with JSON in the last line")
         ->required()
         ->check(CLI::IsMember({"kernels", "strong", "weak"}))
         ->type_name("KIND");
