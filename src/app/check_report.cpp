@@ -80,7 +80,8 @@ void Report::domain() {
         row(names[k], side_text(domain.faces[k]));
     }
     for (std::size_t k = 0; k < static_cast<std::size_t>(domain.dimensions); ++k) {
-        if (domain.faces[2 * k].kind != scene::FaceKind::periodic &&
+        const auto is_wall = [&](std::size_t side) { return domain.faces[side].kind == scene::FaceKind::wall; };
+        if (is_wall(2 * k) && is_wall(2 * k + 1) &&
             !at_.geometry.lattice.fits(static_cast<int>(k))) {
             warn(
                 std::string("domain: its length in ") + "xyz"[k] +

@@ -39,6 +39,11 @@ StopControl::Reason StopControl::ask() {
     return most == 0 ? Reason::none : static_cast<Reason>(4 - most);
 }
 
+void StopControl::clear() {
+    std::error_code missing;
+    if (comm_.is_root()) std::filesystem::remove(stop_file_, missing);
+}
+
 std::string describe(StopControl::Reason reason) {
     switch (reason) {
     case StopControl::Reason::none: return "";

@@ -19,6 +19,8 @@ public:
     enum class Reason { none, signal, stop_file, wall_limit };
     // Collective: the same answer on every rank. One small reduction.
     Reason ask();
+    // Removes the file STOP once it has been followed, so that the run may go on. Collective.
+    void clear();
     double wall_seconds() const;
 
 private:

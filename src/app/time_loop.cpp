@@ -224,6 +224,7 @@ ExitCode TimeLoop::run(Opening opening) {
         return ExitCode::ok;
     }
     save();
+    stop_.clear();
     write_summary("stopped by " + describe(reason));
     log_.line("stopped by " + describe(reason) + " with a checkpoint; go on with treacle resume " +
               setup_.folder.root.string());
