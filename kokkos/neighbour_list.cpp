@@ -37,6 +37,24 @@ struct Surroundings {
     }
 };
 
+constexpr int batch = 16;
+
+KOKKOS_INLINE_FUNCTION int lowest_bit(unsigned bits) {
+#if defined(__CUDA_ARCH__) || defined(__HIP_DEVICE_COMPILE__)
+    return __ffs(static_cast<int>(bits)) - 1;
+#else
+    return __builtin_ctz(bits);
+#endif
+}
+
+KOKKOS_INLINE_FUNCTION int count_bits(unsigned bits) {
+#if defined(__CUDA_ARCH__) || defined(__HIP_DEVICE_COMPILE__)
+    return __popc(bits);
+#else
+    return __builtin_popcount(bits);
+#endif
+}
+
 struct Search {
     Surroundings surroundings;
     Array3 of;
@@ -48,33 +66,32 @@ struct Search {
         const double dx = x - along_x(j), dy = y - along_y(j), dz = z - along_z(j);
         return dx * dx + dy * dy + dz * dz < radius2 ? 1 : 0;
     }
+    // The neighbours among the candidates [start, start + batch), as bits. All of the batch is tried, the last one
+    // reading into the padding behind the coordinates; the outcome of a test is as good as random, so that hits are
+    // collected as bits, not by branches.
+    KOKKOS_INLINE_FUNCTION unsigned hits(double x, double y, double z, int start, int last, int self) const {
+        unsigned bits = 0;
+        for (int k = 0; k < batch; ++k) bits |= static_cast<unsigned>(close(x, y, z, start + k)) << k;
+        if (last - start < batch) bits &= (1u << (last - start)) - 1;
+        if (self >= start && self < start + batch) bits &= ~(1u << (self - start));
+        return bits;
+    }
     KOKKOS_INLINE_FUNCTION int count(int i) const {
         const double x = of(i, 0), y = of(i, 1), z = of(i, 2);
-        int n = same ? -1 : 0;
+        const int self = same ? i : -1;
+        int n = 0;
         surroundings.walk(x, y, z, [&](int first, int last) {
-            for (int j = first; j < last; ++j) n += close(x, y, z, j);
+            for (int start = first; start < last; start += batch) n += count_bits(hits(x, y, z, start, last, self));
         });
         return n;
     }
-    // Candidates are tried in small batches whose hits are collected without a branch: the outcome of the
-    // distance test is as good as random.
     KOKKOS_INLINE_FUNCTION void fill(int i, int* row) const {
-        constexpr int batch = 32;
         const double x = of(i, 0), y = of(i, 1), z = of(i, 2);
         const int self = same ? i : -1;
         surroundings.walk(x, y, z, [&](int first, int last) {
-            int hit[batch], hits[batch + 1];
             for (int start = first; start < last; start += batch) {
-                const int size = math::min(batch, last - start);
-                for (int k = 0; k < size; ++k) hit[k] = close(x, y, z, start + k);
-                if (self >= start && self < start + size) hit[self - start] = 0;
-                int n = 0;
-                for (int k = 0; k < size; ++k) {
-                    hits[n] = start + k;
-                    n += hit[k];
-                }
-                for (int k = 0; k < n; ++k) row[k] = hits[k];
-                row += n;
+                unsigned bits = hits(x, y, z, start, last, self);
+                for (; bits != 0; bits &= bits - 1) *row++ = start + lowest_bit(bits);
             }
         });
     }
@@ -84,7 +101,7 @@ struct Search {
 void NeighbourList::build(const ParticleStore& of, const ParticleStore& among, const CellGrid& grid,
                           const CellList& cells, double radius) {
     const int n = of.owned();
-    for (auto& axis : along_) reserve(axis, static_cast<std::size_t>(among.total()));
+    for (auto& axis : along_) reserve(axis, static_cast<std::size_t>(among.total() + batch));
     const Search search{{grid, cells.window, cells.begin, cells.end}, of.position(), along_[0], along_[1],
                         along_[2], radius * radius, &of == &among};
     const auto x = among.position();

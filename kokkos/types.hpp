@@ -38,22 +38,22 @@ KOKKOS_INLINE_FUNCTION constexpr T max(T a, T b) {
 }
 } // namespace math
 
-// Grows an array to hold n entries and never shrinks it; the content is lost when it grows. The quarter to
-// spare keeps a slowly changing count from allocating again at every step.
+// Grows an array to hold n entries and never shrinks it; the content is lost when it grows. What it has to spare
+// keeps a slowly changing count from allocating again at every step.
 template <class View>
 void reserve(View& view, std::size_t n) {
     if (view.extent(0) >= n) return;
-    const std::size_t capacity = n + n / 4 + 16;
+    const std::size_t capacity = n + n / 16 + 16;
     const auto label = view.label();
     view = View(); // frees before it allocates: the peak is one array, not two
     view = View(Kokkos::view_alloc(Kokkos::WithoutInitializing, label), capacity);
 }
 
-// As reserve, but exact in size: for the arrays that carry most of the memory.
+// As reserve, but the first `used` rows keep their content.
 template <class View>
 void reserve_keep(View& view, std::size_t n, std::size_t used) {
     if (view.extent(0) >= n) return;
-    View larger(Kokkos::view_alloc(Kokkos::WithoutInitializing, view.label()), n + n / 8 + 16);
+    View larger(Kokkos::view_alloc(Kokkos::WithoutInitializing, view.label()), n + n / 16 + 16);
     if (used > 0) {
         const auto rows = Kokkos::make_pair(std::size_t(0), used);
         if constexpr (View::rank == 1) {

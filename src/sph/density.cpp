@@ -16,9 +16,11 @@ struct DensityLoop {
         const bool smooth_only = options.kind == DensityKind::smooth;
         double rho = c.mass * kernel.value(0.0);
         double n = 0;
-        fluid.liquid.each(i, [&](int, double, double, double, double r2) {
-            rho += c.mass * kernel.value(math::sqrt(r2)); // (2.1)
-        });
+        const auto row = fluid.liquid.row(i);
+        TREACLE_SIMD_SUM(rho)
+        for (int k = 0; k < row.count; ++k) {
+            rho += c.mass * kernel.value(math::sqrt(row.separation(row.index[k]).r2)); // (2.1)
+        }
         const int wall_neighbours = fluid.solid.count(i);
         double wall = 0, wall_number = 0;
         fluid.solid.each(i, [&](int s, double, double, double, double r2) {
@@ -38,9 +40,10 @@ struct DensityLoop {
             blended(i) = rho;
             return;
         }
-        fluid.liquid.each(i, [&](int, double, double, double, double r2) {
-            n += number.value(math::sqrt(r2)); // (2.2)
-        });
+        TREACLE_SIMD_SUM(n)
+        for (int k = 0; k < row.count; ++k) {
+            n += number.value(math::sqrt(row.separation(row.index[k]).r2)); // (2.2)
+        }
         n += wall_number / c.rest_volume;
         blended(i) = (1 - zeta) * rho + zeta * c.rest_density / c.number_density * n;
     }

@@ -22,14 +22,18 @@ struct ForceLoop {
         const double colliding = artificial / c.rest_density;
         const double ux = u(i, 0), uy = u(i, 1), uz = u(i, 2);
         if (artificial > 0 || viscosity > 0) {
-            fluid.liquid.each(i, [&](int j, double dx, double dy, double dz, double r2) {
-                const double approach = (ux - u(j, 0)) * dx + (uy - u(j, 1)) * dy + (uz - u(j, 2)) * dz;
+            const auto row = fluid.liquid.row(i);
+            TREACLE_SIMD_SUM(ax, ay, az)
+            for (int k = 0; k < row.count; ++k) {
+                const int j = row.index[k];
+                const auto d = row.separation(j);
+                const double approach = (ux - u(j, 0)) * d.x + (uy - u(j, 1)) * d.y + (uz - u(j, 2)) * d.z;
                 const double drag = laminar * approach + colliding * math::min(approach, 0.0);
-                const double f = c.mass * drag / (r2 + soft) * kernel.gradient(math::sqrt(r2));
-                ax += f * dx;
-                ay += f * dy;
-                az += f * dz;
-            });
+                const double f = c.mass * drag / (d.r2 + soft) * kernel.gradient(math::sqrt(d.r2));
+                ax += f * d.x;
+                ay += f * d.y;
+                az += f * d.z;
+            }
         }
         fluid.solid.each(i, [&](int s, double dx, double dy, double dz, double r2) {
             const double grip = friction(fluid.solid_body(s));
@@ -60,12 +64,16 @@ struct PressureForceLoop {
         const auto& load = fluid.load;
         const double own = load(i);
         double ax = 0, ay = 0, az = 0;
-        fluid.liquid.each(i, [&](int j, double dx, double dy, double dz, double r2) {
-            const double f = -c.mass * (own + load(j)) * kernel.gradient(math::sqrt(r2));
-            ax += f * dx;
-            ay += f * dy;
-            az += f * dz;
-        });
+        const auto row = fluid.liquid.row(i);
+        TREACLE_SIMD_SUM(ax, ay, az)
+        for (int k = 0; k < row.count; ++k) {
+            const int j = row.index[k];
+            const auto d = row.separation(j);
+            const double f = -c.mass * (own + load(j)) * kernel.gradient(math::sqrt(d.r2));
+            ax += f * d.x;
+            ay += f * d.y;
+            az += f * d.z;
+        }
         if (own > 0) {
             fluid.solid.each(i, [&](int s, double dx, double dy, double dz, double r2) {
                 const double f =

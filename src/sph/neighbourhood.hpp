@@ -5,6 +5,11 @@
 
 namespace treacle::sph {
 
+// Before a loop whose sums the compiler may keep in several partial sums: the order is fixed at compile time, so
+// that results stay the same from run to run and on any number of ranks. Devices ignore it.
+#define TREACLE_PRAGMA(text) _Pragma(#text)
+#define TREACLE_SIMD_SUM(...) TREACLE_PRAGMA(omp simd reduction(+ : __VA_ARGS__))
+
 // The constants of a run that every pair sum needs.
 struct Constants {
     double support = 0;        // h [m]
@@ -22,6 +27,22 @@ struct Neighbourhood {
     NeighbourList solid;
 };
 
+// The particles around one particle, for loops that the compiler puts into vector registers.
+struct Row {
+    const int* index;
+    int count;
+    double x, y, z;
+    Array3 among;
+
+    struct Separation {
+        double x, y, z, r2; // from the neighbour to the particle
+    };
+    KOKKOS_INLINE_FUNCTION Separation separation(int j) const {
+        const double dx = x - among(j, 0), dy = y - among(j, 1), dz = z - among(j, 2);
+        return {dx, dy, dz, dx * dx + dy * dy + dz * dz};
+    }
+};
+
 // Pair sums over a list, for kernels: visit(j, dx, dy, dz, r2) with the vector from x_j to x_i.
 struct Pairs {
     Array<std::int64_t> offset;
@@ -29,6 +50,9 @@ struct Pairs {
     Array3 of, among;
 
     KOKKOS_INLINE_FUNCTION int count(int i) const { return static_cast<int>(offset(i + 1) - offset(i)); }
+    KOKKOS_INLINE_FUNCTION Row row(int i) const {
+        return {index.data() + offset(i), count(i), of(i, 0), of(i, 1), of(i, 2), among};
+    }
 
     template <class Visit>
     KOKKOS_INLINE_FUNCTION void each(int i, const Visit& visit) const {

@@ -47,22 +47,30 @@ struct PredictionLoop {
         const double ux = u(i, 0), uy = u(i, 1), uz = u(i, 2);
         const bool decomposed = options.solid_term == SolidTerm::decomposed && fluid.solid.count(i) > 0;
         RowSums out;
-        fluid.liquid.each(i, [&](int j, double dx, double dy, double dz, double r2) {
-            const double r = math::sqrt(r2);
-            const double g = laplacian.kernel.gradient(r);
-            const double volumes = volume + laplacian.volume(j);
-            const double a = laplacian.weight(volumes, r2, r);
-            out.divergence += g * ((ux - u(j, 0)) * dx + (uy - u(j, 1)) * dy + (uz - u(j, 2)) * dz);
-            out.weights += a;
-            out.weighted += a * fluid.pressure(j);
-            if (decomposed) {
-                const double half = 0.5 * volumes * g;
+        double divergence = 0, weights = 0, weighted = 0;
+        const auto row = fluid.liquid.row(i);
+        TREACLE_SIMD_SUM(divergence, weights, weighted)
+        for (int k = 0; k < row.count; ++k) {
+            const int j = row.index[k];
+            const auto d = row.separation(j);
+            const double r = math::sqrt(d.r2);
+            const double a = laplacian.weight(volume + laplacian.volume(j), d.r2, r);
+            divergence += laplacian.kernel.gradient(r) *
+                          ((ux - u(j, 0)) * d.x + (uy - u(j, 1)) * d.y + (uz - u(j, 2)) * d.z);
+            weights += a;
+            weighted += a * fluid.pressure(j);
+        }
+        out.divergence = c.mass * divergence;
+        out.weights = weights;
+        out.weighted = weighted;
+        if (decomposed) {
+            fluid.liquid.each(i, [&](int j, double dx, double dy, double dz, double r2) {
+                const double half = 0.5 * (volume + laplacian.volume(j)) * laplacian.kernel.gradient(math::sqrt(r2));
                 out.liquid_vector[0] += half * dx;
                 out.liquid_vector[1] += half * dy;
                 out.liquid_vector[2] += half * dz;
-            }
-        });
-        out.divergence *= c.mass;
+            });
+        }
         double solid = 0;
         fluid.solid.each(i, [&](int s, double dx, double dy, double dz, double r2) {
             const double r = math::sqrt(r2);

@@ -71,6 +71,9 @@ struct RowWriter {
     }
 };
 
+// Entries of a row are computed this many at a time, in vector registers, and then put in their places.
+constexpr int batch = 32;
+
 template <class Kernel>
 struct FillLoop {
     LaplacianWeight<Kernel> laplacian;
@@ -86,22 +89,31 @@ struct FillLoop {
         RowWriter here{own.column.data() + own.offset(r), own.value.data() + own.offset(r)};
         RowWriter there{other.column.data() + other.offset(r), other.value.data() + other.offset(r)};
         const double volume = laplacian.volume(i);
+        const auto around = pairs.row(i);
         bool diagonal_written = false;
-        pairs.each(i, [&](int j, double, double, double, double r2) {
-            const int global = row(j);
-            if (global < 0) return;
-            const int c = global - first;
-            const double a = laplacian.weight(volume + laplacian.volume(j), r2, math::sqrt(r2));
-            if (c >= 0 && c < rows) {
-                if (!diagonal_written && c > r) {
-                    here.add(r, diagonal(i));
-                    diagonal_written = true;
-                }
-                here.add(c, -a);
-            } else {
-                there.add(global, -a);
+        double weight[batch];
+        for (int start = 0; start < around.count; start += batch) {
+            const int size = math::min(batch, around.count - start);
+            for (int k = 0; k < size; ++k) {
+                const int j = around.index[start + k];
+                const double r2 = around.separation(j).r2;
+                weight[k] = laplacian.weight(volume + laplacian.volume(j), r2, math::sqrt(r2));
             }
-        });
+            for (int k = 0; k < size; ++k) {
+                const int global = row(around.index[start + k]);
+                if (global < 0) continue;
+                const int c = global - first;
+                if (c >= 0 && c < rows) {
+                    if (!diagonal_written && c > r) {
+                        here.add(r, diagonal(i));
+                        diagonal_written = true;
+                    }
+                    here.add(c, -weight[k]);
+                } else {
+                    there.add(global, -weight[k]);
+                }
+            }
+        }
         if (!diagonal_written) here.add(r, diagonal(i));
         right_hand_side(r) = source(i);
         solution(r) = pressure(i);
