@@ -27,7 +27,7 @@ struct PressureOptions {
     double prediction = 1;          // gamma of Eq. 2.6; the dissertation's 0.5 is noisier (README)
     SolidTerm solid_term = SolidTerm::exact;
     double amplification_limit = 5; // gamma of Eq. 3.3
-    PressurePreconditioner preconditioner = PressurePreconditioner::incomplete_cholesky;
+    PressurePreconditioner preconditioner = PressurePreconditioner::jacobi;
     StoppingRule stop = StoppingRule::density_error;
     double density_error = 1e-5;    // mean compression of the Poisson particles, share of the rest density
     double residual = 1e-6;         // relative, for the residual rule
