@@ -38,6 +38,17 @@ inline CellBox intersect(const CellBox& a, const CellBox& b) {
     return out;
 }
 
+// The smallest box around two; an empty one adds nothing.
+inline CellBox join(const CellBox& a, const CellBox& b) {
+    if (a.empty() || b.empty()) return a.empty() ? b : a;
+    CellBox out;
+    for (int k = 0; k < 3; ++k) {
+        out.lo[k] = math::min(a.lo[k], b.lo[k]);
+        out.hi[k] = math::max(a.hi[k], b.hi[k]);
+    }
+    return out;
+}
+
 // The uniform cells that cover the domain: the unit of ownership, of halos and of the neighbour search.
 // A cell is at least one support radius wide, so that neighbours lie in adjacent cells. Plane scenes have one
 // layer of cells in z.
