@@ -1,0 +1,78 @@
+#!/usr/bin/env python3
+"""A simulation that fails ends with exit code 3, says why, and leaves the last checkpoint intact.
+
+usage: failure_test.py PROGRAM MPIEXEC RANKS
+"""
+import csv
+import os
+import subprocess
+import sys
+import unittest
+
+import harness
+from harness import SCENES, Workplace
+
+DAM = os.path.join(SCENES, "dam.yaml")
+RANKS = 1
+
+
+class Failure(Workplace):
+    def fail_with(self, *words, values=None, out="run", ranks=None):
+        done = self.run_scene(DAM, out, RANKS if ranks is None else ranks, values or {}, code=3)
+        for word in words:
+            self.assertIn(word, done.stderr)
+        return done
+
+    def test_too_many_lost_particles_are_counted_and_listed(self):
+        # 1 km/s makes 2 m a step: every particle leaves through the wall at once.
+        self.fail_with("particles are lost", "640 went through a wall", "lost_limit", "lost_particles.csv",
+                       values={"liquids.water.velocity": "[1000, 0, 0]", "lost_limit": "0.5"})
+        with open(self.path("run", "lost_particles.csv")) as file:
+            rows = list(csv.DictReader(file))
+        self.assertEqual(len({row["id"] for row in rows}), 640)
+        self.assertTrue(all(float(row["x [m]"]) > 0.4 for row in rows))
+
+    def test_losses_below_the_limit_are_counted_and_the_run_goes_on(self):
+        done = self.run_scene(DAM, "run", RANKS, {"liquids.water.velocity": "[1000, 0, 0]", "lost_limit": "1"})
+        self.assertIn("lost 640", done.stdout)
+        self.assertEqual(self.steps("run")["lost by leak"][-1], 640)
+
+    def test_an_unconverged_solve_is_named(self):
+        self.fail_with("pressure solve", "after 1 iterations", "method.pressure.preconditioner",
+                       values={"method.pressure.stop": "residual", "method.pressure.residual": "1e-14",
+                               "method.pressure.max_iterations": "1"})
+
+    def test_a_step_below_the_least_is_named(self):
+        self.fail_with("time.min_step", values={"time.rule": "cfl", "time.step": "0", "time.min_step": "0.01"})
+
+
+class DiskFull(Workplace):
+    """Needs a small file system of its own, which only root may mount."""
+
+    def setUp(self):
+        super().setUp()
+        os.mkdir(self.path("disk"))
+        mounted = subprocess.run(["mount", "-t", "tmpfs", "-o", "size=1000k", "tmpfs", self.path("disk")],
+                                 capture_output=True)
+        if mounted.returncode != 0:
+            self.skipTest("mounting is not allowed here")
+        self.addCleanup(subprocess.run, ["umount", "-l", self.path("disk")])
+
+    def test_the_run_fails_and_the_last_checkpoint_is_intact(self):
+        # A checkpoint has 170 kB, and two stand while one is written; frames of 46 kB fill the rest in 10 intervals.
+        done = self.run_scene(DAM, "disk/run", RANKS, {
+            "time.end": "0.4", "output.interval": "0.01", "output.checkpoint_interval": "0.01",
+            "output.checkpoints_kept": "1", "lost_limit": "0.1"}, code=3)
+        self.assertIn("No space left", done.stderr)
+        kept = self.checkpoints("disk/run")
+        self.assertTrue(kept, "no checkpoint")
+        self.assertFalse([path for path in kept if path.endswith(".tmp")])
+        for path in kept:
+            self.assertRegex(self.treacle("info", path).stdout, r"checksums +right")
+
+
+if __name__ == "__main__":
+    if len(sys.argv) < 4:
+        sys.exit(__doc__)
+    RANKS = int(sys.argv.pop(3))
+    harness.main(sys.argv, __doc__)

@@ -1,0 +1,88 @@
+"""What the drivers of this folder share: launching the program, and looking at what a run leaves behind."""
+import json
+import os
+import shutil
+import subprocess
+import tempfile
+import unittest
+
+import h5py
+import numpy
+
+HERE = os.path.dirname(os.path.abspath(__file__))
+SCENES = os.path.join(HERE, "scenes")
+INPUTS = os.path.join(os.path.dirname(os.path.dirname(HERE)), "inputs")
+
+# Small enough a residual that the answer does not show how the ranks share the work.
+TIGHT = {"method.pressure.stop": "residual", "method.pressure.residual": "1e-10", "output.double_precision": "true"}
+
+
+class Program:
+    """Set by the driver's main before the tests run."""
+    path = ""
+    launcher = ""
+
+
+def command_line(arguments, ranks):
+    command = [Program.path, *map(str, arguments)]
+    return [Program.launcher, "-n", str(ranks), *command] if ranks > 1 else command
+
+
+def overrides(values):
+    return [word for key, value in values.items() for word in ("--set", f"{key}={value}")]
+
+
+class Workplace(unittest.TestCase):
+    """A folder of its own for each test; commands run in it."""
+
+    def setUp(self):
+        self.folder = tempfile.mkdtemp(prefix="treacle_run_")
+        self.addCleanup(shutil.rmtree, self.folder, ignore_errors=True)
+
+    def path(self, *parts):
+        return os.path.join(self.folder, *parts)
+
+    def treacle(self, *arguments, ranks=1, code=0):
+        done = subprocess.run(command_line(arguments, ranks), capture_output=True, text=True, timeout=240,
+                              cwd=self.folder)
+        self.assertEqual(done.returncode, code, f"{arguments} on {ranks} ranks: {done.stdout}\n{done.stderr}")
+        return done
+
+    def run_scene(self, scene, out, ranks, values, code=0, extra=()):
+        return self.treacle("run", scene, "--out", out, *overrides(values), *extra, ranks=ranks, code=code)
+
+    def frame(self, run, number=-1):
+        """Arrays of a frame by name, sorted by id."""
+        with open(self.path(run, "frames", "frame.hdf.series")) as file:
+            entry = json.load(file)["files"][number]
+        with h5py.File(self.path(run, "frames", entry["name"]), "r") as file:
+            root = file["VTKHDF"]
+            arrays = {name: values[()] for name, values in root["PointData"].items()}
+            arrays["position"] = root["Points"][()]
+        order = numpy.argsort(arrays["id"], kind="stable")
+        arrays = {name: values[order] for name, values in arrays.items()}
+        arrays["time"] = entry["time"]
+        return arrays
+
+    def largest_move(self, one, other):
+        """Largest distance of a particle between two frames [m]; both must hold the same particles."""
+        numpy.testing.assert_array_equal(one["id"], other["id"])
+        return float(numpy.abs(one["position"] - other["position"]).max(initial=0))
+
+    def steps(self, run):
+        return self.columns(run, "steps.csv")
+
+    def columns(self, run, table):
+        """Columns of a CSV file by their titles."""
+        table = numpy.genfromtxt(self.path(run, table), delimiter=",", names=True, deletechars="", replace_space=" ")
+        return numpy.atleast_1d(table)
+
+    def checkpoints(self, run):
+        folder = self.path(run, "checkpoints")
+        return sorted(os.path.join(folder, name) for name in os.listdir(folder))
+
+
+def main(module_argv, usage):
+    """PROGRAM MPIEXEC are taken off the command line; the rest names tests."""
+    Program.path, Program.launcher = module_argv[1], module_argv[2]
+    unittest.main(argv=[module_argv[0], *module_argv[3:]])

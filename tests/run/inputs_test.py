@@ -1,0 +1,80 @@
+#!/usr/bin/env python3
+"""Every scene of inputs/ is good, runs, and gives the same answer on any number of ranks.
+
+usage: inputs_test.py PROGRAM MPIEXEC SCENE RANKS... (SCENE is the name of a folder of inputs/)
+"""
+import os
+import sys
+import unittest
+
+import harness
+from harness import INPUTS, TIGHT, Workplace
+
+# Coarser and shorter, so that a run has at most 50 steps.
+SHORTENED = {
+    "blobs": {"domain.spacing": "0.025", "time.end": "0.12"},
+    "bunny_drop": {"domain.spacing": "0.02", "time.end": "0.1"},
+    "cube_drop": {"domain.spacing": "0.02", "time.end": "0.1"},
+    "dam_break": {"domain.spacing": "0.04", "time.end": "0.2"},
+    "floating_body": {"domain.spacing": "0.02", "time.end": "0.16"},
+    "hydrostatic_column": {"time.end": "0.02"},
+    "koshizuka_oka": {"domain.spacing": "0.0146", "time.end": "0.1"},
+    "martin_moyce": {"domain.spacing": "0.0057", "time.end": "0.06"},
+    "periodic_tank": {"domain.spacing": "0.02", "time.end": "0.15"},
+}
+
+# Of the spacing, after at most 50 steps: the solver's 1e-10, amplified by the motion.
+TOLERANCE = 1e-6
+
+SCENE, RANKS = "", []
+
+
+def spacing_of(folder):
+    """Of effective.yaml, where every value is in SI."""
+    with open(os.path.join(folder, "effective.yaml")) as file:
+        return next(float(line.split()[1]) for line in file if line.strip().startswith("spacing:"))
+
+
+class Scene(Workplace):
+    def setUp(self):
+        super().setUp()
+        self.file = os.path.join(INPUTS, SCENE, "scene.yaml")
+
+    def test_the_scene_is_good_and_described(self):
+        self.treacle("check", self.file)
+        self.assertTrue(os.path.exists(os.path.join(INPUTS, SCENE, "README.md")))
+
+    def test_the_answer_is_the_same_on_any_number_of_ranks(self):
+        values = {**SHORTENED[SCENE], **TIGHT, "output.interval": SHORTENED[SCENE]["time.end"]}
+        frames = {}
+        for ranks in RANKS:
+            self.run_scene(self.file, f"on_{ranks}", ranks, values)
+            frames[ranks] = self.frame(f"on_{ranks}")
+        self.assertLessEqual(len(self.steps(f"on_{RANKS[0]}")), 50)
+        tolerance = TOLERANCE * spacing_of(self.path(f"on_{RANKS[0]}"))
+        for ranks in RANKS[1:]:
+            with self.subTest(ranks=ranks):
+                self.assertLess(self.largest_move(frames[RANKS[0]], frames[ranks]), tolerance)
+
+    def test_a_repeated_run_is_bitwise_the_same(self):
+        values = {**SHORTENED[SCENE], "output.double_precision": "true",
+                  "output.interval": SHORTENED[SCENE]["time.end"]}
+        for name in ["once", "again"]:
+            self.run_scene(self.file, name, 2, values)
+        once, again = self.frame("once"), self.frame("again")
+        for name, values in once.items():
+            self.assertEqual(values.tobytes() if name != "time" else values,
+                             again[name].tobytes() if name != "time" else again[name], name)
+
+
+class AllScenes(unittest.TestCase):
+    def test_every_folder_of_inputs_is_tested(self):
+        folders = {name for name in os.listdir(INPUTS) if os.path.isdir(os.path.join(INPUTS, name))}
+        self.assertEqual(folders, set(SHORTENED))
+
+
+if __name__ == "__main__":
+    if len(sys.argv) < 5:
+        sys.exit(__doc__)
+    SCENE, RANKS = sys.argv[3], [int(word) for word in sys.argv[4:]]
+    harness.main(sys.argv[:3] + (["AllScenes"] if SCENE == "all" else ["Scene"]), __doc__)

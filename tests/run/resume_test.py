@@ -1,0 +1,109 @@
+#!/usr/bin/env python3
+"""A run that goes on from a checkpoint ends where the straight run does.
+
+usage: resume_test.py PROGRAM MPIEXEC
+"""
+import os
+import shutil
+import sys
+import tempfile
+
+import harness
+from harness import SCENES, TIGHT, Workplace
+
+DAM = os.path.join(SCENES, "dam.yaml")
+SPACING = 0.02
+# On the same ranks nothing but the checkpoint lies between the two; on others sums are in another order.
+SAME_RANKS = 1e-12
+OTHER_RANKS = 1e-6 * SPACING
+
+
+class Resume(Workplace):
+    @classmethod
+    def setUpClass(cls):
+        cls.made = tempfile.mkdtemp(prefix="treacle_run_")
+
+    @classmethod
+    def tearDownClass(cls):
+        shutil.rmtree(cls.made)
+
+    def straight(self, ranks, values=None):
+        """A copy of a run of 40 steps with checkpoints after 10, 20, 30 and 40; made once."""
+        name = f"{ranks}_{sorted((values or {}).items())}".replace("/", "_")
+        kept = os.path.join(self.made, name)
+        if not os.path.exists(kept):
+            self.run_scene(DAM, kept, ranks, {**TIGHT, **(values or {})})
+        shutil.copytree(kept, self.path("run"))
+        shutil.copytree(kept, self.path("straight"))
+
+    def remove_newest(self, count):
+        for path in self.checkpoints("run")[-count:]:
+            os.remove(path)
+
+    def expect_the_same_end(self, tolerance):
+        one, other = self.frame("straight"), self.frame("run")
+        self.assertEqual(one["time"], other["time"])
+        self.assertLessEqual(self.largest_move(one, other), tolerance)
+        one, other = self.steps("straight"), self.steps("run")
+        self.assertEqual(list(one["step"]), list(other["step"]), "each step stands in steps.csv once")
+
+    def resume_from(self, written, read, tolerance, values=None):
+        self.straight(written, values)
+        self.assertEqual(len(self.checkpoints("run")), 4)
+        self.remove_newest(2)
+        self.treacle("resume", "run", ranks=read)
+        self.expect_the_same_end(tolerance)
+
+    def test_on_the_same_number_of_ranks(self):
+        for ranks in [1, 2, 3]:
+            with self.subTest(ranks=ranks):
+                self.resume_from(ranks, ranks, SAME_RANKS)
+                shutil.rmtree(self.path("run"))
+                shutil.rmtree(self.path("straight"))
+
+    def test_on_another_number_of_ranks(self):
+        for written, read in [(2, 1), (1, 2), (2, 4)]:
+            with self.subTest(written=written, read=read):
+                self.resume_from(written, read, OTHER_RANKS)
+                shutil.rmtree(self.path("run"))
+                shutil.rmtree(self.path("straight"))
+
+    def test_with_steps_that_follow_the_velocities(self):
+        self.resume_from(2, 2, SAME_RANKS, {"time.rule": "cfl"})
+
+    def test_a_truncated_newest_checkpoint_is_skipped_with_a_message(self):
+        self.straight(2)
+        newest = self.checkpoints("run")[-1]
+        os.truncate(newest, os.path.getsize(newest) // 2)
+        self.remove_frames_after("run", 3)
+        done = self.treacle("resume", "run", ranks=2)
+        self.assertIn("skipped " + os.path.basename(newest), done.stdout + done.stderr)
+        self.expect_the_same_end(SAME_RANKS)
+
+    def remove_frames_after(self, run, count):
+        """As if the run had been cut off before it wrote them."""
+        folder = self.path(run, "frames")
+        for name in sorted(name for name in os.listdir(folder) if name.startswith("frame_0"))[count:]:
+            os.remove(os.path.join(folder, name))
+
+    def test_without_a_valid_checkpoint_there_is_nothing_to_go_on_from(self):
+        self.straight(2)
+        for path in self.checkpoints("run"):
+            os.truncate(path, 100)
+        done = self.treacle("resume", "run", ranks=2, code=2)
+        self.assertIn("no valid checkpoint", done.stderr)
+
+    def test_a_checkpoint_of_another_scene_is_refused(self):
+        self.straight(2)
+        with open(self.path("run", "effective.yaml")) as file:
+            text = file.read()
+        with open(self.path("run", "effective.yaml"), "w") as file:
+            file.write(text.replace("Small dam break", "Another dam break"))
+        done = self.treacle("resume", "run", ranks=2, code=2)
+        self.assertIn("another scene", done.stderr)
+
+
+if __name__ == "__main__":
+    if len(sys.argv) < 3:
+        sys.exit(__doc__)
+    harness.main(sys.argv, __doc__)
