@@ -69,6 +69,16 @@ TEST(CellBox, BoxesThatDoNotMeetIntersectInAnEmptyOne) {
     EXPECT_EQ(intersect(a, far).size(), 0);
 }
 
+TEST(CellBox, JoinsInTheSmallestBoxAroundBoth) {
+    const CellBox a{{0, 5, 0}, {4, 6, 4}}, b{{3, 1, 2}, {9, 2, 3}}, none{{7, 7, 7}, {7, 9, 9}};
+    const auto both = join(a, b);
+    EXPECT_EQ(both.size(), 9 * 5 * 4);
+    EXPECT_EQ(both.lo[1], 1);
+    EXPECT_EQ(join(a, none).size(), a.size()) << "an empty box adds nothing";
+    EXPECT_EQ(join(none, b).size(), b.size());
+    EXPECT_TRUE(join(none, none).empty());
+}
+
 TEST(CellGrid, PeriodicAxesKeepARoundedPositionInTheirLastCell) {
     auto grid = test::make_grid(3, {4, 4, 4});
     grid.period[0] = 0.5;
