@@ -153,22 +153,23 @@ void IsphStep::refresh() {
     Kokkos::deep_copy(liquid_.role(), static_cast<int>(Role::poisson));
 }
 
-solve::Matrix IsphStep::wrap_matrix() {
+solve::Matrix IsphStep::wrap_matrix(const PressureSystem::HostSystem& host) {
     const auto phase = timers_.scope("hand over");
     solve::CsrBlocks blocks;
-    blocks.diagonal_offsets = system_.own().offset.data();
-    blocks.diagonal_columns = system_.own().column.data();
-    blocks.diagonal_values = system_.own().value.data();
-    blocks.off_offsets = system_.other().offset.data();
-    blocks.off_columns = system_.other().column.data();
-    blocks.off_values = system_.other().value.data();
+    blocks.diagonal_offsets = host.own.offset.data();
+    blocks.diagonal_columns = host.own.column.data();
+    blocks.diagonal_values = host.own.value.data();
+    blocks.off_offsets = host.other.offset.data();
+    blocks.off_columns = host.other.column.data();
+    blocks.off_values = host.other.value.data();
     blocks.first_row = static_cast<int>(system_.first_row());
     blocks.rows = system_.rows();
     blocks.global_rows = static_cast<int>(system_.global_rows());
     return {comm_, blocks};
 }
 
-void IsphStep::solve_pressure(solve::Matrix& matrix, double dt, StepReport& report) {
+void IsphStep::solve_pressure(solve::Matrix& matrix, const PressureSystem::HostSystem& host, double dt,
+                              StepReport& report) {
     const auto rows = static_cast<std::size_t>(system_.rows());
     const auto& options = setup_.options.pressure;
     auto test = solve::ConvergenceTest::residual(options.residual);
@@ -183,8 +184,9 @@ void IsphStep::solve_pressure(solve::Matrix& matrix, double dt, StepReport& repo
             },
             options.density_error);
     }
-    report.pressure = solver_.solve(matrix, {system_.right_hand_side().data(), rows},
-                                    {system_.solution().data(), rows}, test);
+    report.pressure =
+        solver_.solve(matrix, {host.right_hand_side.data(), rows}, {host.solution.data(), rows}, test);
+    system_.take_solution(host);
     if (!report.pressure.converged()) {
         throw SimulationError({"pressure solve", report.pressure.reason,
                                "after " + std::to_string(report.pressure.iterations) + " iterations on " +
@@ -228,10 +230,11 @@ StepReport IsphStep::advance(double dt) {
         system_.assemble(options, constants, comm_, liquid_, neighbours_, halo_);
     }
     {
-        auto matrix = wrap_matrix();
+        const auto host = system_.to_host();
+        auto matrix = wrap_matrix(host);
         if (matrix_observer_) matrix_observer_(matrix);
         const auto phase = timers_.scope("solve");
-        solve_pressure(matrix, dt, report); // (S7)
+        solve_pressure(matrix, host, dt, report); // (S7)
     }
     {
         const auto phase = timers_.scope("pressure force");

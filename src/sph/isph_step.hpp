@@ -86,8 +86,9 @@ private:
     void place_solids();
     void find_neighbours();
     void update_density(StepReport& report);
-    solve::Matrix wrap_matrix();
-    void solve_pressure(solve::Matrix& matrix, double dt, StepReport& report);
+    solve::Matrix wrap_matrix(const PressureSystem::HostSystem& host);
+    void solve_pressure(solve::Matrix& matrix, const PressureSystem::HostSystem& host, double dt,
+                        StepReport& report);
     void collect(StepReport& report, double dt);
 
     Comm comm_;

@@ -153,6 +153,16 @@ void PressureSystem::assemble(const SphOptions& options, const Constants& consta
     });
 }
 
+PressureSystem::HostSystem PressureSystem::to_host() const {
+    const auto mirror = [](const auto& view) { return Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), view); };
+    return {{mirror(own_.offset), mirror(own_.column), mirror(own_.value)},
+            {mirror(other_.offset), mirror(other_.column), mirror(other_.value)},
+            mirror(right_hand_side_),
+            mirror(solution_)};
+}
+
+void PressureSystem::take_solution(const HostSystem& host) const { Kokkos::deep_copy(solution_, host.solution); }
+
 void PressureSystem::store_pressure(LiquidParticles& liquid) const {
     const auto row = liquid.row(), role = liquid.role();
     const auto p = liquid.pressure(), source = liquid.source(), wall = liquid.wall_term(), x = solution_;

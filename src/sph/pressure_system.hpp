@@ -31,6 +31,19 @@ public:
         Array<int> column{"treacle::column", 0};
         Array<double> value{"treacle::value", 0};
     };
+    // The system where a solver on the host reads and writes it: the arrays themselves on a host build, on a device
+    // build copies of them, since Debian's PETSc keeps its matrices in host memory.
+    struct HostBlock {
+        Array<int>::HostMirror offset, column;
+        Array<double>::HostMirror value;
+    };
+    struct HostSystem {
+        HostBlock own, other;
+        Array<double>::HostMirror right_hand_side, solution;
+    };
+    HostSystem to_host() const;
+    void take_solution(const HostSystem& host) const;
+
     const Block& own() const { return own_; }
     const Block& other() const { return other_; }
     const Array<double>& right_hand_side() const { return right_hand_side_; } // [rows]
