@@ -23,9 +23,12 @@ double seconds_since(Clock::time_point start) {
 
 constexpr const char* kind_word(BenchKind kind) {
     switch (kind) {
-    case BenchKind::kernels: return "kernels";
-    case BenchKind::strong: return "strong";
-    case BenchKind::weak: return "weak";
+    case BenchKind::kernels:
+        return "kernels";
+    case BenchKind::strong:
+        return "strong";
+    case BenchKind::weak:
+        return "weak";
     }
     return "";
 }
@@ -52,7 +55,7 @@ private:
     const Input& input_;
     sph::IsphStep& solver_;
     Triad triad_;
-    Array<double> result_{"treacle::bench_result", 0};
+    std::vector<double> given_, result_;
 };
 
 std::vector<std::string> Measurement::phases() const {
@@ -63,13 +66,13 @@ std::vector<std::string> Measurement::phases() const {
 
 double Measurement::product_seconds(const solve::Matrix& matrix) {
     const auto rows = static_cast<std::size_t>(matrix.rows());
-    reserve(result_, rows);
-    const std::span<const double> x(solver_.system().right_hand_side().data(), rows);
+    given_.assign(rows, 1.0);
+    result_.resize(rows);
     std::vector<double> seconds;
     for (int k = 0; k < products_per_step; ++k) {
         comm_.barrier();
         const auto start = Clock::now();
-        matrix.multiply(x, {result_.data(), rows});
+        matrix.multiply(given_, result_);
         seconds.push_back(comm_.max(seconds_since(start)));
     }
     return spread(std::move(seconds)).median;
@@ -77,8 +80,9 @@ double Measurement::product_seconds(const solve::Matrix& matrix) {
 
 void Measurement::count(StepSample& sample) const {
     const auto& system = solver_.system();
-    std::vector<double> sums{double(solver_.liquid().store.owned()), double(system.rows()), double(system.entries()),
-                             double(solver_.neighbours().liquid.size), double(solver_.neighbours().solid.size)};
+    std::vector<double> sums{double(solver_.liquid().store.owned()), double(system.rows()),
+                             double(system.entries()), double(solver_.neighbours().liquid.size),
+                             double(solver_.neighbours().solid.size)};
     comm_.sum(std::span(sums));
     sample.liquid = sums[0];
     sample.rows = sums[1];
@@ -128,13 +132,15 @@ BenchCase prepare(const Comm& comm, const BenchRequest& request) {
             out.input = bench_scene(request.particles, sections, request.overrides);
         } else if (request.kind == BenchKind::weak) {
             throw InputError({request.scene.string(), "a scene of one size cannot be given to bench weak",
-                              "its liquid grows with the number of ranks", "leave out --scene, or use bench strong"});
+                              "its liquid grows with the number of ranks",
+                              "leave out --scene, or use bench strong"});
         } else {
             out.input = load_input({request.scene, request.overrides, {}});
         }
         check_supported(out.input);
-        out.geometry = build_geometry(out.input, request.scene.empty() ? std::vector<std::string>{}
-                                                                       : mesh_folders({request.scene, {}, {}}));
+        out.geometry =
+            build_geometry(out.input, request.scene.empty() ? std::vector<std::string>{}
+                                                            : mesh_folders({request.scene, {}, {}}));
         validate_geometry(out.input, out.geometry, comm);
         check_time_step(out.input);
     });

@@ -69,7 +69,9 @@ public:
                                          : step.phases[static_cast<std::size_t>(found - at_.phases.begin())];
     }
     double outside(const StepSample& step) const { return step.step - phase(step, "solve"); }
-    double assembly(const StepSample& step) const { return phase(step, "assemble") + phase(step, "hand over"); }
+    double assembly(const StepSample& step) const {
+        return phase(step, "assemble") + phase(step, "hand over");
+    }
     // Seconds in all phases together; what a step takes beyond is spent between them.
     double between(const StepSample& step) const {
         double sum = 0;
@@ -130,8 +132,8 @@ std::string line(const char* format, ...) {
 std::string heading(const BenchFigures& f) {
     return line("bench %s: %s liquid and %s solid particles, %d rank%s x %d thread%s, %zu steps after %d",
                 f.kind.c_str(), grouped(static_cast<std::uint64_t>(f.liquid)).c_str(),
-                grouped(static_cast<std::uint64_t>(f.solid)).c_str(), f.ranks, f.ranks == 1 ? "" : "s", f.threads,
-                f.threads == 1 ? "" : "s", f.steps.size(), f.disorder_steps) +
+                grouped(static_cast<std::uint64_t>(f.solid)).c_str(), f.ranks, f.ranks == 1 ? "" : "s",
+                f.threads, f.threads == 1 ? "" : "s", f.steps.size(), f.disorder_steps) +
            line("%s, %d cores, %s; times of the slowest rank, median [min max] of the steps",
                 f.machine.processor.c_str(), f.machine.cores, f.machine.back_end.c_str());
 }
@@ -155,13 +157,15 @@ std::string solver_lines(const Evaluation& at) {
     const auto all = at.over_steps([](const StepSample& s) { return s.triad.all; });
     const auto iterations = at.over_steps([](const StepSample& s) { return double(s.iterations); });
     const auto set_up = at.over_steps(in_products([](const StepSample& s) { return s.set_up; }));
-    const auto each = at.over_steps(in_products([&](const StepSample& s) { return iteration_seconds(at, s); }));
+    const auto each =
+        at.over_steps(in_products([&](const StepSample& s) { return iteration_seconds(at, s); }));
     const auto rows = at.over_steps([](const StepSample& s) { return s.rows; });
     const auto entries = at.over_steps([](const StepSample& s) { return s.entries / std::max(1.0, s.rows); });
     return line("WU: one product with the pressure matrix  %.3f ms [%.3f %.3f]; %.0f rows of %.1f entries",
                 1e3 * product.median, 1e3 * product.min, 1e3 * product.max, rows.median, entries.median) +
            line("bandwidth  product %.2f GB/s; triad %.2f GB/s by one rank, %.2f [%.2f %.2f] by all",
-                1e-9 * bandwidth.median, 1e-9 * one.median, 1e-9 * all.median, 1e-9 * all.min, 1e-9 * all.max) +
+                1e-9 * bandwidth.median, 1e-9 * one.median, 1e-9 * all.median, 1e-9 * all.min,
+                1e-9 * all.max) +
            line("solve      %.0f iterations [%.0f %.0f] of %.2f WU, set-up of the preconditioner %.2f WU",
                 iterations.median, iterations.min, iterations.max, each.median, set_up.median);
 }

@@ -30,8 +30,8 @@ std::string dotted(int version) { // 30401 is 3.4.1
 double triad_seconds(const Array<double>& a, const Array<double>& b, const Array<double>& c) {
     Kokkos::fence();
     const auto start = std::chrono::steady_clock::now();
-    Kokkos::parallel_for("treacle::triad", static_cast<int>(triad_length),
-                         KOKKOS_LAMBDA(int i) { a(i) = b(i) + 0.5 * c(i); });
+    Kokkos::parallel_for(
+        "treacle::triad", static_cast<int>(triad_length), KOKKOS_LAMBDA(int i) { a(i) = b(i) + 0.5 * c(i); });
     Kokkos::fence();
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
@@ -43,13 +43,14 @@ Machine describe_machine() {
 }
 
 double peak_memory() {
-    struct rusage usage{};
+    struct rusage usage {};
     getrusage(RUSAGE_SELF, &usage);
     return 1024.0 * double(usage.ru_maxrss);
 }
 
-Triad::Triad() : a_("treacle::triad_a", triad_length), b_("treacle::triad_b", triad_length),
-                 c_("treacle::triad_c", triad_length) {
+Triad::Triad()
+    : a_("treacle::triad_a", triad_length), b_("treacle::triad_b", triad_length),
+      c_("treacle::triad_c", triad_length) {
     Kokkos::deep_copy(a_, 0.0);
     Kokkos::deep_copy(b_, 1.0);
     Kokkos::deep_copy(c_, 2.0);

@@ -14,15 +14,21 @@ Input bench_scene(std::int64_t particles, int sections, const std::vector<std::s
     const std::string text = "schema_version: 1\n"
                              "title: Dam break for measurements\n"
                              "domain:\n"
-                             "  max: [2, " + depth + ", 1.25]\n"
-                             "  spacing: " + format_number(1 / edge) + "\n"
+                             "  max: [2, " +
+                             depth +
+                             ", 1.25]\n"
+                             "  spacing: " +
+                             format_number(1 / edge) +
+                             "\n"
                              "  boundaries: {z_max: open}\n"
                              "liquids:\n"
                              "  - name: water\n"
                              "    density: 1000\n"
                              "    viscosity: 1 mPa.s\n"
                              "    shapes:\n"
-                             "      - box: {min: [0, 0, 0], max: [1, " + depth + ", 1]}\n"
+                             "      - box: {min: [0, 0, 0], max: [1, " +
+                             depth +
+                             ", 1]}\n"
                              "time: {end: 1 s}\n";
     auto document = Document::from_text(text, "treacle bench");
     for (const auto& assignment : overrides) document.set(assignment);
