@@ -122,6 +122,9 @@ class RunFolder:
     def measurements(self):
         return Columns(self.folder / "measurements.csv")
 
+    def bodies(self):
+        return Columns(self.folder / "bodies.csv")
+
     def summary(self):
         return json.loads((self.folder / "summary.json").read_text())
 
