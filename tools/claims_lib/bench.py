@@ -1,0 +1,18 @@
+"""`treacle bench kernels` and its figures."""
+
+import json
+
+from .run import scratch, treacle
+
+
+def bench(context, particles, *, ranks):
+    """What the program writes with --json."""
+    with scratch(context, "bench") as folder:
+        path = folder / "bench.json"
+        treacle(context, "bench", "kernels", "--particles", particles, "--json", path, ranks=ranks)
+        return json.loads(path.read_text())
+
+
+def better(runs, kind, name):
+    """The smaller of the medians: other programs on the machine make a run slower, never faster."""
+    return min(run[kind][name]["median"] for run in runs)
