@@ -14,12 +14,24 @@ struct Sample {
 
     explicit Sample(int n) {
         store.resize_owned(n);
-        test::edit(store.id(), [&](auto& v) { for (int i = 0; i < n; ++i) v(i) = 100 + i; });
-        test::edit(store.position(), [&](auto& v) { for (int i = 0; i < 3 * n; ++i) v(i / 3, i % 3) = i; });
-        test::edit(store.get<Array<double>>(mass), [&](auto& v) { for (int i = 0; i < n; ++i) v(i) = 0.5 * i; });
-        test::edit(store.get<Array3>(velocity), [&](auto& v) { for (int i = 0; i < 3 * n; ++i) v(i / 3, i % 3) = -i; });
-        test::edit(store.get<Array<int>>(body), [&](auto& v) { for (int i = 0; i < n; ++i) v(i) = 7 * i; });
-        test::edit(store.get<Array<double>>(work), [&](auto& v) { for (int i = 0; i < n; ++i) v(i) = 3 * i; });
+        test::edit(store.id(), [&](auto& v) {
+            for (int i = 0; i < n; ++i) v(i) = 100 + i;
+        });
+        test::edit(store.position(), [&](auto& v) {
+            for (int i = 0; i < 3 * n; ++i) v(i / 3, i % 3) = i;
+        });
+        test::edit(store.get<Array<double>>(mass), [&](auto& v) {
+            for (int i = 0; i < n; ++i) v(i) = 0.5 * i;
+        });
+        test::edit(store.get<Array3>(velocity), [&](auto& v) {
+            for (int i = 0; i < 3 * n; ++i) v(i / 3, i % 3) = -i;
+        });
+        test::edit(store.get<Array<int>>(body), [&](auto& v) {
+            for (int i = 0; i < n; ++i) v(i) = 7 * i;
+        });
+        test::edit(store.get<Array<double>>(work), [&](auto& v) {
+            for (int i = 0; i < n; ++i) v(i) = 3 * i;
+        });
     }
 
     // Expects every state field of row k to be that of the particle made as number i.
@@ -36,7 +48,9 @@ struct Sample {
 
 Array<int> order_of(const std::vector<int>& rows) {
     const Array<int> order("treacle::order", rows.size());
-    test::edit(order, [&](auto& v) { for (std::size_t k = 0; k < rows.size(); ++k) v(k) = rows[k]; });
+    test::edit(order, [&](auto& v) {
+        for (std::size_t k = 0; k < rows.size(); ++k) v(k) = rows[k];
+    });
     return order;
 }
 
@@ -101,7 +115,8 @@ TEST(ParticleStore, BytesCountEveryArray) {
     Sample sample(0);
     const auto before = sample.store.bytes();
     sample.store.resize_owned(1000);
-    // position 24, id 8, mass 8, velocity 24, body 4, work 8; the spare room is at most a quarter and 16 rows.
+    // position 24, id 8, mass 8, velocity 24, body 4, work 8; the spare room is at most a quarter and 16
+    // rows.
     EXPECT_GE(sample.store.bytes() - before, 76u * 1000);
     EXPECT_LE(sample.store.bytes() - before, 76u * 1266);
 }

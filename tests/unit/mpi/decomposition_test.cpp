@@ -38,11 +38,12 @@ void expect_partition(const Decomposition& decomposition) {
     }
     EXPECT_EQ(cells, all.size());
     const Array<int> owners("treacle::owners", static_cast<std::size_t>(all.size()));
-    Kokkos::parallel_for("owners", static_cast<int>(all.size()), KOKKOS_LAMBDA(int k) {
-        int c[3];
-        all.cell(k, c);
-        owners(k) = tree.owner(c);
-    });
+    Kokkos::parallel_for(
+        "owners", static_cast<int>(all.size()), KOKKOS_LAMBDA(int k) {
+            int c[3];
+            all.cell(k, c);
+            owners(k) = tree.owner(c);
+        });
     const auto host = test::on_host(owners);
     for (int k = 0; k < all.size(); ++k) {
         int c[3];
@@ -73,10 +74,12 @@ std::vector<double> loads(const Decomposition& decomposition, const Weighted& we
 
 TEST(Decomposition, BoxesAndTreePartitionTheGrid) {
     const auto comm = Comm::world();
-    for (const auto& count : {std::array{7, 5, 3}, std::array{40, 1, 1}, std::array{9, 9, 1}, std::array{2, 3, 2}}) {
+    for (const auto& count :
+         {std::array{7, 5, 3}, std::array{40, 1, 1}, std::array{9, 9, 1}, std::array{2, 3, 2}}) {
         Decomposition decomposition(comm, test::make_grid(count[2] == 1 ? 2 : 3, count));
         expect_partition(decomposition);
-        const auto skewed = share(comm, decomposition.grid(), [](int x, int y, int) { return x == 0 ? 1.0 + y : 0.0; });
+        const auto skewed =
+            share(comm, decomposition.grid(), [](int x, int y, int) { return x == 0 ? 1.0 + y : 0.0; });
         decomposition.recut(skewed.cells, skewed.weights);
         expect_partition(decomposition);
     }
@@ -94,7 +97,9 @@ TEST(Decomposition, MoreRanksThanCellsLeaveEmptyBoxes) {
         for (const auto& box : decomposition.boxes()) occupied += static_cast<int>(!box.empty());
         EXPECT_LE(occupied, cells);
         // Both sides of a cut get a layer: no cell is shared by ranks while others stay idle beside it.
-        if (comm.size() >= 2 && cells >= 2) { EXPECT_GE(occupied, 2); }
+        if (comm.size() >= 2 && cells >= 2) {
+            EXPECT_GE(occupied, 2);
+        }
     }
 }
 
@@ -123,7 +128,11 @@ TEST(Decomposition, BalancesASkewedWeight) {
     }
     // A cut misses its share by at most half of a layer, here 3 % to 9 % of a part; up to three cuts add up.
     EXPECT_LT(most * comm.size() / all, 1.1);
-    EXPECT_NEAR(all, comm.sum([&] { double s = 0; for (const double w : weighted.weights) s += w; return s; }()),
+    EXPECT_NEAR(all, comm.sum([&] {
+        double s = 0;
+        for (const double w : weighted.weights) s += w;
+        return s;
+    }()),
                 1e-9 * all);
 }
 
@@ -142,7 +151,8 @@ TEST(Decomposition, StateRestoresBoxesAndTree) {
     const auto comm = Comm::world();
     const auto grid = test::make_grid(3, {10, 12, 6});
     Decomposition cut(comm, grid), restored(comm, grid);
-    const auto weighted = share(comm, grid, [](int x, int y, int z) { return 1.0 / (1 + x * x + y + 3 * z); });
+    const auto weighted =
+        share(comm, grid, [](int x, int y, int z) { return 1.0 / (1 + x * x + y + 3 * z); });
     cut.recut(weighted.cells, weighted.weights);
     restored.restore(cut.state());
     EXPECT_EQ(restored.state(), cut.state());

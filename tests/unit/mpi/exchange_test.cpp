@@ -14,9 +14,11 @@ std::vector<std::vector<Message>> random_graph(int ranks, int most, std::uint64_
         const int n = random.below(most + 1);
         for (int k = 0; k < n; ++k) {
             const int to = random.below(ranks);
-            Message message{to, std::vector<char>(static_cast<std::size_t>(random.below(3) * random.below(9000)))};
+            Message message{
+                to, std::vector<char>(static_cast<std::size_t>(random.below(3) * random.below(9000)))};
             for (std::size_t b = 0; b < message.bytes.size(); ++b) {
-                message.bytes[b] = static_cast<char>(b * 31 + static_cast<std::size_t>(from * 7 + to * 3 + k));
+                message.bytes[b] =
+                    static_cast<char>(b * 31 + static_cast<std::size_t>(from * 7 + to * 3 + k));
             }
             sent[static_cast<std::size_t>(from)].push_back(std::move(message));
         }
@@ -43,10 +45,11 @@ TEST(ExchangeSparse, DeliversEveryMessageOnceByRankAndInOrder) {
         const auto sent = random_graph(comm.size(), 6, round);
         const auto got = exchange_sparse(comm, sent[static_cast<std::size_t>(comm.rank())]);
         const auto expected = due(sent, comm.rank());
-        ASSERT_EQ(got.size(), expected.size()) << "round " << round;
-        for (std::size_t k = 0; k < got.size(); ++k) {
+        // No early return: the other ranks go on to the next round.
+        EXPECT_EQ(got.size(), expected.size()) << "round " << round;
+        for (std::size_t k = 0; k < std::min(got.size(), expected.size()); ++k) {
             EXPECT_EQ(got[k].rank, expected[k].rank);
-            ASSERT_EQ(got[k].bytes, expected[k].bytes) << "round " << round;
+            EXPECT_TRUE(got[k].bytes == expected[k].bytes) << "round " << round;
         }
     }
 }
@@ -69,11 +72,14 @@ TEST(ExchangeSparse, OneRankMaySendToAll) {
 
 TEST(ExchangeSlices, PairsSlicesOfTwoRanksInOrder) {
     const auto comm = Comm::world();
-    const int next = (comm.rank() + 1) % comm.size(), previous = (comm.rank() + comm.size() - 1) % comm.size();
+    const int next = (comm.rank() + 1) % comm.size(),
+              previous = (comm.rank() + comm.size() - 1) % comm.size();
     // Two slices to the next rank, of two rows and one, and an empty one between them.
     Slices outgoing{{next, next, next}, {0, 2, 2, 3}}, incoming{{previous, previous, previous}, {0, 2, 2, 3}};
     const Array<double> send("treacle::send", 6), receive("treacle::receive", 6);
-    test::edit(send, [&](auto& v) { for (int k = 0; k < 6; ++k) v(k) = 10 * comm.rank() + k; });
+    test::edit(send, [&](auto& v) {
+        for (int k = 0; k < 6; ++k) v(k) = 10 * comm.rank() + k;
+    });
     exchange_slices(comm, outgoing, send, incoming, receive, 2);
     const auto got = test::on_host(receive);
     for (int k = 0; k < 6; ++k) EXPECT_EQ(got(k), 10 * previous + k);

@@ -19,11 +19,12 @@ Sample free_space(SolidTerm term = SolidTerm::exact) {
 Eigen::VectorXd eigenvalues(const Parts& parts) {
     const auto system = gather_system(parts);
     EXPECT_EQ((system.matrix - system.matrix.transpose()).cwiseAbs().maxCoeff(), 0);
-    return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(system.matrix, Eigen::EigenvaluesOnly).eigenvalues();
+    return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(system.matrix, Eigen::EigenvaluesOnly)
+        .eigenvalues();
 }
 
-// The least eigenvalue of a graph anchored at one of n particles is about 1 / n of the largest; round-off of a
-// singular one is 1e-16 of it.
+// The least eigenvalue of a graph anchored at one of n particles is about 1 / n of the largest; round-off of
+// a singular one is 1e-16 of it.
 void expect_positive_definite(const Parts& parts, const char* what) {
     const auto values = eigenvalues(parts);
     ASSERT_GT(values.size(), 0) << what;
@@ -38,9 +39,8 @@ TEST(PressureMatrix, OfAJitteredBlockWithOneDirichletParticleIsPositiveDefinite)
     ASSERT_EQ(sample.liquid.size(), 729u);
     Parts parts(Comm::self(), sample);
     parts.predict_roles(LastPressures::known, dt);
-    parts.set_by_id(parts.liquid.role(), [](std::int64_t id) {
-        return id == id_of(17) ? Role::dirichlet : Role::poisson;
-    });
+    parts.set_by_id(parts.liquid.role(),
+                    [](std::int64_t id) { return id == id_of(17) ? Role::dirichlet : Role::poisson; });
     parts.assemble();
     EXPECT_EQ(parts.system.rows(), 728);
     expect_positive_definite(parts, "one Dirichlet particle");
@@ -102,8 +102,12 @@ TEST(PressureMatrix, OfLiquidAroundAFloatingBodyIsPositiveDefiniteWithEverySolid
             const auto roles = parts.predict_roles(LastPressures::known, dt);
             ASSERT_EQ(roles.poisson, std::int64_t(sample.liquid.size())) << "all sources are positive";
             const auto anchored = parts.anchor();
-            if (term == SolidTerm::none) { EXPECT_EQ(anchored, 1) << "nothing else holds the pressure"; }
-            if (term == SolidTerm::unified) { EXPECT_EQ(anchored, 0) << "the wall term anchors"; }
+            if (term == SolidTerm::none) {
+                EXPECT_EQ(anchored, 1) << "nothing else holds the pressure";
+            }
+            if (term == SolidTerm::unified) {
+                EXPECT_EQ(anchored, 0) << "the wall term anchors";
+            }
             parts.assemble();
             expect_positive_definite(parts, "liquid around a body");
         }
@@ -143,7 +147,9 @@ TEST(PressureMatrix, ATankWithoutAFreeSurfaceIsPositiveDefinite) {
         Parts parts(Comm::self(), sample);
         ASSERT_EQ(parts.predict_roles(LastPressures::known, dt).poisson, 125);
         const auto anchored = parts.anchor();
-        if (term == SolidTerm::none) { EXPECT_EQ(anchored, 1); }
+        if (term == SolidTerm::none) {
+            EXPECT_EQ(anchored, 1);
+        }
         parts.assemble();
         expect_positive_definite(parts, "closed tank");
     }

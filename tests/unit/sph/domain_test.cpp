@@ -6,7 +6,8 @@
 namespace treacle::sph {
 
 TEST(DomainBox, WrappedParticlesDifferFromTheirImagesByThePeriodExactly) {
-    const auto box = make_domain_box(make_domain(3, {-0.1, 0, 0.3}, {0.6, 1.0 / 3, 1.7}, {.periodic = {true, true, false}}), 0.1);
+    const auto box = make_domain_box(
+        make_domain(3, {-0.1, 0, 0.3}, {0.6, 1.0 / 3, 1.7}, {.periodic = {true, true, false}}), 0.1);
     test::Random random(1);
     for (int trial = 0; trial < 2000; ++trial) {
         for (int axis = 0; axis < 2; ++axis) {
@@ -26,7 +27,8 @@ TEST(DomainBox, WrappedParticlesDifferFromTheirImagesByThePeriodExactly) {
 
 TEST(CellGrid, CellsAreNoNarrowerThanTheSupport) {
     const double support = 0.11;
-    const auto grid = make_cell_grid(make_domain(3, {0, 0, 0}, {1, 0.5, 0.34}, {.periodic = {true, false, true}}), support);
+    const auto grid =
+        make_cell_grid(make_domain(3, {0, 0, 0}, {1, 0.5, 0.34}, {.periodic = {true, false, true}}), support);
     for (int k = 0; k < 3; ++k) EXPECT_GE(1 / grid.inverse_width[k], support);
     EXPECT_EQ(grid.count[0], 9);
     EXPECT_EQ(grid.count[1], 5 + 2) << "a layer for wall particles on either side";

@@ -10,12 +10,15 @@ constexpr double dt = 0.01; // [s]
 
 // Particles out of each other's reach; x_max is open, y periodic, the rest walls.
 Sample scattered() {
-    auto domain = make_domain(3, {0, 0, 0}, {24 * spacing, 24 * spacing, 24 * spacing}, {.periodic = {false, true, false}});
+    auto domain = make_domain(3, {0, 0, 0}, {24 * spacing, 24 * spacing, 24 * spacing},
+                              {.periodic = {false, true, false}});
     domain.faces[1].kind = scene::FaceKind::open;
     Sample sample{make_setup(domain), {}, {}};
     for (int i = 0; i < 6; ++i) {
         for (int j = 0; j < 4; ++j) {
-            for (int k = 0; k < 4; ++k) sample.liquid.push_back({{(4 * i + 1) * spacing, (6 * j + 1) * spacing, (6 * k + 1) * spacing}});
+            for (int k = 0; k < 4; ++k)
+                sample.liquid.push_back(
+                    {{(4 * i + 1) * spacing, (6 * j + 1) * spacing, (6 * k + 1) * spacing}});
         }
     }
     return sample;
@@ -50,12 +53,12 @@ TEST(LostParticles, AreTakenOutAndCountedByCause) {
     auto sample = scattered();
     auto& liquid = sample.liquid;
     const std::size_t out = 95, leaking = 0, wild = 40, not_a_number = 17, around = 60, infinite = 71;
-    liquid[out].u = {4 * spacing / dt, 0, 0};          // through the open side
-    liquid[leaking].u = {0, 0, -3 * spacing / dt};     // beyond the wall by more than the leak depth
+    liquid[out].u = {4 * spacing / dt, 0, 0};      // through the open side
+    liquid[leaking].u = {0, 0, -3 * spacing / dt}; // beyond the wall by more than the leak depth
     liquid[not_a_number].u[1] = std::numeric_limits<double>::quiet_NaN();
     liquid[infinite].u[2] = std::numeric_limits<double>::infinity();
-    liquid[wild].u = {0, 60 * spacing / dt, 0};        // farther than the period in one step
-    liquid[around].u = {0, 20 * spacing / dt, 0};      // around the periodic side: not lost
+    liquid[wild].u = {0, 60 * spacing / dt, 0};   // farther than the period in one step
+    liquid[around].u = {0, 20 * spacing / dt, 0}; // around the periodic side: not lost
     const auto outcome = advance(sample);
     const std::map<std::int64_t, LossCause> expected{{id_of(out), LossCause::outflow},
                                                      {id_of(leaking), LossCause::leak},
@@ -95,7 +98,8 @@ TEST(LostParticles, AWallHoldsThemUpToTheLeakDepthAndAnOpenSideNotAtAll) {
     sample.liquid[4].u = {0, 0, -past};
     sample.liquid[95].u = {(24 - 21 + 0.01) * spacing / dt, 0, 0};
     const auto lost = advance(sample).lost;
-    EXPECT_EQ(lost, (std::map<std::int64_t, LossCause>{{id_of(4), LossCause::leak}, {id_of(95), LossCause::outflow}}));
+    EXPECT_EQ(lost, (std::map<std::int64_t, LossCause>{{id_of(4), LossCause::leak},
+                                                       {id_of(95), LossCause::outflow}}));
 }
 
 TEST(Totals, AreSumsOverTheParticlesOfAllRanks) {

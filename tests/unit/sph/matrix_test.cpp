@@ -26,9 +26,14 @@ Sample make_sample(const Case& c) {
     options.kernel = c.kernel;
     const int nz = c.dimensions == 3 ? 7 : 1;
     const Vec3 size{12 * spacing, 8 * spacing, nz * spacing};
-    Sample sample{make_setup(make_domain(c.dimensions, {0, 0, 0}, size, {scene::FaceKind::open, c.periodic}), options), {}, {}};
+    Sample sample{
+        make_setup(make_domain(c.dimensions, {0, 0, 0}, size, {scene::FaceKind::open, c.periodic}), options),
+        {},
+        {}};
     add_block(sample, {{spacing / 2, spacing / 2, spacing / 2}, {12, 8, nz}, spacing, 0.25});
-    std::erase_if(sample.liquid, [](const auto& point) { return point.x[0] > 5.9 * spacing && point.x[0] < 8.1 * spacing && point.x[1] < 2.1 * spacing; });
+    std::erase_if(sample.liquid, [](const auto& point) {
+        return point.x[0] > 5.9 * spacing && point.x[0] < 8.1 * spacing && point.x[1] < 2.1 * spacing;
+    });
     const double z = c.dimensions == 3 ? 2 * spacing : 0;
     add_shell(sample, {6.5 * spacing, 0.8 * spacing, z}, {2, 2, c.dimensions == 3 ? 3 : 1}, 1);
     test::Random random(9);
@@ -89,7 +94,8 @@ TEST_P(MatrixCase, RowSumsAreTheWallTermAndTheCouplingsToDirichletParticles) {
                 }
                 if (r2 >= c.support * c.support) continue;
                 const double volumes = c.mass / rho.at(i) + c.mass / rho.at(j);
-                expected -= volumes * r2 * kernel.gradient(std::sqrt(r2)) / (r2 + 0.01 * c.support * c.support);
+                expected -=
+                    volumes * r2 * kernel.gradient(std::sqrt(r2)) / (r2 + 0.01 * c.support * c.support);
             }
             const auto row = system.matrix.row(Eigen::Index(r));
             // Round-off of a sum of 80 entries as large as the diagonal.
@@ -106,13 +112,19 @@ TEST_P(MatrixCase, GuessAndStoredPressuresBelongToTheirParticles) {
     const auto role = by_id(parts->comm, parts->liquid, parts->liquid.role());
     parts->system.store_pressure(parts->liquid); // the guess itself is the solution
     for (const auto& [id, p] : by_id(parts->comm, parts->liquid, parts->liquid.pressure())) {
-        if (role.at(id) != double(Role::separated)) { ASSERT_EQ(p, role.at(id) == double(Role::poisson) ? before.at(id) : 0.0); }
+        if (role.at(id) != double(Role::separated)) {
+            ASSERT_EQ(p, role.at(id) == double(Role::poisson) ? before.at(id) : 0.0);
+        }
     }
     // Negative pressures are cut off.
-    test::edit(parts->system.solution(), [&](auto& x) { for (int r = 0; r < parts->system.rows(); ++r) x(r) = r % 2 ? 3.0 : -3.0; });
+    test::edit(parts->system.solution(), [&](auto& x) {
+        for (int r = 0; r < parts->system.rows(); ++r) x(r) = r % 2 ? 3.0 : -3.0;
+    });
     parts->system.store_pressure(parts->liquid);
     for (const auto& [id, p] : by_id(parts->comm, parts->liquid, parts->liquid.pressure())) {
-        if (role.at(id) != double(Role::separated)) { ASSERT_TRUE(p == 0 || p == 3); }
+        if (role.at(id) != double(Role::separated)) {
+            ASSERT_TRUE(p == 0 || p == 3);
+        }
     }
 }
 

@@ -9,7 +9,8 @@ constexpr double dt = 0.5; // [s]
 Sample blob(int dimensions, std::array<bool, 3> periodic) {
     const int nz = dimensions == 3 ? 7 : 1;
     const Vec3 size{10 * spacing, 8 * spacing, nz * spacing};
-    Sample sample{make_setup(make_domain(dimensions, {0, 0, 0}, size, {scene::FaceKind::open, periodic})), {}, {}};
+    Sample sample{
+        make_setup(make_domain(dimensions, {0, 0, 0}, size, {scene::FaceKind::open, periodic})), {}, {}};
     add_block(sample, {{spacing / 2, spacing / 2, spacing / 2}, {10, 8, nz}, spacing, 0.3});
     test::Random random(4);
     for (auto& point : sample.liquid) {
@@ -78,7 +79,8 @@ TEST(Momentum, ViscousForcesOfTheLiquidOnItselfCancelAndSlowItDown) {
     for (const double l : sum.angular) EXPECT_NEAR(l, 0, tolerance * sum.size);
     double gained = 0;
     for (const auto& [id, now] : all_states(parts.comm, parts.liquid)) {
-        for (std::size_t k = 0; k < 3; ++k) gained += now.u[k] * now.u[k] - before.at(id).u[k] * before.at(id).u[k];
+        for (std::size_t k = 0; k < 3; ++k)
+            gained += now.u[k] * now.u[k] - before.at(id).u[k] * before.at(id).u[k];
     }
     EXPECT_LT(gained, 0) << "kinetic energy falls";
 }
@@ -90,7 +92,8 @@ TEST(Momentum, LiquidAndBodiesExchangeEqualForcesAndTorques) {
     });
     add_shell(sample, {4 * spacing, 0.5 * spacing, 0.6 * spacing}, {3, 3, 5}, 1);
     for (int j = 0; j < 8; ++j) {
-        for (int i = 0; i < 10; ++i) sample.solid.push_back({{(i + .5) * spacing, (j + .5) * spacing, -0.6 * spacing}, 0});
+        for (int i = 0; i < 10; ++i)
+            sample.solid.push_back({{(i + .5) * spacing, (j + .5) * spacing, -0.6 * spacing}, 0});
     }
     Parts parts(Comm::world(), sample);
     const auto before = all_states(parts.comm, parts.liquid);

@@ -8,7 +8,8 @@
 
 namespace treacle::sph {
 
-// The parts of a step one by one, up to the assembled matrix, so that tests may change what lies between them.
+// The parts of a step one by one, up to the assembled matrix, so that tests may change what lies between
+// them.
 struct Parts {
     Comm comm;
     IsphSetup setup;
@@ -56,19 +57,24 @@ struct Parts {
     BodyLoads push(double dt) {
         compute_loads(setup.constants, liquid);
         halo.gather(liquid.store, {liquid.load_field()});
-        auto loads = apply_pressure(setup.options, setup.constants, liquid, solid, neighbours, setup.bodies, dt);
+        auto loads =
+            apply_pressure(setup.options, setup.constants, liquid, solid, neighbours, setup.bodies, dt);
         comm.sum(std::span(loads));
         return loads;
     }
     template <class Value>
     void set_by_id(const Array<int>& field, const Value& value) {
         const auto id = test::on_host(liquid.id());
-        test::edit(field, [&](auto& v) { for (int i = 0; i < liquid.store.owned(); ++i) v(i) = value(id(i)); });
+        test::edit(field, [&](auto& v) {
+            for (int i = 0; i < liquid.store.owned(); ++i) v(i) = value(id(i));
+        });
     }
     template <class Value>
     void set_by_id(const Array<double>& field, const Value& value) {
         const auto id = test::on_host(liquid.id());
-        test::edit(field, [&](auto& v) { for (int i = 0; i < liquid.store.owned(); ++i) v(i) = value(id(i)); });
+        test::edit(field, [&](auto& v) {
+            for (int i = 0; i < liquid.store.owned(); ++i) v(i) = value(id(i));
+        });
     }
 
 private:

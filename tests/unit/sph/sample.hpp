@@ -112,7 +112,8 @@ inline void add_shell(Sample& sample, const Vec3& lo, const std::array<int, 3>& 
     }
 }
 
-// Flow towards a point, fast enough that every particle is predicted to be compressed: u = -rate (x - centre).
+// Flow towards a point, fast enough that every particle is predicted to be compressed: u = -rate (x -
+// centre).
 inline void converge(Sample& sample, const Vec3& centre, double rate) {
     for (auto& point : sample.liquid) {
         for (int c = 0; c < sample.setup.constants.dimensions; ++c) {
@@ -136,7 +137,8 @@ inline void put(const Comm& comm, const Sample& sample, LiquidParticles& liquid,
     const auto drops = share(sample.liquid.size());
     for (const auto k : drops) {
         test::Point point{id_of(k), {}};
-        for (int c = 0; c < 3; ++c) point.x[std::size_t(c)] = domain.wrap(c, sample.liquid[k].x[std::size_t(c)]);
+        for (int c = 0; c < 3; ++c)
+            point.x[std::size_t(c)] = domain.wrap(c, sample.liquid[k].x[std::size_t(c)]);
         points.push_back(point);
     }
     test::fill(liquid.store, points);
@@ -155,7 +157,8 @@ inline void put(const Comm& comm, const Sample& sample, LiquidParticles& liquid,
     const auto bricks = share(sample.solid.size());
     for (const auto k : bricks) {
         test::Point point{id_of(k), {}};
-        for (int c = 0; c < 3; ++c) point.x[std::size_t(c)] = domain.wrap(c, sample.solid[k].x[std::size_t(c)]);
+        for (int c = 0; c < 3; ++c)
+            point.x[std::size_t(c)] = domain.wrap(c, sample.solid[k].x[std::size_t(c)]);
         points.push_back(point);
     }
     test::fill(solid.store, points);

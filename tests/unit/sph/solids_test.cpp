@@ -40,7 +40,8 @@ TEST(SolidTerms, TwoParticlesOnASolidHaveTheirClosedFormPressures) {
         const auto rho = by_id(parts.comm, parts.liquid, parts.liquid.density());
         const auto i = id_of(0), j = id_of(1);
         const CubicSpline<3> kernel(h);
-        const double r = length(0.2 * spacing, 0, 0.9 * spacing), rs = length(0, 0.1 * spacing, 0.8 * spacing);
+        const double r = length(0.2 * spacing, 0, 0.9 * spacing),
+                     rs = length(0, 0.1 * spacing, 0.8 * spacing);
         const double rs_j = length(0.2 * spacing, 0.1 * spacing, 1.7 * spacing);
         const double vs = 1 / kernel.value(0); // alone in its layer
         const double vi = c.mass / rho.at(i), vj = c.mass / rho.at(j);
@@ -50,7 +51,8 @@ TEST(SolidTerms, TwoParticlesOnASolidHaveTheirClosedFormPressures) {
         const auto wall_term = [&](const Vec3& from_solid, double distance, double side, double density) {
             const double s = vs * kernel.gradient(distance), f = side * 0.5 * (vi + vj) * kernel.gradient(r);
             const double square = s * s * distance * distance;
-            const double product = s * f * (pair[0] * from_solid[0] + pair[1] * from_solid[1] + pair[2] * from_solid[2]);
+            const double product =
+                s * f * (pair[0] * from_solid[0] + pair[1] * from_solid[1] + pair[2] * from_solid[2]);
             if (term == SolidTerm::decomposed) return std::max(0.0, square + product);
             return c.rest_density * c.rest_density / (density * density) * square;
         };
@@ -123,7 +125,8 @@ TEST(Densities, OfALatticeBesideAWallAreThoseOfTheWallMeasurement) {
         add_plane(sample, 0, 6);
         Parts parts(Comm::self(), sample);
         const auto blended = by_id(parts.comm, parts.liquid, parts.liquid.blended_density());
-        // The middle of the first layer and of the second; 1e-8 from the support and positions like i * spacing.
+        // The middle of the first layer and of the second; 1e-8 from the support and positions like i *
+        // spacing.
         EXPECT_NEAR(blended.at(id_of(3 + 7 * 3)) / rest_density, 1, 1e-8) << "at its rest gap";
         const auto density = by_id(parts.comm, parts.liquid, parts.liquid.density());
         EXPECT_NEAR(density.at(id_of(3 + 7 * 3 + 49)) / rest_density, 1, gap > spacing ? 1e-8 : 1);
@@ -169,7 +172,8 @@ TEST(SolidVolumes, OfAPlaneAreThoseOfTheWallMeasurement) {
     const auto volume = test::on_host(parts.solid.volume());
     const auto id = test::on_host(parts.solid.id());
     const double h = parts.setup.constants.support;
-    const double plane = measure_wall({KernelKind::cubic_spline, 3, h, spacing, spacing}, spacing).wall_volume;
+    const double plane =
+        measure_wall({KernelKind::cubic_spline, 3, h, spacing, spacing}, spacing).wall_volume;
     int seen = 0;
     for (int i = 0; i < parts.solid.store.owned(); ++i) {
         if (id(i) == id_of(5 + 11 * 5)) {

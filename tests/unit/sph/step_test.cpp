@@ -24,11 +24,11 @@ SphOptions tight() {
     return options;
 }
 
-// A column of 6 x 6 x 6 particles in the corner of a tank three times as long, periodic across, on a floor and
-// between walls at the distance at which the liquid rests.
+// A column of 6 x 6 x 6 particles in the corner of a tank three times as long, periodic across, on a floor
+// and between walls at the distance at which the liquid rests.
 Sample dam_break() {
-    const auto domain =
-        make_domain(3, {0, 0, 0}, {18 * spacing, 6 * spacing, 10 * spacing}, {.periodic = {false, true, false}});
+    const auto domain = make_domain(3, {0, 0, 0}, {18 * spacing, 6 * spacing, 10 * spacing},
+                                    {.periodic = {false, true, false}});
     Sample sample{make_setup(domain, tight()), {}, {}};
     const auto& c = sample.setup.constants;
     sample.setup.forces.gravity = {0, 0, -9.81};
@@ -72,7 +72,9 @@ double apart(const std::map<std::int64_t, State>& a, const std::map<std::int64_t
 }
 
 // Runs on one rank by itself and tells the others.
-std::map<std::int64_t, State> run_alone(const Sample& sample, int steps) { return run(Comm::self(), sample, steps); }
+std::map<std::int64_t, State> run_alone(const Sample& sample, int steps) {
+    return run(Comm::self(), sample, steps);
+}
 
 } // namespace
 
@@ -82,7 +84,8 @@ TEST(IsphStep, ADamBreakIsTheSameOnAnyNumberOfRanks) {
     // The solver leaves 1e-13 of the right-hand side; chaos multiplies it, by less than 1e6 in 20 steps.
     EXPECT_LT(apart(many, one), 1e-6 * spacing);
     double moved = 0;
-    for (std::size_t k = 0; k < sample.liquid.size(); ++k) moved = std::max(moved, one.at(id_of(k)).x[0] - sample.liquid[k].x[0]);
+    for (std::size_t k = 0; k < sample.liquid.size(); ++k)
+        moved = std::max(moved, one.at(id_of(k)).x[0] - sample.liquid[k].x[0]);
     EXPECT_GT(moved, 0.2 * spacing) << "the column does collapse";
 }
 
@@ -141,9 +144,12 @@ TEST(IsphStep, ARestoredRunContinuesBitForBit) {
 
 TEST(IsphStep, RanksWithoutLiquidTakePart) {
     // Three particles: with more ranks than that some are empty.
-    Sample sample{make_setup(make_domain(3, {0, 0, 0}, {24 * spacing, 24 * spacing, 24 * spacing}), tight()), {}, {}};
+    Sample sample{
+        make_setup(make_domain(3, {0, 0, 0}, {24 * spacing, 24 * spacing, 24 * spacing}), tight()), {}, {}};
     sample.setup.forces.gravity = {0, 0, -9.81};
-    sample.liquid = {{{2 * spacing, spacing, spacing}}, {{2.8 * spacing, spacing, spacing}, {-2, 0, 0}}, {{20 * spacing, 9 * spacing, 9 * spacing}}};
+    sample.liquid = {{{2 * spacing, spacing, spacing}},
+                     {{2.8 * spacing, spacing, spacing}, {-2, 0, 0}},
+                     {{20 * spacing, 9 * spacing, 9 * spacing}}};
     for (int i = 0; i < 6; ++i) sample.solid.push_back({{i * spacing, spacing, 0.1 * spacing}, 0});
     EXPECT_LT(apart(run(Comm::world(), sample, 10), run_alone(sample, 10)), 1e-6 * spacing);
     // And none at all.
@@ -156,7 +162,8 @@ TEST(IsphStep, RanksWithoutLiquidTakePart) {
     EXPECT_EQ(report.imbalance, 1);
 }
 
-// A small body at one place of a bar of liquid after the other, so that it stands beside every border of ranks.
+// A small body at one place of a bar of liquid after the other, so that it stands beside every border of
+// ranks.
 TEST(IsphStep, LiquidMeetsTheSolidsOfOtherRanksWhereItsOwnRankHasNone) {
     const auto solids_around = [](const Comm& comm, const Sample& sample) {
         const auto step = started(comm, sample);
@@ -164,11 +171,14 @@ TEST(IsphStep, LiquidMeetsTheSolidsOfOtherRanksWhereItsOwnRankHasNone) {
         const auto offset = test::on_host(step->neighbours().solid.offset);
         const int n = step->liquid().store.owned();
         const Array<int> counts("treacle::counts", std::size_t(n));
-        test::edit(counts, [&](auto& v) { for (int i = 0; i < n; ++i) v(i) = int(offset(i + 1) - offset(i)); });
+        test::edit(counts, [&](auto& v) {
+            for (int i = 0; i < n; ++i) v(i) = int(offset(i + 1) - offset(i));
+        });
         return by_id(comm, step->liquid(), counts);
     };
     for (int place = 4; place < 28; place += 2) {
-        Sample sample{make_setup(make_domain(3, {0, 0, 0}, {32 * spacing, 8 * spacing, 8 * spacing}), tight()), {}, {}};
+        Sample sample{
+            make_setup(make_domain(3, {0, 0, 0}, {32 * spacing, 8 * spacing, 8 * spacing}), tight()), {}, {}};
         add_block(sample, {{spacing, 2 * spacing, 2 * spacing}, {30, 4, 4}});
         add_shell(sample, {(place + 0.5) * spacing, 6 * spacing, 3 * spacing}, {1, 2, 2}, 1);
         const auto one = solids_around(Comm::self(), sample);
@@ -184,7 +194,8 @@ TEST(IsphStep, ReportsRolesCompressionAndLoadsOfAllRanks) {
     const auto many = started(Comm::world(), sample), one = started(Comm::self(), sample);
     for (int k = 0; k < 3; ++k) {
         const auto a = many->advance(dt), b = one->advance(dt);
-        EXPECT_EQ(a.roles.poisson + a.roles.dirichlet + a.roles.separated, std::int64_t(sample.liquid.size()));
+        EXPECT_EQ(a.roles.poisson + a.roles.dirichlet + a.roles.separated,
+                  std::int64_t(sample.liquid.size()));
         EXPECT_EQ(a.roles.poisson, b.roles.poisson);
         EXPECT_GT(a.roles.poisson, 0);
         EXPECT_EQ(a.anchored, b.anchored);
