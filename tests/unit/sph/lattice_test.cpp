@@ -80,8 +80,7 @@ TEST(PlanarWall, VolumeInThePlaneIsTheGoldenNumber) {
     EXPECT_NEAR(measure_wall({KernelKind::mueller, 2, 2, 1, 1}, 1).wall_volume / volume, 1.7288, 0.51e-4);
 }
 
-TEST(PlanarWall, RestGapGivesTheRestDensity) {
-    // Blended between smooth and spiky for M of 5 and 15, or the smooth one alone. On the aligned lattice.
+TEST(PlanarWall, RestGapIsWiderThanASpacing) {
     for (const auto kind : {KernelKind::mueller, KernelKind::cubic_spline}) {
         const WallSetup setup{kind, 3, 2, 1, 1};
         const double smooth = rest_gap(setup, 1e6, 1e7);

@@ -71,7 +71,7 @@ double apart(const std::map<std::int64_t, State>& a, const std::map<std::int64_t
     return most;
 }
 
-// Runs on one rank by itself and tells the others.
+// The same on each rank by itself.
 std::map<std::int64_t, State> run_alone(const Sample& sample, int steps) {
     return run(Comm::self(), sample, steps);
 }
