@@ -1,12 +1,13 @@
 """Frames as users' readers see them: h5py and VTK."""
 
 import dataclasses
+
 import h5py
 import numpy
 
 from .table import Unmeasured
 
-UNITS = {"velocity": "m/s", "pressure": "Pa", "density": "kg/m^3", "id": "1", "liquid": "1", "role": "1"}
+UNITS = {"velocity": "m/s", "pressure": "Pa", "density": "kg/m3", "id": "1", "liquid": "1", "role": "1"}
 
 
 @dataclasses.dataclass
