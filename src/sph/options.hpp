@@ -15,7 +15,7 @@ enum class PressurePreconditioner { none, jacobi, incomplete_cholesky, ssor, gam
 
 // Options of hybrid incompressible SPH (dissertation, chapter 2), as the block `method` of a scene gives them.
 struct DensityOptions {
-    DensityKind kind = DensityKind::blended;
+    DensityKind kind = DensityKind::smooth; // blended is the dissertation's (README)
     double blend_from = 5; // alpha of Eq. 2.3: wall neighbours below which the smooth kernel rules alone
     double blend_to = 15;  // beta: from which the spiky kernel rules alone
 
@@ -26,7 +26,7 @@ struct PressureOptions {
     DirichletRule dirichlet = DirichletRule::predicted;
     double prediction = 1;          // gamma of Eq. 2.6; the dissertation's 0.5 is noisier (README)
     SolidTerm solid_term = SolidTerm::exact;
-    double amplification_limit = 5; // gamma of Eq. 3.3
+    double amplification_limit = 2; // gamma of Eq. 3.3; the dissertation's 5 ejects lone particles (README)
     PressurePreconditioner preconditioner = PressurePreconditioner::jacobi;
     StoppingRule stop = StoppingRule::density_error;
     double density_error = 1e-5;    // mean compression of the Poisson particles, share of the rest density
@@ -37,7 +37,7 @@ struct PressureOptions {
 };
 
 struct ViscosityOptions {
-    double artificial = 0.1;      // Monaghan's alpha
+    double artificial = 0.2;      // Monaghan's alpha
     double reference_speed = 0;   // [m/s]; 0: sqrt(g H) of the initial liquid
     double xsph = 0;              // share of the neighbours' mean velocity that moves a particle
 
