@@ -26,7 +26,7 @@ void declare_boundaries(Declaration& d, Domain& domain) {
                  "what leaves one side enters at the other", "make both periodic or none"});
         const bool plane = i == 4 && domain.dimensions == 2;
         for (const std::size_t face : {i, i + 1}) {
-            d.check(!plane || domain.faces[face].same_kind_as(Face{}), face_names[face],
+            d.check(!plane || domain.faces[face] == Face{}, face_names[face],
                     {"must not be given", "a plane scene has no sides in z", "remove it"});
         }
     }

@@ -24,7 +24,8 @@ struct Face {
     std::string where;
 
     void declare(Declaration& d);
-    bool same_kind_as(const Face& other) const {
+    // Where it was written does not count.
+    bool operator==(const Face& other) const {
         return kind == other.kind && slip == other.slip && slip_length == other.slip_length;
     }
 };
@@ -86,7 +87,7 @@ struct Time {
     double end = 1; // [s]
     StepRule rule = StepRule::cfl;
     double step = 0;        // [s] fixed rule; with cfl the largest step, 0: none
-    double cfl = 0.3;       // largest move of a particle per step, in spacings
+    double cfl = 0.2;       // largest move of a particle per step, in spacings
     double min_step = 1e-7; // [s] below it the run ends with exit code 3
     std::string where;      // of the step
 
