@@ -21,6 +21,7 @@ SphOptions tight() {
     SphOptions options;
     options.pressure.stop = StoppingRule::residual;
     options.pressure.residual = 1e-13;
+    options.density.kind = DensityKind::blended; // presses the liquid against its solids from the start
     return options;
 }
 
