@@ -303,9 +303,14 @@ Overlap find_outside(const Regions& liquid, const Lattice& lattice) {
     const VolumeFill fill{{bounded}, {}, 0, lattice, {}};
     IndexBox box = box_around(lattice, grown(bounds_of(bounded), 2 * face_tolerance * lattice.spacing));
     const std::int64_t coarse = estimate_block(box);
-    // Point by point, so that liquid which only touches a side of the domain is not taken for outside.
+    // Thin parts point by point, so that liquid which only touches a side of the domain is not taken for outside.
+    constexpr std::int64_t thin = 4;
+    constexpr std::uint64_t most_points = 100'000'000;
     for (const IndexBox& part : cut_outside(box, lattice.size())) {
-        visit_blocks(lattice, part, 1, Decider(fill), [&](const IndexBox& block, int answer) {
+        std::int64_t thickness = part.hi[0] - part.lo[0];
+        for (int a = 1; a < lattice.dimensions; ++a) thickness = std::min(thickness, part.hi[a] - part.lo[a]);
+        const bool by_point = thickness <= thin && part.points() <= most_points;
+        visit_blocks(lattice, part, by_point ? 1 : estimate_block(part), Decider(fill), [&](const IndexBox& block, int answer) {
             if (answer == none) return;
             if (result.count == 0) result.example = lattice.position(block.lo);
             result.count += block.points();
