@@ -15,12 +15,12 @@ SHORTENED = {
     "blobs": {"domain.spacing": "0.025", "time.end": "0.12"},
     "bunny_drop": {"domain.spacing": "0.02", "time.end": "0.1"},
     "cube_drop": {"domain.spacing": "0.02", "time.end": "0.1"},
-    "dam_break": {"domain.spacing": "0.04", "time.end": "0.2"},
-    "floating_body": {"domain.spacing": "0.02", "time.end": "0.16"},
+    "dam_break": {"domain.spacing": "0.04", "time.end": "0.15"},
+    "floating_body": {"domain.spacing": "0.02", "time.end": "0.07"},
     "hydrostatic_column": {"time.end": "0.02"},
     "koshizuka_oka": {"domain.spacing": "0.0146", "time.end": "0.1"},
     "martin_moyce": {"domain.spacing": "0.0057", "time.end": "0.06"},
-    "periodic_tank": {"domain.spacing": "0.02", "time.end": "0.15"},
+    "periodic_tank": {"domain.spacing": "0.02", "time.end": "0.12"},
 }
 
 # Of the spacing, after at most 50 steps: the solver's 1e-10, amplified by the motion.
