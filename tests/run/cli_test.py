@@ -34,7 +34,12 @@ BAD_SCENES = {
     "too_much_memory": ["memory", "domain.spacing"],
     "not_yaml": ["is not YAML"],
     "several_problems": ["domain.spacing", "liquids.water.viscosity", "liquids.water.colour"],
-    "moving_body": ["bodies.raft", "moves"],
+    "moving_body": ["bodies.raft", "moves", "static"],
+    "reserved_name": ["output.name = solid"],
+    "unknown_field": ["presure", "velocity, pressure, liquid, density", "did you mean pressure"],
+    "surface_tension": ["liquids.water.surface_tension", "not modelled"],
+    "slip_length": ["domain.boundaries.y_min.slip", "free_slip or no_slip"],
+    "long_step": ["time.step", "viscosity"],
 }
 
 # Problems in one scene, where it is more than one.
@@ -145,6 +150,17 @@ class Serial(Workplace):
     def test_check_warns_of_thin_liquid(self):
         out = self.treacle("check", COLUMN, "--set", "domain.spacing=8 cm").stdout
         self.assertRegex(out, r"warning: liquids\.water: 100 % of it is thinner than three spacings")
+
+    def test_the_surface_tension_of_a_material_is_told(self):
+        for command in [["check"], ["run", "--out", "told"]]:
+            done = self.treacle(*command, COLUMN, "--set", "liquids.water.material=water")
+            self.assertIn("does not model the surface tension of water", done.stdout + done.stderr)
+
+    def test_thin_bodies_are_told(self):
+        thin = ["--set", "bodies.post.shape.box.max=[0.281, 0.1]"]
+        for command in [["check"], ["run", "--out", "told"]]:
+            done = self.treacle(*command, COLUMN, *thin)
+            self.assertIn("too thin for a layer on each side", done.stdout + done.stderr)
 
     def test_check_takes_a_folder_and_draws_a_picture(self):
         os.mkdir(self.path("scene"))
