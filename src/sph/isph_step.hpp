@@ -6,6 +6,7 @@
 #include "sph/forces.hpp"
 #include "sph/motion.hpp"
 #include "sph/prediction.hpp"
+#include "sph/pressure_hierarchy.hpp"
 #include "sph/pressure_system.hpp"
 
 #include <functional>
@@ -73,7 +74,7 @@ public:
     double stable_step(double cfl) const;
 
     // Called with the pressure matrix of every step before its solve, outside of all phases: for measurements.
-    using MatrixObserver = std::function<void(const solve::Matrix&)>;
+    using MatrixObserver = std::function<void(solve::Matrix&)>;
     void observe_matrix(MatrixObserver observer) { matrix_observer_ = std::move(observer); }
 
     // Bytes that this rank's particles, lists and matrix take.
@@ -103,6 +104,7 @@ private:
     Neighbourhood neighbours_;
     Anchoring anchoring_;
     PressureSystem system_;
+    std::unique_ptr<PressureHierarchy> hierarchy_; // of the multilevel preconditioners
     solve::KrylovSolver solver_;
     MatrixObserver matrix_observer_;
     PhaseTimers timers_;
