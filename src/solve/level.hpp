@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 namespace treacle::solve {
@@ -75,6 +76,7 @@ public:
     std::vector<CellKey> keys;  // [rows]; of the matrix itself, those of the finest cells
     std::vector<double> walls;  // [rows], for grids
     std::vector<double> r, z, t; // of coarse levels; t of the matrix too
+    std::pair<std::vector<double>, std::vector<double>> second; // of coarse levels, for a W-cycle
 
     // The aggregates of this level, which are this rank's rows of the next one before it is gathered.
     std::vector<Index> aggregate; // [rows], -1: none

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cassert>
 #include <deque>
+#include <stdexcept>
 
 namespace treacle::solve {
 
@@ -38,6 +39,7 @@ struct Multilevel::State {
     void coarsen_cells(const Comm& comm, Level& level, bool finest);
     bool add_level(const Comm& comm, int& stride);
     void cycle(std::size_t depth, std::span<const double> r, std::span<double> z);
+    void twice(std::size_t depth, std::span<const double> r, std::span<double> z);
     void correct(std::size_t depth, std::span<const double> t, std::span<double> z);
     bool jacobi(std::size_t depth) const { return depth == 0 && options->smoother == Smoother::jacobi; }
 };
@@ -100,11 +102,28 @@ void Multilevel::State::correct(std::size_t depth, std::span<const double> t, st
         if (level.aggregate[i] >= 0) coarse_r[static_cast<std::size_t>(level.aggregate[i])] += t[i];
     }
     if (gathering.moved()) gathering.down(made_r, next.r);
-    cycle(depth + 1, next.r, next.z);
+    const bool exact = depth + 2 == used && direct;
+    if (options->cycle == Cycle::w && !exact) {
+        twice(depth + 1, next.r, next.z);
+    } else {
+        cycle(depth + 1, next.r, next.z);
+    }
     if (gathering.moved()) gathering.up(next.z, made_z);
     for (std::size_t i = 0; i < z.size(); ++i) {
         if (level.aggregate[i] >= 0) z[i] += coarse_z[static_cast<std::size_t>(level.aggregate[i])];
     }
+}
+
+// z = (2 M - M A M) r
+void Multilevel::State::twice(std::size_t depth, std::span<const double> r, std::span<double> z) {
+    auto& level = stages[depth].level;
+    auto& [left, more] = level.second;
+    left.resize(r.size());
+    more.resize(r.size());
+    cycle(depth, r, z);
+    level.residual(r, z, left);
+    cycle(depth, left, more);
+    for (std::size_t i = 0; i < z.size(); ++i) z[i] += more[i];
 }
 
 void Multilevel::State::cycle(std::size_t depth, std::span<const double> r, std::span<double> z) {
@@ -135,8 +154,19 @@ void Multilevel::State::cycle(std::size_t depth, std::span<const double> r, std:
     for (int sweep = 0; sweep < sweeps; ++sweep) level.sweep_up(r, z);
 }
 
+namespace {
+MultilevelOptions checked(const MultilevelOptions& options) {
+    if (options.overcorrection < 1 || options.overcorrection >= 2) throw std::logic_error("multilevel: overcorrection");
+    if (options.jacobi_weight <= 0 || options.jacobi_weight > 1) throw std::logic_error("multilevel: jacobi_weight");
+    if (options.coarse == CoarseMatrices::grids && options.cycle == Cycle::w) {
+        throw std::logic_error("multilevel: a W-cycle on grids may be indefinite");
+    }
+    return options;
+}
+} // namespace
+
 Multilevel::Multilevel(const Comm& comm, MultilevelOptions options)
-    : comm_(comm), options_(options), state_(std::make_unique<State>()) {}
+    : comm_(comm), options_(checked(options)), state_(std::make_unique<State>()) {}
 Multilevel::~Multilevel() = default;
 Multilevel::Multilevel(Multilevel&&) noexcept = default;
 Multilevel& Multilevel::operator=(Multilevel&&) noexcept = default;

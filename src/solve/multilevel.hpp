@@ -17,11 +17,17 @@ enum class Smoother {
     jacobi,       // weighted
 };
 
+enum class Cycle {
+    v, // each coarse level once
+    w, // each coarse level twice for each time of the one above; galerkin only, where it is positive (README.md)
+};
+
 struct MultilevelOptions {
     CoarseMatrices coarse = CoarseMatrices::galerkin;
     Smoother smoother = Smoother::gauss_seidel; // of the rows themselves; coarse levels use Gauss–Seidel
     double jacobi_weight = 2.0 / 3;             // at most 1
     double overcorrection = 1.6;                // galerkin: coarse matrices are divided by it, from 1 to below 2
+    Cycle cycle = Cycle::w;
     int coarse_sweeps = 1;                      // each way on coarse levels
     double grid_coupling = 1; // grids: n / (lambda H^2), n the rows of a full cell of width H [1/m2]
     int dense_rows = 200;     // most unknowns that are solved for directly
@@ -43,7 +49,7 @@ struct LevelSize {
 };
 
 // A multilevel preconditioner of a matrix whose rows lie in space: piecewise constant on cells, then on cells of 2 x
-// 2 x 2 cells, and so on; one V-cycle, symmetric and positive definite (README.md). Aggregates do not cross ranks;
+// 2 x 2 cells, and so on; one cycle, symmetric and positive definite (README.md). Aggregates do not cross ranks;
 // small levels move to fewer ranks, the last one is solved directly on rank 0.
 class Multilevel {
 public:

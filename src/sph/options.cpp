@@ -27,6 +27,9 @@ void MultilevelOptions::declare(Declaration& d) {
              {{"gauss_seidel", MultilevelSmoother::gauss_seidel}, {"jacobi", MultilevelSmoother::jacobi}},
              "Smoother of `multilevel` on the particles. `multilevel_grids` always takes weighted Jacobi.");
     d.number("jacobi_weight", jacobi_weight, unit::none, range_above_to(0, 1), "Weight of the Jacobi smoother.");
+    d.choice("cycle", cycle, {{"v", MultilevelCycle::v}, {"w", MultilevelCycle::w}},
+             "Each coarse level of `multilevel` once, or twice for each time of the one above. `multilevel_grids` "
+             "always takes the V-cycle.");
     d.integer("coarse_sweeps", coarse_sweeps, range_at_least(1), "Smoothing sweeps each way on coarse levels.");
     d.number("grid_factor", grid_factor, unit::none, range_above(0),
              "Factor lambda of `multilevel_grids` (dissertation, section 3.5.2).");

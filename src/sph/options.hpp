@@ -21,6 +21,7 @@ enum class PressurePreconditioner {
     multilevel,      // Galerkin products on cells (src/solve/README.md)
     multilevel_grids // the dissertation's grids, 3.5
 };
+enum class MultilevelCycle { v, w };
 enum class MultilevelSmoother { gauss_seidel, jacobi };
 
 // Options of hybrid incompressible SPH (dissertation, chapter 2), as the block `method` of a scene gives them.
@@ -38,6 +39,7 @@ struct MultilevelOptions {
     double overcorrection = 1.6; // what coarse matrices are divided by
     MultilevelSmoother smoother = MultilevelSmoother::gauss_seidel;
     double jacobi_weight = 2.0 / 3;
+    MultilevelCycle cycle = MultilevelCycle::w;
     int coarse_sweeps = 1;
     double grid_factor = 1.2;    // lambda of the dissertation
 

@@ -30,11 +30,13 @@ solve::MultilevelOptions algebra(const SphOptions& options, const Constants& con
     out.overcorrection = given.overcorrection;
     out.smoother = given.smoother == MultilevelSmoother::jacobi ? solve::Smoother::jacobi
                                                                 : solve::Smoother::gauss_seidel;
+    out.cycle = given.cycle == MultilevelCycle::w ? solve::Cycle::w : solve::Cycle::v;
     out.jacobi_weight = given.jacobi_weight;
     out.coarse_sweeps = given.coarse_sweeps;
     if (options.pressure.preconditioner == PressurePreconditioner::multilevel_grids) {
         out.coarse = solve::CoarseMatrices::grids;
         out.smoother = solve::Smoother::jacobi;
+        out.cycle = solve::Cycle::v;
         double volume = 1;
         for (int k = 0; k < constants.dimensions; ++k) volume /= grid.inverse_width[k];
         const double particles = volume / std::pow(constants.spacing, constants.dimensions);
