@@ -120,13 +120,12 @@ void Coarsener::end_row(MadeRows& made) {
 }
 
 namespace {
-void start_rows(const Level& level, int halvings, MadeRows& made) {
+void start_rows(const Level& level, MadeRows& made) {
     made.clear();
     for (Index a = 0; a < level.aggregates(); ++a) {
         const auto first = static_cast<std::size_t>(level.group[static_cast<std::size_t>(a)]);
         made.keys.push_back(level.runs[first].key);
     }
-    (void)halvings;
     if (level.walls.empty()) return;
     made.walls.assign(made.keys.size(), 0.0);
     for (std::size_t i = 0; i < level.walls.size(); ++i) {
@@ -137,7 +136,7 @@ void start_rows(const Level& level, int halvings, MadeRows& made) {
 
 void Coarsener::make_galerkin(const Comm& comm, Level& level, double divisor, MadeRows& made) {
     number(comm, level);
-    start_rows(level, 0, made);
+    start_rows(level, made);
     for (Index a = 0; a < made_rows_; ++a) {
         sum_rows(level, a);
         for (auto& entry : row_) entry.second /= divisor;
@@ -154,7 +153,7 @@ void Coarsener::make_galerkin(const Comm& comm, Level& level, double divisor, Ma
 void Coarsener::make_grid(const Comm& comm, Level& level, double coupling, const CellSet& dirichlet,
                           MadeRows& made) {
     number(comm, level);
-    start_rows(level, 0, made);
+    start_rows(level, made);
     halo_keys_.assign(halo_numbers_.size(), 0);
     if (comm.size() > 1) {
         for (std::size_t i = 0; i < scratch_.size(); ++i) scratch_[i] = std::bit_cast<double>(level.keys[i]);

@@ -20,7 +20,7 @@ CellKey spread_bits(CellKey x) {
 }
 constexpr CellKey lane = 0x1249249249249249; // the bits of x
 
-double gather_sum(const Index* columns, const double* values, Index begin, Index end, const double* z) {
+inline double gather_sum(const Index* columns, const double* values, Index begin, Index end, const double* z) {
     double sum = 0;
 #pragma omp simd reduction(+ : sum)
     for (Index k = begin; k < end; ++k) sum += values[k] * z[columns[k]];
@@ -123,36 +123,36 @@ void Level::sweep_down_from_zero(std::span<const double> r_, std::span<double> z
     }
     const auto around = halo_.gather(z_);
     for (Index i = 0; i < rows; ++i) {
+        if (other_.offsets[i] == other_.offsets[i + 1]) continue;
         t_[static_cast<std::size_t>(i)] -=
             gather_sum(other_.columns, other_.values, other_.offsets[i], other_.offsets[i + 1], around.data());
     }
 }
 
-double Level::off_diagonal(std::span<const double> z_, std::span<const double> around, std::size_t row) const {
-    const Index diagonal = diagonal_[row];
-    return gather_sum(own_.columns, own_.values, own_.offsets[row], diagonal, z_.data()) +
-           gather_sum(own_.columns, own_.values, diagonal + 1, own_.offsets[row + 1], z_.data()) +
-           gather_sum(other_.columns, other_.values, other_.offsets[row], other_.offsets[row + 1], around.data());
+double Level::product(std::span<const double> z_, std::span<const double> around, std::size_t row) const {
+    const double sum = gather_sum(own_.columns, own_.values, own_.offsets[row], own_.offsets[row + 1], z_.data());
+    const Index begin = other_.offsets[row], end = other_.offsets[row + 1];
+    return begin == end ? sum : sum + gather_sum(other_.columns, other_.values, begin, end, around.data());
 }
 
 void Level::sweep_down(std::span<const double> r_, std::span<double> z_) {
     const auto around = halo_.gather(z_);
     for (std::size_t i = 0; i < static_cast<std::size_t>(rows); ++i) {
-        z_[i] = divide(r_[i] - off_diagonal(z_, around, i), own_.values[diagonal_[i]]);
+        z_[i] += divide(r_[i] - product(z_, around, i), own_.values[diagonal_[i]]);
     }
 }
 
 void Level::sweep_up(std::span<const double> r_, std::span<double> z_) {
     const auto around = halo_.gather(z_);
     for (std::size_t i = static_cast<std::size_t>(rows); i-- > 0;) {
-        z_[i] = divide(r_[i] - off_diagonal(z_, around, i), own_.values[diagonal_[i]]);
+        z_[i] += divide(r_[i] - product(z_, around, i), own_.values[diagonal_[i]]);
     }
 }
 
 void Level::residual(std::span<const double> r_, std::span<const double> z_, std::span<double> t_) {
     const auto around = halo_.gather(z_);
     for (std::size_t i = 0; i < static_cast<std::size_t>(rows); ++i) {
-        t_[i] = r_[i] - off_diagonal(z_, around, i) - own_.values[diagonal_[i]] * z_[i];
+        t_[i] = r_[i] - product(z_, around, i);
     }
 }
 

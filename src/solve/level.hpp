@@ -95,7 +95,7 @@ public:
     std::span<const Index> halo_columns() const { return halo_columns_; }
 
 private:
-    double off_diagonal(std::span<const double> z, std::span<const double> around, std::size_t row) const;
+    double product(std::span<const double> z, std::span<const double> around, std::size_t row) const;
     void find_diagonals();
 
     Block own_, other_;
