@@ -51,7 +51,7 @@ struct PressureOptions {
     double prediction = 1;          // gamma of Eq. 2.6; the dissertation's 0.5 is noisier (README)
     SolidTerm solid_term = SolidTerm::exact;
     double amplification_limit = 2; // gamma of Eq. 3.3; the dissertation's 5 ejects lone particles (README)
-    PressurePreconditioner preconditioner = PressurePreconditioner::jacobi;
+    PressurePreconditioner preconditioner = PressurePreconditioner::multilevel;
     MultilevelOptions multilevel;
     StoppingRule stop = StoppingRule::density_error;
     double density_error = 1e-5;    // mean compression of the Poisson particles, share of the rest density
