@@ -182,7 +182,7 @@ void IsphStep::solve_pressure(solve::Matrix& matrix, const PressureSystem::HostS
                 for (const double r : residual) sum += std::max(0.0, r);
                 return sum * scale;
             },
-            options.density_error);
+            options.density_error, options.largest_residual);
     }
     report.pressure =
         solver_.solve(matrix, {host.right_hand_side.data(), rows}, {host.solution.data(), rows}, test);
