@@ -163,7 +163,7 @@ void IsphStep::solve_pressure(solve::Matrix& matrix, const PressureSystem::HostS
                 for (const double r : residual) sum += std::max(0.0, r);
                 return sum * scale;
             },
-            options.density_error);
+            options.density_error, options.largest_residual);
     }
     if (hierarchy_) hierarchy_->refer_to(liquid_, solid_);
     report.pressure =

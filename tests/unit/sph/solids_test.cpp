@@ -117,10 +117,7 @@ TEST(Densities, OfALatticeBesideAWallAreThoseOfTheWallMeasurement) {
         auto sample = space(options);
         const WallSetup wall{options.kernel, 3, 2 * spacing * (1 - 1e-10), spacing, spacing};
         sample.setup.constants.support *= 1 - 1e-10; // neighbours at exactly two spacings have no weight
-        const double from = options.density.blend_from, to = options.density.blend_to;
-        const double gap = kind == DensityKind::blended  ? rest_gap(wall, from, to)
-                           : kind == DensityKind::smooth ? rest_gap(wall, 1e6, 1e7)
-                                                         : rest_gap(wall, -2, -1);
+        const double gap = rest_gap(wall, options.density);
         add_block(sample, {{-3 * spacing, -3 * spacing, gap}, {7, 7, 4}});
         add_plane(sample, 0, 6);
         Parts parts(Comm::self(), sample);

@@ -35,7 +35,7 @@ Sample dam_break() {
     sample.setup.forces.gravity = {0, 0, -9.81};
     sample.setup.forces.artificial = 0.1 * c.support * 1.9; // sqrt(g H) is 1.9 m/s
     add_block(sample, {{spacing / 2, spacing / 2, spacing / 2}, {6, 6, 6}});
-    const double gap = rest_gap({sample.setup.options.kernel, 3, c.support, spacing, spacing}, 5, 15);
+    const double gap = rest_gap({sample.setup.options.kernel, 3, c.support, spacing, spacing}, sample.setup.options.density);
     const double out = gap - spacing / 2;
     for (int j = 0; j < 6; ++j) {
         const double y = (j + 0.5) * spacing;
