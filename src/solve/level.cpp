@@ -96,7 +96,8 @@ void Level::take(const Comm& comm, MadeRows& made, Index first, Index global) {
             const Index column = given.columns[at];
             auto& store = inside(column) ? own_store_ : other_store_;
             const auto place = std::lower_bound(halo_columns_.begin(), halo_columns_.end(), column);
-            store.columns.push_back(inside(column) ? column - first : static_cast<Index>(place - halo_columns_.begin()));
+            const auto halo_place = static_cast<Index>(place - halo_columns_.begin());
+            store.columns.push_back(inside(column) ? column - first : halo_place);
             store.values.push_back(given.values[at]);
         }
         own_store_.end_row();

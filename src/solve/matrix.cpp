@@ -71,8 +71,8 @@ void check_pattern(const CsrBlocks& given) {
 }
 
 Matrix::Matrix(const Comm& comm, const CsrBlocks& given)
-    : comm_(comm), blocks_(with_offsets(given)), first_row_(given.first_row), rows_(given.rows), global_rows_(given.global_rows),
-      revision_(next_revision()), native_(std::make_unique<Native>()) {
+    : comm_(comm), blocks_(with_offsets(given)), first_row_(given.first_row), rows_(given.rows),
+      global_rows_(given.global_rows), revision_(next_revision()), native_(std::make_unique<Native>()) {
 #ifndef NDEBUG
     comm.guard([&] { check_pattern(given); });
 #endif

@@ -224,7 +224,8 @@ double Multilevel::operator_complexity() const {
 std::size_t Multilevel::bytes() const {
     std::size_t total = state_->dense.bytes();
     for (const auto& stage : state_->stages) {
-        total += stage.level.bytes() + stage.gathering.bytes() + 8 * (stage.made_r.capacity() + stage.made_z.capacity());
+        total += stage.level.bytes() + stage.gathering.bytes() +
+                 8 * (stage.made_r.capacity() + stage.made_z.capacity());
     }
     return total;
 }
