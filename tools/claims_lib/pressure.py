@@ -13,7 +13,7 @@ GRIDS_PARTICLES, GRIDS_ITERATIONS = 62_000, {1e-4: 16, 1e-6: 23}
 
 
 def middle_size(context):
-    return 124_000 if context.quick else 1_000_000
+    return 300_000 if context.quick else 1_000_000
 
 
 def iterations(report, preconditioner, residual):
