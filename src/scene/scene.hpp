@@ -21,12 +21,14 @@ struct Face {
     FaceKind kind = FaceKind::wall;
     Slip slip = Slip::free_slip;
     double slip_length = 0; // [m]
+    double skin_friction = 0; // c_f
     std::string where;
 
     void declare(Declaration& d);
     // Where it was written does not count.
     bool operator==(const Face& other) const {
-        return kind == other.kind && slip == other.slip && slip_length == other.slip_length;
+        return kind == other.kind && slip == other.slip && slip_length == other.slip_length &&
+               skin_friction == other.skin_friction;
     }
 };
 
@@ -73,6 +75,7 @@ struct Body {
     double density = 0; // [kg/m3] dynamic
     Slip slip = Slip::free_slip;
     double slip_length = 0;         // [m]
+    double skin_friction = 0;       // c_f
     Vec3 velocity{0, 0, 0};         // [m/s] dynamic: at the start
     Vec3 angular_velocity{0, 0, 0}; // [rad/s]
     std::vector<Keyframe> keyframes;

@@ -2,6 +2,7 @@
 
 #include "base/error.hpp"
 #include "sph/density.hpp"
+#include "sph/skin_friction.hpp"
 
 #include <cmath>
 #include <cstring>
@@ -216,6 +217,7 @@ StepReport IsphStep::advance(double dt) {
     {
         const auto phase = timers_.scope("forces");
         apply_forces(options, forces, constants, liquid_, solid_, neighbours_, dt); // (S4)
+        apply_skin_friction(options, constants, liquid_, solid_, neighbours_, forces.skin_friction, dt);
         halo_.gather(liquid_.store, {liquid_.velocity_field(), liquid_.pressure_field()});
     }
     {
