@@ -301,7 +301,7 @@ double IsphStep::stable_step(double cfl) const {
 }
 
 std::size_t IsphStep::bytes() const {
-    return liquid_.store.bytes() + solid_.store.bytes() + neighbours_.liquid.bytes() + neighbours_.solid.bytes() +
+    return liquid_.bytes() + solid_.store.bytes() + neighbours_.liquid.bytes() + neighbours_.solid.bytes() +
            system_.bytes();
 }
 
