@@ -61,8 +61,13 @@ using LaneMask = __mmask8;
 
 inline Lanes select(LaneMask condition, Lanes yes, Lanes no) { return _mm512_mask_blend_pd(condition, no.v, yes.v); }
 inline unsigned bits_of(LaneMask mask) { return mask; }
-inline LaneMask first_lanes(int n) { return n >= lanes ? LaneMask(0xff) : LaneMask((1u << n) - 1); }
-inline double sum_lanes(Lanes x) { return _mm512_reduce_add_pd(x.v); }
+inline LaneMask first_lanes(int n) { return static_cast<LaneMask>(0xffu >> (lanes - math::min(n, lanes))); }
+inline double sum_lanes(Lanes x) {
+    const __m256d low = _mm512_castpd512_pd256(x.v), high = _mm512_maskz_extractf64x4_pd(0xf, x.v, 1);
+    const __m256d four = _mm256_add_pd(low, high);
+    const __m128d two = _mm_add_pd(_mm256_castpd256_pd128(four), _mm256_extractf128_pd(four, 1));
+    return _mm_cvtsd_f64(_mm_add_sd(two, _mm_unpackhi_pd(two, two)));
+}
 // An estimate of 14 bits and two steps of Newton: within two units in the last place, at a third of the cost of a
 // division or a square root.
 inline Lanes inverse(Lanes x) {
@@ -168,7 +173,7 @@ KOKKOS_INLINE_FUNCTION unsigned bits_equal(IntLanes x, int to) { return bits_of(
 #endif
 
 // Bits of the lanes that a row of n more entries still has.
-KOKKOS_INLINE_FUNCTION unsigned first_bits(int n) { return n >= lanes ? (1u << lanes) - 1 : (1u << n) - 1; }
+KOKKOS_INLINE_FUNCTION unsigned first_bits(int n) { return (1u << math::min(n, lanes)) - 1; }
 
 // Writes the lanes whose bits are set, one behind the other, and returns how many; nothing else is written.
 KOKKOS_INLINE_FUNCTION int write_lanes(unsigned bits, IntLanes column, Lanes value, int* to_column, double* to_value) {

@@ -153,6 +153,11 @@ void IsphStep::refresh() {
     Kokkos::deep_copy(liquid_.role(), static_cast<int>(Role::poisson));
 }
 
+PressureSystem::HostSystem IsphStep::hand_over() {
+    const auto phase = timers_.scope("hand over");
+    return system_.to_host();
+}
+
 solve::Matrix IsphStep::wrap_matrix(const PressureSystem::HostSystem& host) {
     const auto phase = timers_.scope("hand over");
     solve::CsrBlocks blocks;
@@ -223,14 +228,14 @@ StepReport IsphStep::advance(double dt) {
         report.roles = predict(options, constants, liquid_, solid_, neighbours_, last_pressures_, dt); // (S5), (S6)
         last_pressures_ = LastPressures::known;
         halo_.gather(liquid_.store, {liquid_.role_field()});
-        report.anchored = anchoring_.anchor(comm_, liquid_, neighbours_, halo_);
+        report.anchored = anchoring_.anchor(options, constants, comm_, liquid_, neighbours_, halo_);
     }
     {
         const auto phase = timers_.scope("assemble");
         system_.assemble(options, constants, comm_, liquid_, neighbours_, halo_);
     }
     {
-        const auto host = system_.to_host();
+        const auto host = hand_over();
         auto matrix = wrap_matrix(host);
         if (matrix_observer_) matrix_observer_(matrix);
         const auto phase = timers_.scope("solve");
