@@ -1,6 +1,8 @@
 #pragma once
 #include "kokkos/types.hpp"
 
+#include <type_traits>
+
 #if !defined(KOKKOS_ENABLE_CUDA) && !defined(KOKKOS_ENABLE_HIP) && !defined(KOKKOS_ENABLE_SYCL)
 #if defined(__AVX512F__) && defined(__AVX512DQ__) && defined(__AVX512VL__)
 #define TREACLE_AVX512
@@ -15,9 +17,6 @@
 // on other processors. A formula is written once, as a template over `double` and `Lanes`. Every lane gets the same
 // number that it would get in any other place, so that a_ij and a_ji stay equal bit for bit.
 namespace treacle {
-
-// Four numbers of a particle that are read together: one aligned load.
-using Array4 = Kokkos::View<double* [4], Kokkos::LayoutRight, Memory>;
 
 KOKKOS_INLINE_FUNCTION double select(bool condition, double yes, double no) { return condition ? yes : no; }
 KOKKOS_INLINE_FUNCTION double inverse(double x) { return 1 / x; }
@@ -63,7 +62,8 @@ inline Lanes select(LaneMask condition, Lanes yes, Lanes no) { return _mm512_mas
 inline unsigned bits_of(LaneMask mask) { return mask; }
 inline LaneMask first_lanes(int n) { return static_cast<LaneMask>(0xffu >> (lanes - math::min(n, lanes))); }
 inline double sum_lanes(Lanes x) {
-    const __m256d low = _mm512_castpd512_pd256(x.v), high = _mm512_maskz_extractf64x4_pd(0xf, x.v, 1);
+    const __m256d low = _mm512_maskz_extractf64x4_pd(0xf, x.v, 0);
+    const __m256d high = _mm512_maskz_extractf64x4_pd(0xf, x.v, 1);
     const __m256d four = _mm256_add_pd(low, high);
     const __m128d two = _mm_add_pd(_mm256_castpd256_pd128(four), _mm256_extractf128_pd(four, 1));
     return _mm_cvtsd_f64(_mm_add_sd(two, _mm_unpackhi_pd(two, two)));
@@ -128,6 +128,10 @@ using Lanes = double;
 using LaneMask = bool;
 KOKKOS_INLINE_FUNCTION LaneMask first_lanes(int) { return true; }
 #endif
+
+// What a formula is a template over; an integer would be a mistake.
+template <class T>
+concept Number = std::is_same_v<T, double> || std::is_same_v<T, Lanes>;
 
 KOKKOS_INLINE_FUNCTION Lanes load_lanes(const double* from) {
 #if defined(TREACLE_AVX512) || defined(TREACLE_AVX2)
@@ -198,11 +202,11 @@ KOKKOS_INLINE_FUNCTION int write_lanes(unsigned bits, IntLanes column, Lanes val
 }
 
 // A distance and its inverse from its square; at 0 the inverse is merely large.
-template <class T>
+template <Number T>
 struct Distance {
     T r, inverse;
 };
-template <class T>
+template <Number T>
 KOKKOS_INLINE_FUNCTION Distance<T> distance(T r2) {
     const T inverse = inverse_sqrt(math::max(r2, T(1e-200)));
     return {r2 * inverse, inverse};

@@ -62,7 +62,8 @@ template <class Kernel>
 struct PressureForceLoop {
     Kernel kernel;
     Fluid fluid;
-    Array3 acceleration;
+    Array3 velocity;
+    double dt;
 
     KOKKOS_INLINE_FUNCTION void operator()(int i) const {
         const Constants& c = fluid.constants;
@@ -87,9 +88,9 @@ struct PressureForceLoop {
                 az += f * dz;
             });
         }
-        acceleration(i, 0) = ax;
-        acceleration(i, 1) = ay;
-        acceleration(i, 2) = az;
+        velocity(i, 0) += dt * ax;
+        velocity(i, 1) += dt * ay;
+        velocity(i, 2) += dt * az;
     }
 };
 
@@ -205,14 +206,13 @@ BodyLoads apply_pressure(const SphOptions& options, const Constants& constants, 
     with_kernel(options.kernel, constants.dimensions, constants.support, [&](const auto& kernel) {
         using Kernel = std::decay_t<decltype(kernel)>;
         Kokkos::parallel_for("treacle::pressure_force", fluid.count,
-                             PressureForceLoop<Kernel>{kernel, fluid, liquid.acceleration()});
+                             PressureForceLoop<Kernel>{kernel, fluid, liquid.velocity(), dt});
         if (neighbours.solid.size > 0) {
             Kokkos::parallel_reduce("treacle::body_loads", fluid.count,
                                     BodyLoadLoop<Kernel>{kernel, fluid, loads.size()},
                                     HostLoads(loads.data(), loads.size()));
         }
     });
-    accelerate(liquid, dt);
     return loads;
 }
 

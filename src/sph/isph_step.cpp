@@ -3,6 +3,7 @@
 #include "base/error.hpp"
 #include "sph/density.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 
@@ -67,6 +68,8 @@ std::vector<std::int64_t> IsphStep::decomposition_state() const {
 }
 
 namespace {
+// The cells of a store's particles with their weights. Liquid lies in the grid; a solid may reach beyond it and then
+// counts for the nearest cell, whose rank owns it.
 void append_weights(const ParticleStore& store, const CellGrid& grid, double weight, std::vector<int>& cells,
                     std::vector<double>& weights) {
     const auto x = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), store.position());
@@ -74,6 +77,7 @@ void append_weights(const ParticleStore& store, const CellGrid& grid, double wei
     for (int i = 0; i < store.owned(); ++i) {
         int c[3];
         grid.locate(x(i, 0), x(i, 1), x(i, 2), c);
+        for (int k = 0; k < 3; ++k) c[k] = std::clamp(c[k], 0, grid.count[k] - 1);
         if (i > 0 && c[0] == last[0] && c[1] == last[1] && c[2] == last[2]) {
             weights.back() += weight; // sorted particles share their cell with the one before
             continue;
@@ -255,9 +259,9 @@ StepReport IsphStep::advance(double dt) {
             halo_.gather(liquid_.store, {liquid_.velocity_field()});
             compute_xsph(options, constants, liquid_, solid_, neighbours_);
         }
-        move_particles(domain, liquid_, dt, smooth ? Use::yes : Use::no); // (S9)
+        const int lost = move_particles(domain, liquid_, dt, smooth ? Use::yes : Use::no); // (S9)
         report.imbalance = load_imbalance(comm_, liquid_.store.owned());
-        report.lost = remove_lost(domain, liquid_);
+        if (lost > 0) report.lost = remove_lost(domain, liquid_);
         collect(report, dt);
     }
     return report;

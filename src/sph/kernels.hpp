@@ -19,17 +19,17 @@ struct CubicSpline {
         scale = D == 3 ? 8 / (math::pi * h * h * h) : 40 / (7 * math::pi * h * h);
         gradient_scale = -6 * scale / (h * h);
     }
-    template <class T>
+    template <Number T>
     KOKKOS_INLINE_FUNCTION T value(T r) const {
         const T q = r * inverse_h, a = 1 - q, b = math::max(0.5 - q, T(0.0));
         return 2 * scale * (a * a * a - 4 * b * b * b);
     }
-    template <class T>
+    template <Number T>
     KOKKOS_INLINE_FUNCTION T gradient(T r, T inverse_r) const {
         const T q = r * inverse_h, a = 1 - q;
         return gradient_scale * select(q < 0.5, 2 - 3 * q, a * a * (h * inverse_r));
     }
-    template <class T>
+    template <Number T>
     KOKKOS_INLINE_FUNCTION T radial(T r) const {
         const T q = r * inverse_h, a = 1 - q;
         return gradient_scale * h * r * select(q < 0.5, q * (2 - 3 * q), a * a);
@@ -47,17 +47,17 @@ struct WendlandC2 {
         scale = D == 3 ? 21 / (2 * math::pi * h * h * h) : 7 / (math::pi * h * h);
         gradient_scale = -20 * scale / (h * h);
     }
-    template <class T>
+    template <Number T>
     KOKKOS_INLINE_FUNCTION T value(T r) const {
         const T q = r * inverse_h, a = 1 - q, a2 = a * a;
         return scale * a2 * a2 * (4 * q + 1);
     }
-    template <class T>
+    template <Number T>
     KOKKOS_INLINE_FUNCTION T gradient(T r, T) const {
         const T a = 1 - r * inverse_h;
         return gradient_scale * a * a * a;
     }
-    template <class T>
+    template <Number T>
     KOKKOS_INLINE_FUNCTION T radial(T r) const {
         return gradient(r, r) * r * r;
     }
@@ -75,17 +75,17 @@ struct Mueller {
         scale = D == 3 ? 315 / (64 * math::pi * h4 * h4 * h) : 4 / (math::pi * h4 * h4);
         gradient_scale = D == 3 ? -45 / (math::pi * h4 * h2) : -30 / (math::pi * h4 * h);
     }
-    template <class T>
+    template <Number T>
     KOKKOS_INLINE_FUNCTION T value(T r) const {
         const T a = h * h - r * r;
         return scale * a * a * a;
     }
-    template <class T>
+    template <Number T>
     KOKKOS_INLINE_FUNCTION T gradient(T r, T inverse_r) const {
         const T a = h - r;
         return gradient_scale * a * a * math::min(inverse_r, T(1e9 / h));
     }
-    template <class T>
+    template <Number T>
     KOKKOS_INLINE_FUNCTION T radial(T r) const {
         const T a = h - r;
         return gradient_scale * a * a * r;
@@ -98,7 +98,7 @@ struct Mueller {
 struct NumberKernel {
     double h, least;
     NumberKernel(double support, double spacing) : h(support), least(0.1 * spacing) {}
-    template <class T>
+    template <Number T>
     KOKKOS_INLINE_FUNCTION T value(T r) const {
         return h * inverse(math::max(r, T(least))) - 1;
     }

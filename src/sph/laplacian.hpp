@@ -12,7 +12,7 @@ struct LaplacianWeight {
     double soft;
     Array<double> volume;
 
-    template <class T>
+    template <Number T>
     KOKKOS_INLINE_FUNCTION T weight(T volumes, T r2, T r) const {
         return -volumes * (kernel.radial(r) * inverse(r2 + soft));
     }

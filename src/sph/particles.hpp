@@ -1,5 +1,4 @@
 #pragma once
-#include "kokkos/lanes.hpp"
 #include "kokkos/particle_store.hpp"
 
 namespace treacle::sph {
