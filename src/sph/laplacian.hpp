@@ -14,7 +14,12 @@ struct LaplacianWeight {
 
     template <Number T>
     KOKKOS_INLINE_FUNCTION T weight(T volumes, T r2, T r) const {
-        return -volumes * (kernel.radial(r) * inverse(r2 + soft));
+        return weight_of(volumes, r2, kernel.radial(r));
+    }
+    // With W'(r) r of the kernel.
+    template <Number T>
+    KOKKOS_INLINE_FUNCTION T weight_of(T volumes, T r2, T radial) const {
+        return -volumes * (radial * inverse(r2 + soft));
     }
 };
 

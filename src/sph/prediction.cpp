@@ -53,9 +53,10 @@ struct PredictionLoop {
             const auto d = row.near(k);
             const auto m = fluid.motions(row, k);
             const auto along = distance(d.r2);
-            const Lanes a = row.within(k, laplacian.weight(volume + d.number, d.r2, along.r));
-            const Lanes approach = (ux - m.x) * d.x + (uy - m.y) * d.y + (uz - m.z) * d.z;
-            divergence = divergence + row.within(k, laplacian.kernel.gradient(along.r, along.inverse) * approach);
+            // W' r is grad r^2 here; the matrix computes its a_ij without the division.
+            const Lanes gradient = row.within(k, laplacian.kernel.gradient(along.r, along.inverse));
+            const Lanes a = laplacian.weight_of(volume + d.number, d.r2, gradient * d.r2);
+            divergence = divergence + gradient * ((ux - m.x) * d.x + (uy - m.y) * d.y + (uz - m.z) * d.z);
             weights = weights + a;
             weighted = weighted + a * m.w;
         }
