@@ -16,24 +16,29 @@ struct ForceLoop {
         const Constants& c = fluid.constants;
         const auto& u = fluid.velocity;
         double ax = gravity[0], ay = gravity[1], az = gravity[2];
+        Lanes fx = 0.0, fy = 0.0, fz = 0.0;
         const double soft = 0.01 * c.support * c.support;
         // Densities of pairs are the rest density here: the liquid is incompressible, and a division less counts.
         const double laminar = 2 * (Kernel::dimensions + 2) * viscosity / (c.rest_density * c.rest_density);
         const double colliding = artificial / c.rest_density;
         const double ux = u(i, 0), uy = u(i, 1), uz = u(i, 2);
         if (artificial > 0 || viscosity > 0) {
-            const auto row = fluid.liquid.row(i);
-            TREACLE_SIMD_SUM(ax, ay, az)
-            for (int k = 0; k < row.count; ++k) {
-                const int j = row.index[k];
-                const auto d = row.separation(j);
-                const double approach = (ux - u(j, 0)) * d.x + (uy - u(j, 1)) * d.y + (uz - u(j, 2)) * d.z;
-                const double drag = laminar * approach + colliding * math::min(approach, 0.0);
-                const double f = c.mass * drag / (d.r2 + soft) * kernel.gradient(math::sqrt(d.r2));
-                ax += f * d.x;
-                ay += f * d.y;
-                az += f * d.z;
+            const Row row = fluid.row(i);
+            for (int k = 0; k < row.count; k += lanes) {
+                const auto d = row.near(k);
+                const auto v = fluid.motions(row, k);
+                const auto along = distance(d.r2);
+                const Lanes approach = (ux - v.x) * d.x + (uy - v.y) * d.y + (uz - v.z) * d.z;
+                const Lanes drag = laminar * approach + colliding * math::min(approach, Lanes(0.0));
+                const Lanes f = row.within(k, c.mass * drag * inverse(d.r2 + soft) *
+                                                  kernel.gradient(along.r, along.inverse));
+                fx = fx + f * d.x;
+                fy = fy + f * d.y;
+                fz = fz + f * d.z;
             }
+            ax += sum_lanes(fx);
+            ay += sum_lanes(fy);
+            az += sum_lanes(fz);
         }
         fluid.solid.each(i, [&](int s, double dx, double dy, double dz, double r2) {
             const double grip = friction(fluid.solid_body(s));
@@ -57,23 +62,23 @@ template <class Kernel>
 struct PressureForceLoop {
     Kernel kernel;
     Fluid fluid;
-    Array3 acceleration;
+    Array3 velocity;
+    double dt;
 
     KOKKOS_INLINE_FUNCTION void operator()(int i) const {
         const Constants& c = fluid.constants;
-        const auto& load = fluid.load;
-        const double own = load(i);
-        double ax = 0, ay = 0, az = 0;
-        const auto row = fluid.liquid.row(i);
-        TREACLE_SIMD_SUM(ax, ay, az)
-        for (int k = 0; k < row.count; ++k) {
-            const int j = row.index[k];
-            const auto d = row.separation(j);
-            const double f = -c.mass * (own + load(j)) * kernel.gradient(math::sqrt(d.r2));
-            ax += f * d.x;
-            ay += f * d.y;
-            az += f * d.z;
+        const double own = fluid.load(i);
+        const Row row = fluid.row(i);
+        Lanes fx = 0.0, fy = 0.0, fz = 0.0;
+        for (int k = 0; k < row.count; k += lanes) {
+            const auto d = row.near(k);
+            const auto along = distance(d.r2);
+            const Lanes f = row.within(k, -c.mass * (own + d.number) * kernel.gradient(along.r, along.inverse));
+            fx = fx + f * d.x;
+            fy = fy + f * d.y;
+            fz = fz + f * d.z;
         }
+        double ax = sum_lanes(fx), ay = sum_lanes(fy), az = sum_lanes(fz);
         if (own > 0) {
             fluid.solid.each(i, [&](int s, double dx, double dy, double dz, double r2) {
                 const double f =
@@ -83,9 +88,9 @@ struct PressureForceLoop {
                 az += f * dz;
             });
         }
-        acceleration(i, 0) = ax;
-        acceleration(i, 1) = ay;
-        acceleration(i, 2) = az;
+        velocity(i, 0) += dt * ax;
+        velocity(i, 1) += dt * ay;
+        velocity(i, 2) += dt * az;
     }
 };
 
@@ -165,6 +170,8 @@ Array<double> upload(const std::vector<double>& values) {
 void apply_forces(const SphOptions& options, const ForceOptions& forces, const Constants& constants,
                   LiquidParticles& liquid, const SolidParticles& solid, const Neighbourhood& neighbours,
                   double dt) {
+    write_places(liquid, liquid.volume());
+    write_motions(liquid);
     const auto fluid = gather_fluid(constants, liquid, solid, neighbours);
     const auto& g = forces.gravity;
     with_kernel(options.kernel, constants.dimensions, constants.support, [&](const auto& kernel) {
@@ -193,19 +200,19 @@ void compute_loads(const Constants& constants, LiquidParticles& liquid) {
 
 BodyLoads apply_pressure(const SphOptions& options, const Constants& constants, LiquidParticles& liquid,
                          const SolidParticles& solid, const Neighbourhood& neighbours, int bodies, double dt) {
+    write_places(liquid, liquid.load());
     const auto fluid = gather_fluid(constants, liquid, solid, neighbours);
     BodyLoads loads(static_cast<std::size_t>(6 * bodies), 0.0);
     with_kernel(options.kernel, constants.dimensions, constants.support, [&](const auto& kernel) {
         using Kernel = std::decay_t<decltype(kernel)>;
         Kokkos::parallel_for("treacle::pressure_force", fluid.count,
-                             PressureForceLoop<Kernel>{kernel, fluid, liquid.acceleration()});
+                             PressureForceLoop<Kernel>{kernel, fluid, liquid.velocity(), dt});
         if (neighbours.solid.size > 0) {
             Kokkos::parallel_reduce("treacle::body_loads", fluid.count,
                                     BodyLoadLoop<Kernel>{kernel, fluid, loads.size()},
                                     HostLoads(loads.data(), loads.size()));
         }
     });
-    accelerate(liquid, dt);
     return loads;
 }
 

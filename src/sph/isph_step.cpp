@@ -4,6 +4,7 @@
 #include "sph/density.hpp"
 #include "sph/skin_friction.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 
@@ -68,6 +69,8 @@ std::vector<std::int64_t> IsphStep::decomposition_state() const {
 }
 
 namespace {
+// The cells of a store's particles with their weights. Liquid lies in the grid; a solid may reach beyond it and then
+// counts for the nearest cell, whose rank owns it.
 void append_weights(const ParticleStore& store, const CellGrid& grid, double weight, std::vector<int>& cells,
                     std::vector<double>& weights) {
     const auto x = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), store.position());
@@ -75,6 +78,7 @@ void append_weights(const ParticleStore& store, const CellGrid& grid, double wei
     for (int i = 0; i < store.owned(); ++i) {
         int c[3];
         grid.locate(x(i, 0), x(i, 1), x(i, 2), c);
+        for (int k = 0; k < 3; ++k) c[k] = std::clamp(c[k], 0, grid.count[k] - 1);
         if (i > 0 && c[0] == last[0] && c[1] == last[1] && c[2] == last[2]) {
             weights.back() += weight; // sorted particles share their cell with the one before
             continue;
@@ -154,6 +158,11 @@ void IsphStep::refresh() {
     Kokkos::deep_copy(liquid_.role(), static_cast<int>(Role::poisson));
 }
 
+PressureSystem::HostSystem IsphStep::hand_over() {
+    const auto phase = timers_.scope("hand over");
+    return system_.to_host();
+}
+
 solve::Matrix IsphStep::wrap_matrix(const PressureSystem::HostSystem& host) {
     const auto phase = timers_.scope("hand over");
     solve::CsrBlocks blocks;
@@ -225,14 +234,14 @@ StepReport IsphStep::advance(double dt) {
         report.roles = predict(options, constants, liquid_, solid_, neighbours_, last_pressures_, dt); // (S5), (S6)
         last_pressures_ = LastPressures::known;
         halo_.gather(liquid_.store, {liquid_.role_field()});
-        report.anchored = anchoring_.anchor(comm_, liquid_, neighbours_, halo_);
+        report.anchored = anchoring_.anchor(options, constants, comm_, liquid_, neighbours_, halo_);
     }
     {
         const auto phase = timers_.scope("assemble");
         system_.assemble(options, constants, comm_, liquid_, neighbours_, halo_);
     }
     {
-        const auto host = system_.to_host();
+        const auto host = hand_over();
         auto matrix = wrap_matrix(host);
         if (matrix_observer_) matrix_observer_(matrix);
         const auto phase = timers_.scope("solve");
@@ -252,9 +261,9 @@ StepReport IsphStep::advance(double dt) {
             halo_.gather(liquid_.store, {liquid_.velocity_field()});
             compute_xsph(options, constants, liquid_, solid_, neighbours_);
         }
-        move_particles(domain, liquid_, dt, smooth ? Use::yes : Use::no); // (S9)
+        const int lost = move_particles(domain, liquid_, dt, smooth ? Use::yes : Use::no); // (S9)
         report.imbalance = load_imbalance(comm_, liquid_.store.owned());
-        report.lost = remove_lost(domain, liquid_);
+        if (lost > 0) report.lost = remove_lost(domain, liquid_);
         collect(report, dt);
     }
     return report;
@@ -303,7 +312,7 @@ double IsphStep::stable_step(double cfl) const {
 }
 
 std::size_t IsphStep::bytes() const {
-    return liquid_.store.bytes() + solid_.store.bytes() + neighbours_.liquid.bytes() + neighbours_.solid.bytes() +
+    return liquid_.bytes() + solid_.store.bytes() + neighbours_.liquid.bytes() + neighbours_.solid.bytes() +
            system_.bytes();
 }
 

@@ -86,6 +86,7 @@ private:
     void place_solids();
     void find_neighbours();
     void update_density(StepReport& report);
+    PressureSystem::HostSystem hand_over();
     solve::Matrix wrap_matrix(const PressureSystem::HostSystem& host);
     void solve_pressure(solve::Matrix& matrix, const PressureSystem::HostSystem& host, double dt,
                         StepReport& report);
