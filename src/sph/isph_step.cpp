@@ -35,6 +35,7 @@ constexpr double solid_weight = 0.05;
 
 IsphStep::IsphStep(const Comm& comm, const IsphSetup& setup)
     : comm_(comm), setup_(setup), decomposition_(comm, setup.grid),
+      bodies_(setup.rigid, setup.first_body, setup.bodies, setup.domain),
       solver_(comm, "pressure", krylov_options(setup.options, setup.constants.dimensions)) {}
 
 void IsphStep::start(SolidVolumes volumes) {
@@ -43,9 +44,11 @@ void IsphStep::start(SolidVolumes volumes) {
     place_solids();
     last_pressures_ = volumes == SolidVolumes::keep ? LastPressures::known : LastPressures::none;
     if (volumes == SolidVolumes::keep) return;
+    bodies_.mark_start(solid_);
+    bodies_.set_velocities(solid_);
     NeighbourList list;
     list.build(solid_.store, solid_.store, setup_.grid, solid_cells_, setup_.constants.support);
-    compute_solid_volumes(setup_.options, setup_.constants, solid_, list);
+    compute_solid_volumes(setup_.options, setup_.constants, solid_, list, bodies_.load_points());
     solid_halo_.gather(solid_.store, {solid_.volume_field()});
 }
 
@@ -195,15 +198,66 @@ void IsphStep::solve_pressure(solve::Matrix& matrix, const PressureSystem::HostS
     }
 }
 
+namespace {
+bool implicit_bodies(const SphOptions& options, const Bodies& bodies) {
+    return bodies.any_dynamic() && options.pressure.body_coupling == BodyCoupling::implicit;
+}
+} // namespace
+
+// (S4), for liquid and bodies.
+void IsphStep::accelerate(StepReport& report, double dt) {
+    bodies_.rigid.begin(dt);
+    bodies_.set_velocities(solid_);
+    report.viscous_loads = apply_forces(setup_.options, setup_.forces, setup_.constants, liquid_, solid_, neighbours_,
+                                        dt, bodies_.load_points());
+    halo_.gather(liquid_.store, {liquid_.velocity_field(), liquid_.pressure_field()});
+    comm_.sum(std::span(report.viscous_loads));
+    if (!bodies_.any_dynamic()) return;
+    bodies_.rigid.fall(dt);
+    bodies_.rigid.push(bodies_.loads_of(report.viscous_loads), dt);
+    bodies_.set_velocities(solid_);
+}
+
+// (S8)
+void IsphStep::push_by_pressure(StepReport& report, double dt) {
+    system_.store_pressure(liquid_);
+    compute_loads(setup_.constants, liquid_);
+    halo_.gather(liquid_.store, {liquid_.load_field()});
+    report.loads = apply_pressure(setup_.options, setup_.constants, liquid_, solid_, neighbours_,
+                                  bodies_.load_points(), dt);
+    comm_.sum(std::span(report.loads));
+    if (bodies_.any_dynamic()) bodies_.rigid.push(bodies_.loads_of(report.loads), dt);
+}
+
+// (S9)
+void IsphStep::move(StepReport& report, double dt) {
+    const bool smooth = setup_.options.viscosity.xsph > 0;
+    if (smooth) {
+        halo_.gather(liquid_.store, {liquid_.velocity_field()});
+        compute_xsph(setup_.options, setup_.constants, liquid_, solid_, neighbours_);
+    }
+    move_particles(setup_.domain, liquid_, dt, smooth ? Use::yes : Use::no);
+    if (bodies_.any_moves()) {
+        bodies_.rigid.move(dt);
+        bodies_.place(solid_);
+    }
+    report.imbalance = load_imbalance(comm_, liquid_.store.owned());
+    report.lost = remove_lost(setup_.domain, liquid_);
+    collect(report);
+}
+
 // One hybrid ISPH step, collective. Tags: src/sph/README.md.
 StepReport IsphStep::advance(double dt) {
     StepReport report;
     report.dt = dt;
-    const auto& [options, constants, forces, domain, grid, reference_speed, bodies] = setup_;
+    const auto& options = setup_.options;
+    const auto& constants = setup_.constants;
+    const bool answering = implicit_bodies(options, bodies_);
     {
         const auto phase = timers_.scope("sort");
         rebalance();
         place_liquid();
+        if (bodies_.any_moves()) place_solids();
     }
     {
         const auto phase = timers_.scope("neighbours");
@@ -215,12 +269,16 @@ StepReport IsphStep::advance(double dt) {
     }
     {
         const auto phase = timers_.scope("forces");
-        apply_forces(options, forces, constants, liquid_, solid_, neighbours_, dt); // (S4)
-        halo_.gather(liquid_.store, {liquid_.velocity_field(), liquid_.pressure_field()});
+        accelerate(report, dt);
     }
     {
         const auto phase = timers_.scope("predict");
-        report.roles = predict(options, constants, liquid_, solid_, neighbours_, last_pressures_, dt); // (S5), (S6)
+        if (answering) {
+            response_.build(options, constants, liquid_, solid_, neighbours_, bodies_);
+            response_.apply_to_pressure(comm_, liquid_);
+        }
+        report.roles = predict(options, constants, liquid_, solid_, neighbours_, last_pressures_, dt,
+                               answering ? Answer::bodies : Answer::none); // (S5), (S6)
         last_pressures_ = LastPressures::known;
         halo_.gather(liquid_.store, {liquid_.role_field()});
         report.anchored = anchoring_.anchor(comm_, liquid_, neighbours_, halo_);
@@ -232,39 +290,28 @@ StepReport IsphStep::advance(double dt) {
     {
         const auto host = system_.to_host();
         auto matrix = wrap_matrix(host);
+        if (answering) matrix.set_addition(response_.addition(comm_, liquid_, system_));
         if (matrix_observer_) matrix_observer_(matrix);
         const auto phase = timers_.scope("solve");
         solve_pressure(matrix, host, dt, report); // (S7)
     }
     {
         const auto phase = timers_.scope("pressure force");
-        system_.store_pressure(liquid_);
-        compute_loads(constants, liquid_);
-        halo_.gather(liquid_.store, {liquid_.load_field()});
-        report.loads = apply_pressure(options, constants, liquid_, solid_, neighbours_, bodies, dt); // (S8)
+        push_by_pressure(report, dt);
     }
     {
         const auto phase = timers_.scope("move");
-        const bool smooth = options.viscosity.xsph > 0;
-        if (smooth) {
-            halo_.gather(liquid_.store, {liquid_.velocity_field()});
-            compute_xsph(options, constants, liquid_, solid_, neighbours_);
-        }
-        move_particles(domain, liquid_, dt, smooth ? Use::yes : Use::no); // (S9)
-        report.imbalance = load_imbalance(comm_, liquid_.store.owned());
-        report.lost = remove_lost(domain, liquid_);
-        collect(report, dt);
+        move(report, dt);
     }
     return report;
 }
 
 // Sums the report over the ranks, in one message.
-void IsphStep::collect(StepReport& report, double) {
+void IsphStep::collect(StepReport& report) {
     for (const auto& particle : report.lost) {
         ++report.lost_by_cause[static_cast<std::size_t>(particle.cause) - 1];
     }
-    std::vector<double> sums = report.loads;
-    const std::size_t n = sums.size();
+    std::vector<double> sums;
     const double lost_before = double(report.lost.size());
     for (const auto count : {report.roles.poisson, report.roles.dirichlet, report.roles.separated,
                              report.anchored, report.lost_by_cause[0], report.lost_by_cause[1],
@@ -275,12 +322,11 @@ void IsphStep::collect(StepReport& report, double) {
     sums.push_back(double(liquid_.store.owned()) + lost_before);
     comm_.sum(std::span(sums));
     report.max_compression = comm_.max(report.max_compression);
-    report.loads.assign(sums.begin(), sums.begin() + static_cast<std::ptrdiff_t>(n));
-    const auto count = [&](std::size_t k) { return static_cast<std::int64_t>(std::llround(sums[n + k])); };
+    const auto count = [&](std::size_t k) { return static_cast<std::int64_t>(std::llround(sums[k])); };
     report.roles = {count(0), count(1), count(2)};
     report.anchored = count(3);
     for (std::size_t k = 0; k < 3; ++k) report.lost_by_cause[k] = count(4 + k);
-    report.mean_compression = sums[n + 7] / std::max(1.0, sums[n + 8]);
+    report.mean_compression = sums[7] / std::max(1.0, sums[8]);
 }
 
 double IsphStep::stable_step(double cfl) const {
@@ -290,7 +336,7 @@ double IsphStep::stable_step(double cfl) const {
         most = math::max(most, u(i, 0) * u(i, 0) + u(i, 1) * u(i, 1) + u(i, 2) * u(i, 2));
     }, Kokkos::Max<double>(fastest));
     const double own = std::sqrt(liquid_.store.owned() > 0 ? fastest : 0.0);
-    const double speed = comm_.max(std::max(own, setup_.reference_speed));
+    const double speed = comm_.max(std::max({own, setup_.reference_speed, bodies_.rigid.max_speed()}));
     const auto& g = setup_.forces.gravity;
     const double pull = std::sqrt(g[0] * g[0] + g[1] * g[1] + g[2] * g[2]);
     const double d = setup_.constants.spacing;
