@@ -49,7 +49,8 @@ struct Liquid {
     double viscosity = 0;          // [Pa s]
     double surface_tension = 0;    // [N/m]
     std::vector<Shape> shapes;
-    Vec3 velocity{0, 0, 0}; // [m/s]
+    bool around_bodies = false; // where a body is, the liquid is left out
+    Vec3 velocity{0, 0, 0};     // [m/s]
     std::string where;
 
     void declare(Declaration& d);

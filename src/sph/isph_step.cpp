@@ -3,6 +3,7 @@
 #include "base/error.hpp"
 #include "sph/density.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 
@@ -151,6 +152,7 @@ void IsphStep::update_density(StepReport& report) {
 
 void IsphStep::refresh() {
     place_liquid();
+    if (bodies_.any_moves()) place_solids();
     find_neighbours();
     compute_density(setup_.options, setup_.constants, liquid_, solid_, neighbours_);
     Kokkos::deep_copy(liquid_.role(), static_cast<int>(Role::poisson));
@@ -211,8 +213,8 @@ void IsphStep::accelerate(StepReport& report, double dt) {
     report.viscous_loads = apply_forces(setup_.options, setup_.forces, setup_.constants, liquid_, solid_, neighbours_,
                                         dt, bodies_.load_points());
     halo_.gather(liquid_.store, {liquid_.velocity_field(), liquid_.pressure_field()});
-    comm_.sum(std::span(report.viscous_loads));
     if (!bodies_.any_dynamic()) return;
+    comm_.sum(std::span(report.viscous_loads));
     bodies_.rigid.fall(dt);
     bodies_.rigid.push(bodies_.loads_of(report.viscous_loads), dt);
     bodies_.set_velocities(solid_);
@@ -225,8 +227,9 @@ void IsphStep::push_by_pressure(StepReport& report, double dt) {
     halo_.gather(liquid_.store, {liquid_.load_field()});
     report.loads = apply_pressure(setup_.options, setup_.constants, liquid_, solid_, neighbours_,
                                   bodies_.load_points(), dt);
+    if (!bodies_.any_dynamic()) return;
     comm_.sum(std::span(report.loads));
-    if (bodies_.any_dynamic()) bodies_.rigid.push(bodies_.loads_of(report.loads), dt);
+    bodies_.rigid.push(bodies_.loads_of(report.loads), dt);
 }
 
 // (S9)
@@ -312,6 +315,11 @@ void IsphStep::collect(StepReport& report) {
         ++report.lost_by_cause[static_cast<std::size_t>(particle.cause) - 1];
     }
     std::vector<double> sums;
+    if (!bodies_.any_dynamic()) { // else they are summed already
+        sums = report.loads;
+        sums.insert(sums.end(), report.viscous_loads.begin(), report.viscous_loads.end());
+    }
+    const std::size_t n = sums.size();
     const double lost_before = double(report.lost.size());
     for (const auto count : {report.roles.poisson, report.roles.dirichlet, report.roles.separated,
                              report.anchored, report.lost_by_cause[0], report.lost_by_cause[1],
@@ -322,11 +330,16 @@ void IsphStep::collect(StepReport& report) {
     sums.push_back(double(liquid_.store.owned()) + lost_before);
     comm_.sum(std::span(sums));
     report.max_compression = comm_.max(report.max_compression);
-    const auto count = [&](std::size_t k) { return static_cast<std::int64_t>(std::llround(sums[k])); };
+    if (n > 0) {
+        std::copy_n(sums.begin(), report.loads.size(), report.loads.begin());
+        std::copy_n(sums.begin() + std::ptrdiff_t(report.loads.size()), report.viscous_loads.size(),
+                    report.viscous_loads.begin());
+    }
+    const auto count = [&](std::size_t k) { return static_cast<std::int64_t>(std::llround(sums[n + k])); };
     report.roles = {count(0), count(1), count(2)};
     report.anchored = count(3);
     for (std::size_t k = 0; k < 3; ++k) report.lost_by_cause[k] = count(4 + k);
-    report.mean_compression = sums[7] / std::max(1.0, sums[8]);
+    report.mean_compression = sums[n + 7] / std::max(1.0, sums[n + 8]);
 }
 
 double IsphStep::stable_step(double cfl) const {
