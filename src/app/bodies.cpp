@@ -1,6 +1,7 @@
 #include "app/bodies.hpp"
 
 #include "base/text.hpp"
+#include "sph/solid_scale.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -202,6 +203,19 @@ rigid::BodiesSetup make_bodies(const Input& input, const Geometry& geometry) {
         const int axis = static_cast<int>(k);
         if (domain.faces[2 * k].kind == scene::FaceKind::wall) out.walls.push_back({axis, domain.min[k], 1});
         if (domain.faces[2 * k + 1].kind == scene::FaceKind::wall) out.walls.push_back({axis, domain.max[k], -1});
+    }
+    return out;
+}
+
+std::vector<double> solid_scales(const Input& input, const Geometry& geometry) {
+    std::vector<double> out;
+    const auto wall = wall_setup(input);
+    const sph::ScaleSetup setup{wall, geometry.offset + wall.spacing / 2};
+    for (std::size_t b = 0; b < geometry.bodies.size(); ++b) {
+        const auto& region = geometry.bodies[b];
+        out.push_back(moves(input.scene.bodies[b])
+                          ? sph::solid_scale(setup, region, scene::sample_surface(region, body_sampling(geometry, b)).positions)
+                          : 1.0);
     }
     return out;
 }

@@ -13,6 +13,9 @@ bool any_moves(const Input& input);
 // the others meet them.
 rigid::BodiesSetup make_bodies(const Input& input, const Geometry& geometry);
 
+// Factors on the volumes of the particles of each body: of those that move such that liquid rests at their surface.
+std::vector<double> solid_scales(const Input& input, const Geometry& geometry);
+
 // What bodies must not be at the start: dynamic ones inside of others or of walls, or thinner than a spacing; moving
 // ones without an extent.
 void check_bodies(const Input& input, const Geometry& geometry, std::vector<Diagnostic>& problems);

@@ -106,7 +106,10 @@ std::unique_ptr<sph::IsphStep> make_solver(const Comm& comm, const Input& input,
     for (const auto& body : input.scene.bodies) setup.forces.friction.push_back(friction_of(body.slip));
     setup.reference_speed = reference_speed;
     setup.bodies = domain_sides + static_cast<int>(input.scene.bodies.size());
-    if (any_moves(input)) setup.rigid = make_bodies(input, geometry);
+    if (any_moves(input)) {
+        setup.rigid = make_bodies(input, geometry);
+        setup.solid_scale = solid_scales(input, geometry);
+    }
     setup.first_body = domain_sides;
     setup.forces.artificial = input.method.viscosity.artificial * setup.constants.support * reference_speed;
     return std::make_unique<sph::IsphStep>(comm, setup);

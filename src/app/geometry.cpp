@@ -21,12 +21,13 @@ scene::Side side_of(const scene::Face& face) {
     return scene::Side::wall;
 }
 
+} // namespace
+
 sph::WallSetup wall_setup(const Input& input) {
     const auto& domain = input.scene.domain;
     return {input.method.kernel, domain.dimensions, input.method.support_ratio * domain.spacing, domain.spacing,
             domain.spacing};
 }
-} // namespace
 
 double solid_offset(const Input& input) {
     const auto& density = input.method.density;

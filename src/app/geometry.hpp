@@ -22,6 +22,8 @@ struct Geometry {
 // Index of a body's loads and slip: the six sides of the domain come first, then the bodies of the scene.
 inline constexpr int domain_sides = 6;
 
+sph::WallSetup wall_setup(const Input& input);
+
 // Depth of a solid's particle layer below its surface, at which a resting lattice of liquid that touches the
 // surface keeps its rest density [m].
 double solid_offset(const Input& input);

@@ -50,8 +50,7 @@ public:
         if (distance <= -reach) {
             add_cell(centre, half, volume);
         } else if (level == depth_) {
-            const double width = std::pow(volume, 1.0 / solid_.dimensions);
-            add_cell(centre, half, volume * std::clamp(0.5 - distance / width, 0.0, 1.0));
+            add_cell(centre, half, volume * std::clamp(0.5 - distance / width(centre, half), 0.0, 1.0));
         } else {
             const Vec3 quarter = 0.5 * half;
             for (int corner = 0; corner < 1 << solid_.dimensions; ++corner) {
@@ -71,6 +70,19 @@ private:
         double out = 1;
         for (int k = 0; k < solid_.dimensions; ++k) out *= 2 * half[static_cast<std::size_t>(k)];
         return out;
+    }
+    // Of a cell at right angles to the surface.
+    double width(const Vec3& centre, const Vec3& half) const {
+        double squares = 0;
+        for (int k = 0; k < solid_.dimensions; ++k) {
+            const auto u = static_cast<std::size_t>(k);
+            Vec3 above = centre, below = centre;
+            above[u] += half[u] / 4;
+            below[u] -= half[u] / 4;
+            const double change = 4 * (solid_.distance(above) - solid_.distance(below));
+            squares += change * change;
+        }
+        return std::max(std::sqrt(squares), 1e-300);
     }
     void add_cell(const Vec3& centre, const Vec3& half, double volume) {
         if (volume == 0) return;

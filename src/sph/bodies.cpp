@@ -7,13 +7,21 @@ namespace {
 enum Frame { velocity = 0, spin = 3, turn = 6, start = 15, frame_width = 18 };
 } // namespace
 
-Bodies::Bodies(rigid::BodiesSetup setup, int first, int count, const DomainBox& domain)
+Bodies::Bodies(rigid::BodiesSetup setup, const std::vector<double>& scale, int first, int count,
+               const DomainBox& domain)
     : rigid(std::move(setup)), domain_(domain), first_(first), points_(count) {
     if (!rigid.any_moves()) return;
     points_.moving = true;
     points_.centre = Array<double>("treacle::body_centres", static_cast<std::size_t>(4 * count));
     for (int k = 0; k < 3; ++k) points_.period[k] = domain.period[k];
     frames_ = Array<double>("treacle::body_frames", static_cast<std::size_t>(count) * frame_width);
+    points_.scale = Array<double>("treacle::solid_scale", static_cast<std::size_t>(count));
+    auto factors = Kokkos::create_mirror_view(points_.scale);
+    for (int k = 0; k < count; ++k) {
+        const int body = k - first;
+        factors(k) = body >= 0 && body < static_cast<int>(scale.size()) ? scale[static_cast<std::size_t>(body)] : 1;
+    }
+    Kokkos::deep_copy(points_.scale, factors);
     upload();
 }
 

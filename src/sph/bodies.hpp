@@ -11,7 +11,8 @@ namespace treacle::sph {
 class Bodies {
 public:
     Bodies() = default;
-    Bodies(rigid::BodiesSetup setup, int first, int count, const DomainBox& domain);
+    // With factors on the volumes of the bodies' particles; none: 1.
+    Bodies(rigid::BodiesSetup setup, const std::vector<double>& scale, int first, int count, const DomainBox& domain);
 
     rigid::RigidBodies rigid;
 

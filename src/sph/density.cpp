@@ -64,7 +64,7 @@ struct SolidVolumeLoop {
             if (body(s) != own && (points.moves(own) || points.moves(body(s)))) return;
             sum += kernel.value(math::sqrt(r2));
         });
-        volume(i) = 1 / sum;
+        volume(i) = (points.moving ? points.scale(own) : 1.0) / sum;
     }
 };
 } // namespace

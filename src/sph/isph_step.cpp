@@ -36,7 +36,7 @@ constexpr double solid_weight = 0.05;
 
 IsphStep::IsphStep(const Comm& comm, const IsphSetup& setup)
     : comm_(comm), setup_(setup), decomposition_(comm, setup.grid),
-      bodies_(setup.rigid, setup.first_body, setup.bodies, setup.domain),
+      bodies_(setup.rigid, setup.solid_scale, setup.first_body, setup.bodies, setup.domain),
       solver_(comm, "pressure", krylov_options(setup.options, setup.constants.dimensions)) {}
 
 void IsphStep::start(SolidVolumes volumes) {

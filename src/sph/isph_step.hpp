@@ -25,6 +25,7 @@ struct IsphSetup {
     double reference_speed = 0; // sqrt(g H): the speed at which the weight of the liquid acts on it [m/s]
     int bodies = 1; // solids that carry loads; 0 is the domain's walls
     rigid::BodiesSetup rigid; // may be empty: then all solids rest
+    std::vector<double> solid_scale; // per body of `rigid`, or empty: factor on its particles' volumes
     int first_body = 0;       // number, among the solids that carry loads, of the first of these bodies
 };
 

@@ -9,6 +9,7 @@ struct LoadPoints {
     bool moving = false;   // any of them is not the origin
     Array<double> centre;  // [count][4]: the point [m] and 1, or 0 for the origin; when moving
     double period[3] = {0, 0, 0};
+    Array<double> scale;   // [count] factor on the volumes of the solid's particles, when moving
 
     LoadPoints(int bodies = 0) : count(bodies) {}
 
