@@ -166,8 +166,8 @@ private:
         }
         for (std::size_t k = 0; k < static_cast<std::size_t>(domain.dimensions); ++k) {
             const bool periodic = domain.faces[2 * k].kind == scene::FaceKind::periodic;
-            if (!periodic || 2 * setups_[b].reach < 0.5 * (domain.max[k] - domain.min[k])) continue;
-            problems.push_back({body(b).where, name + " moves and is longer than half of the period in " + "xyz"[k],
+            if (!periodic || 2 * setups_[b].reach < domain.max[k] - domain.min[k]) continue;
+            problems.push_back({body(b).where, name + " moves and is longer than the period in " + "xyz"[k],
                                 "it could meet its own image", "shorten it, or lengthen the domain"});
         }
     }
