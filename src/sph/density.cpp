@@ -53,12 +53,18 @@ template <class Kernel>
 struct SolidVolumeLoop {
     Kernel kernel;
     Pairs solids;
+    LoadPoints points;
+    Array<int> body;
     Array<double> volume;
 
     KOKKOS_INLINE_FUNCTION void operator()(int i) const {
         double sum = kernel.value(0.0);
-        solids.each(i, [&](int, double, double, double, double r2) { sum += kernel.value(math::sqrt(r2)); });
-        volume(i) = 1 / sum;
+        const int own = body(i);
+        solids.each(i, [&](int s, double, double, double, double r2) {
+            if (body(s) != own && (points.moves(own) || points.moves(body(s)))) return;
+            sum += kernel.value(math::sqrt(r2));
+        });
+        volume(i) = (points.moving ? points.scale(own) : 1.0) / sum;
     }
 };
 } // namespace
@@ -77,12 +83,13 @@ void compute_density(const SphOptions& options, const Constants& constants, Liqu
 }
 
 void compute_solid_volumes(const SphOptions& options, const Constants& constants, SolidParticles& solid,
-                           const NeighbourList& list) {
+                           const NeighbourList& list, const LoadPoints& points) {
     with_kernel(options.kernel, constants.dimensions, constants.support, [&](const auto& kernel) {
         using Kernel = std::decay_t<decltype(kernel)>;
         Kokkos::parallel_for(
             "treacle::solid_volumes", solid.store.owned(),
-            SolidVolumeLoop<Kernel>{kernel, pairs(list, solid.store, solid.store), solid.volume()});
+            SolidVolumeLoop<Kernel>{kernel, pairs(list, solid.store, solid.store), points, solid.body(),
+                                    solid.volume()});
     });
 }
 

@@ -10,6 +10,7 @@ namespace treacle::sph {
 enum class DensityKind { blended, smooth, spiky };
 enum class DirichletRule { predicted, source };
 enum class SolidTerm { none, decomposed, unified, amplified, exact };
+enum class BodyCoupling { implicit, one_step_late };
 enum class StoppingRule { density_error, residual };
 enum class PressurePreconditioner { none, jacobi, incomplete_cholesky, ssor, gamg, boomeramg };
 
@@ -32,6 +33,7 @@ struct PressureOptions {
     double prediction = 1;          // gamma of Eq. 2.6; the dissertation's 0.5 is noisier (README)
     SolidTerm solid_term = SolidTerm::exact;
     double amplification_limit = 2; // gamma of Eq. 3.3; the dissertation's 5 ejects lone particles (README)
+    BodyCoupling body_coupling = BodyCoupling::implicit;
     PressurePreconditioner preconditioner = PressurePreconditioner::jacobi;
     StoppingRule stop = StoppingRule::density_error;
     double density_error = 1e-5;    // mean compression of the Poisson particles, share of the rest density

@@ -36,6 +36,8 @@ struct PredictionLoop {
     PressureOptions options;
     LastPressures pressures;
     double dt;
+    Answer answer;
+    Array<double> response;
     Array<double> blended, source, diagonal, wall_term;
     Array<int> role;
 
@@ -96,12 +98,13 @@ struct PredictionLoop {
         return ratio * ratio * sum.wall_square(); // alpha_i of Eq. 3.2
     }
 
-    KOKKOS_INLINE_FUNCTION double right_hand_side(int i, const RowSums& sum, double b, double alpha) const {
+    KOKKOS_INLINE_FUNCTION double right_hand_side(int i, const RowSums& sum, double b, double alpha,
+                                                  double answered) const {
         if (alpha == 0 || sum.weights == 0) return b;
         const double amplified = math::min(options.amplification_limit, 1 + alpha / sum.weights) * b;
         if (options.solid_term == SolidTerm::amplified) return amplified + alpha * fluid.pressure(i); // (3.3)
         // Without p_i = p_j: the fixed point is that of the system without alpha.
-        if (options.solid_term == SolidTerm::exact) return amplified + alpha * sum.weighted / sum.weights;
+        if (options.solid_term == SolidTerm::exact) return amplified + alpha * (sum.weighted - answered) / sum.weights;
         return b;
     }
 
@@ -111,15 +114,16 @@ struct PredictionLoop {
         const double predicted = blended(i) + dt * sum.divergence; // (2.4)
         const double b = (predicted - rest) / (dt * dt);
         const double alpha = solid_term(i, sum);
+        const double answered = answer == Answer::bodies ? response(i) : 0;
         double numerator = b; // (2.6), times the positive denominator
         if (pressures == LastPressures::none) {
             numerator += start_slack * rest / (dt * dt);
         } else if (options.dirichlet == DirichletRule::predicted) {
-            numerator += options.prediction * (sum.weighted + fluid.pressure(i) * sum.solid_weights);
+            numerator += options.prediction * (sum.weighted + fluid.pressure(i) * sum.solid_weights - answered);
         }
         wall_term(i) = alpha;
         diagonal(i) = sum.weights + alpha;
-        source(i) = right_hand_side(i, sum, b, alpha);
+        source(i) = right_hand_side(i, sum, b, alpha, answered);
         if (sum.weights > 0) {
             role(i) = numerator > 0 ? Role::poisson : Role::dirichlet;
         } else {
@@ -133,7 +137,7 @@ struct PredictionLoop {
 
 RoleCounts predict(const SphOptions& options, const Constants& constants, LiquidParticles& liquid,
                    const SolidParticles& solid, const Neighbourhood& neighbours, LastPressures pressures,
-                   double dt) {
+                   double dt, Answer answer) {
     write_places(liquid, liquid.volume());
     write_motions(liquid);
     const auto fluid = gather_fluid(constants, liquid, solid, neighbours);
@@ -142,7 +146,8 @@ RoleCounts predict(const SphOptions& options, const Constants& constants, Liquid
         using Kernel = std::decay_t<decltype(kernel)>;
         Kokkos::parallel_reduce("treacle::predict", fluid.count,
                                 PredictionLoop<Kernel>{laplacian_weight(kernel, constants, liquid), fluid,
-                                                       options.pressure, pressures, dt, liquid.blended_density(),
+                                                       options.pressure, pressures, dt, answer, liquid.response(),
+                                                       liquid.blended_density(),
                                                        liquid.source(), liquid.diagonal(), liquid.wall_term(),
                                                        liquid.role()},
                                 poissons, separates);
