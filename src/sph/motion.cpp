@@ -27,6 +27,15 @@ KOKKOS_INLINE_FUNCTION LossCause loss_of(const DomainBox& domain, const Vectors&
     return LossCause::none;
 }
 
+// Whether a point within the domain and a finite velocity make a closer look needless; not so for NaN.
+KOKKOS_INLINE_FUNCTION bool clearly_inside(const DomainBox& domain, const double x[3], const double u[3]) {
+    bool inside = true;
+    for (int k = 0; k < 3; ++k) {
+        const bool within = k < domain.dimensions ? x[k] >= domain.lo[k] && x[k] < domain.hi[k] : x[k] - x[k] == 0.0;
+        inside = inside && within && u[k] - u[k] == 0.0;
+    }
+    return inside;
+}
 } // namespace
 
 int move_particles(const DomainBox& domain, LiquidParticles& liquid, double dt, Use use_correction) {
@@ -34,10 +43,14 @@ int move_particles(const DomainBox& domain, LiquidParticles& liquid, double dt, 
     const double share = use_correction == Use::yes ? 1 : 0;
     int lost = 0;
     Kokkos::parallel_reduce("treacle::move", liquid.store.owned(), KOKKOS_LAMBDA(int i, int& sum) {
+        double to[3], speed[3];
         for (int k = 0; k < 3; ++k) {
+            speed[k] = u(i, k);
             const double extra = share > 0 ? correction(i, k) : 0;
-            x(i, k) = domain.wrap(k, x(i, k) + dt * (u(i, k) + extra));
+            to[k] = domain.wrap(k, x(i, k) + dt * (speed[k] + extra));
+            x(i, k) = to[k];
         }
+        if (clearly_inside(domain, to, speed)) return;
         sum += static_cast<int>(loss_of(domain, x, u, i) != LossCause::none);
     }, lost);
     return lost;
