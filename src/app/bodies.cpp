@@ -1,6 +1,6 @@
 #include "app/bodies.hpp"
 
-#include "base/text.hpp"
+#include "app/table_text.hpp"
 #include "sph/solid_scale.hpp"
 
 #include <algorithm>
@@ -228,7 +228,7 @@ void check_bodies(const Input& input, const Geometry& geometry, std::vector<Diag
     checker.overlaps([&](const scene::Body& a, const scene::Body& b, double depth) {
         if (!dynamic(a) && !dynamic(b)) return;
         problems.push_back({(dynamic(b) ? b : a).where,
-                            "bodies." + a.name + " overlaps bodies." + b.name + " by " + format_number(depth) + " m",
+                            "bodies." + a.name + " overlaps bodies." + b.name + " by " + short_number(depth) + " m",
                             "a dynamic body cannot start inside of another solid", "move one of the two"});
     });
 }
@@ -238,7 +238,7 @@ std::vector<std::string> body_notes(const Input& input, const Geometry& geometry
     if (!any_moves(input)) return notes;
     Checker(input, geometry).overlaps([&](const scene::Body& a, const scene::Body& b, double depth) {
         if (dynamic(a) || dynamic(b)) return;
-        notes.push_back("bodies." + a.name + " overlaps bodies." + b.name + " by " + format_number(depth) +
+        notes.push_back("bodies." + a.name + " overlaps bodies." + b.name + " by " + short_number(depth) +
                         " m at the start: nothing keeps them apart, and liquid between them is crushed");
     });
     for (std::size_t b = 0; b < geometry.bodies.size(); ++b) {
@@ -246,9 +246,9 @@ std::vector<std::string> body_notes(const Input& input, const Geometry& geometry
         if (!dynamic(body)) continue;
         const double ratio = density_of(body, geometry.bodies[b]) / input.scene.liquids.front().density;
         if (ratio >= light && ratio <= heavy) continue;
-        notes.push_back("bodies." + body.name + " has " + format_number(ratio) +
-                        " times the liquid's density: its motion is sure from " + format_number(light) + " to " +
-                        format_number(heavy) + " times, beyond that take smaller steps and compare");
+        notes.push_back("bodies." + body.name + " has " + short_number(ratio) +
+                        " times the liquid's density: its motion is sure from " + short_number(light) + " to " +
+                        short_number(heavy) + " times, beyond that take smaller steps and compare");
     }
     return notes;
 }

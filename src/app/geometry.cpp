@@ -61,7 +61,7 @@ Geometry build_geometry(const Input& input, const std::vector<std::string>& fold
 }
 
 scene::SurfaceSampling body_sampling(const Geometry& geometry, std::size_t body) {
-    if (geometry.moving[body] != 0) return {geometry.lattice.spacing, geometry.offset, {}};
+    if (geometry.moving[body] != 0 && geometry.bodies[body].closed()) return {geometry.lattice.spacing, geometry.offset, {}};
     scene::SurfaceSampling sampling{geometry.lattice.spacing, geometry.offset,
                                     {geometry.lattice.min, geometry.lattice.max}};
     for (std::size_t k = 0; k < static_cast<std::size_t>(geometry.lattice.dimensions); ++k) {

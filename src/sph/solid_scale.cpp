@@ -9,7 +9,7 @@ namespace {
 constexpr std::size_t most_places = 60; // on the surface, of which the mean is taken
 // Liquid that has moved stands closer to a layer than the lattice does: with these factors balls and discs of the
 // liquid's density, of 8 and 12 spacings, stay where they are (README).
-constexpr double stirred_in_space = 1.3, stirred_in_plane = 1.15;
+constexpr double stirred_in_space = 1.38, stirred_in_plane = 1.15;
 constexpr int cells_per_spacing = 4;    // of the integrals over the liquid
 
 double apart(const Vec3& a, const Vec3& b) { return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]); }
