@@ -1,6 +1,7 @@
 #include "app/command_line.hpp"
 
 #include "app/bench.hpp"
+#include "app/bench_pressure.hpp"
 #include "app/check.hpp"
 #include "app/export_frames.hpp"
 #include "app/info.hpp"
@@ -293,14 +294,16 @@ void add_bench(CLI::App& program, Chosen& chosen) {
     struct BenchWords {
         std::string kind, scene;
         BenchRequest request;
+        PressureBenchRequest pressure;
     };
     auto words = std::make_shared<BenchWords>();
     auto& app = *program.add_subcommand("bench", "What a step costs on this machine, under mpirun on all ranks.");
     app.add_option("kind", words->kind,
                    "kernels: each phase against a product with the pressure matrix; strong or weak: the same, for "
-                   "comparing numbers of ranks, with JSON in the last line")
+                   "comparing numbers of ranks, with JSON in the last line; pressure: iterations and work of the "
+                   "pressure solve by preconditioner and residual")
         ->required()
-        ->check(CLI::IsMember({"kernels", "strong", "weak"}))
+        ->check(CLI::IsMember({"kernels", "strong", "weak", "pressure"}))
         ->type_name("KIND");
     auto* particles = app.add_option("--particles", words->request.particles,
                                      "About; of a dam break (default 300000); weak: per rank");
@@ -311,6 +314,11 @@ void add_bench(CLI::App& program, Chosen& chosen) {
     app.add_option("--scene", words->scene, "A scene of your own in place of the dam break")
         ->excludes(particles)
         ->type_name("SCENE");
+    add_repeated(app, "--preconditioner", words->pressure.preconditioners,
+                 "pressure: one or several; default multilevel, multilevel_grids, jacobi.");
+    app.add_option("--residual", words->pressure.residuals, "pressure: relative, one or several; default 1e-3 1e-4 1e-6")
+        ->check(CLI::Range(1e-14, 1.0))
+        ->type_name("NUMBER");
     add_repeated(app, "--set", words->request.overrides, "Override a key of the scene: a.b.c=value.");
     app.add_option("--json", words->request.json, "Write the figures into this file")->type_name("FILE");
     add_petsc(app, chosen);
@@ -318,6 +326,13 @@ void add_bench(CLI::App& program, Chosen& chosen) {
         chosen.make = [words]() -> Command {
             return [words](const Comm& comm) {
                 auto request = words->request;
+                if (words->kind == "pressure") {
+                    auto pressure = words->pressure;
+                    pressure.particles = request.particles;
+                    pressure.overrides = request.overrides;
+                    pressure.json = request.json;
+                    return run_pressure_bench(comm, pressure);
+                }
                 request.kind = words->kind == "weak"     ? BenchKind::weak
                                : words->kind == "strong" ? BenchKind::strong
                                                          : BenchKind::kernels;

@@ -23,8 +23,14 @@ enum class Preconditioner {
 // "ic0"; the words of scene files.
 std::string_view to_string(Preconditioner preconditioner);
 
-// z = M r on this rank's rows; collective if the caller's is. M must be symmetric and positive definite.
-using UserPreconditioner = std::function<void(std::span<const double> r, std::span<double> z)>;
+// A preconditioner of the caller's own.
+struct UserPreconditioner {
+    // z = M r on this rank's rows; collective if the caller's is. M must be symmetric and positive definite.
+    std::function<void(std::span<const double> r, std::span<double> z)> apply;
+    // Collective: called before the first apply for a matrix, and again when its values have changed. May be empty.
+    std::function<void(Matrix&)> set_up;
+    explicit operator bool() const { return static_cast<bool>(apply); }
+};
 
 enum class NullSpace {
     none,

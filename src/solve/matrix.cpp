@@ -37,6 +37,11 @@ void check_row(const CsrBlocks& blocks, Index row) {
     }
 }
 
+std::int64_t next_revision() {
+    static std::int64_t last = 0;
+    return ++last;
+}
+
 // A rank without rows may come without arrays; PETSc reads the first offset all the same.
 CsrBlocks with_offsets(CsrBlocks blocks) {
     static Index zero[2] = {0, 0};
@@ -66,12 +71,12 @@ void check_pattern(const CsrBlocks& given) {
 }
 
 Matrix::Matrix(const Comm& comm, const CsrBlocks& given)
-    : comm_(comm), first_row_(given.first_row), rows_(given.rows), global_rows_(given.global_rows),
-      native_(std::make_unique<Native>()) {
+    : comm_(comm), blocks_(with_offsets(given)), first_row_(given.first_row), rows_(given.rows),
+      global_rows_(given.global_rows), revision_(next_revision()), native_(std::make_unique<Native>()) {
 #ifndef NDEBUG
     comm.guard([&] { check_pattern(given); });
 #endif
-    const CsrBlocks blocks = with_offsets(given);
+    const CsrBlocks& blocks = blocks_;
     entries_ = std::int64_t{blocks.diagonal_offsets[rows_]} + blocks.off_offsets[rows_];
     const MPI_Comm group = treacle::native(comm);
     if (comm.size() == 1) {
@@ -99,9 +104,20 @@ void Matrix::multiply(std::span<const double> x, std::span<double> y) const {
     if (addition_) addition_(x, y);
 }
 
+std::span<const Index> Matrix::halo_columns() const {
+    if (comm_.size() == 1) return {};
+    Mat off = nullptr;
+    const PetscInt* columns = nullptr;
+    check(MatMPIAIJGetSeqAIJ(native_->mat, nullptr, &off, &columns));
+    PetscInt count = 0;
+    check(MatGetSize(off, nullptr, &count));
+    return {columns, static_cast<std::size_t>(count)};
+}
+
 void Matrix::values_changed() {
     check(MatAssemblyBegin(native_->mat, MAT_FINAL_ASSEMBLY));
     check(MatAssemblyEnd(native_->mat, MAT_FINAL_ASSEMBLY));
+    revision_ = next_revision();
 }
 
 } // namespace treacle::solve

@@ -54,19 +54,27 @@ public:
     Index first_row() const { return first_row_; }
     Index rows() const { return rows_; }
     Index global_rows() const { return global_rows_; }
+    // Another number for each matrix, and after each change of values.
+    std::int64_t revision() const { return revision_; }
     // Stored entries on this rank.
     std::int64_t entries() const { return entries_; }
+    // The caller's arrays, as they are now: off_columns count the places in halo_columns().
+    const CsrBlocks& blocks() const { return blocks_; }
+    // Global numbers, rising, of the other ranks' columns that this rank's rows have.
+    std::span<const Index> halo_columns() const;
 
     struct Native;
     Native& native() const { return *native_; }
 
 private:
     Comm comm_;
+    CsrBlocks blocks_;
     Index first_row_;
     Index rows_;
     Index global_rows_;
     std::int64_t entries_;
     Addition addition_;
+    std::int64_t revision_;
     std::unique_ptr<Native> native_;
 };
 

@@ -97,6 +97,12 @@ void BuiltPreconditioner::build(Matrix& matrix, const std::string& prefix, const
     cheap_ = identity_ || is_type(pc_, PCJACOBI) || is_type(pc_, PCBJACOBI) || is_type(pc_, PCSOR);
 }
 
+void BuiltPreconditioner::set_up_user(Matrix& matrix) {
+    if (user_revision_ == matrix.revision()) return;
+    if (user_.set_up) user_.set_up(matrix);
+    user_revision_ = matrix.revision();
+}
+
 bool BuiltPreconditioner::set_up(Matrix& matrix, const std::string& prefix, const KrylovOptions& options) {
     native_ = &matrix.native();
     comm_ = matrix.comm();
@@ -105,6 +111,7 @@ bool BuiltPreconditioner::set_up(Matrix& matrix, const std::string& prefix, cons
     user_ = options.user;
     if (user_) {
         cheap_ = identity_ = false;
+        set_up_user(matrix);
         return true;
     }
     Mat current = nullptr;
@@ -130,7 +137,7 @@ void BuiltPreconditioner::project(std::span<double> z) const {
 
 void BuiltPreconditioner::apply(std::span<const double> r, std::span<double> z) {
     if (user_) {
-        user_(r, z);
+        user_.apply(r, z);
     } else {
         native_->on(r, z, [this](Vec in, Vec out) { return PCApply(pc_, in, out); });
     }
@@ -140,6 +147,7 @@ void BuiltPreconditioner::apply(std::span<const double> r, std::span<double> z) 
 void BuiltPreconditioner::release() {
     pc_.reset();
     native_ = nullptr;
+    user_revision_ = 0;
 }
 
 } // namespace treacle::solve

@@ -18,11 +18,13 @@ public:
     bool is_identity() const { return identity_; }
 
 private:
+    void set_up_user(Matrix& matrix);
     void build(Matrix& matrix, const std::string& prefix, const KrylovOptions& options);
     void project(std::span<double> z) const;
 
     PcHandle pc_;
     UserPreconditioner user_;
+    std::int64_t user_revision_ = 0; // of the matrix that the caller's preconditioner was last set up for
     Matrix::Native* native_ = nullptr;
     Comm comm_ = Comm::self();
     NullSpace null_space_ = NullSpace::none;

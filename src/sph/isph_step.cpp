@@ -11,26 +11,6 @@
 namespace treacle::sph {
 
 namespace {
-solve::Preconditioner translate(PressurePreconditioner kind) {
-    switch (kind) {
-    case PressurePreconditioner::none: return solve::Preconditioner::none;
-    case PressurePreconditioner::jacobi: return solve::Preconditioner::jacobi;
-    case PressurePreconditioner::incomplete_cholesky: return solve::Preconditioner::ic0;
-    case PressurePreconditioner::ssor: return solve::Preconditioner::ssor;
-    case PressurePreconditioner::gamg: return solve::Preconditioner::gamg;
-    case PressurePreconditioner::boomeramg: return solve::Preconditioner::boomeramg;
-    }
-    return solve::Preconditioner::ic0;
-}
-
-solve::KrylovOptions krylov_options(const SphOptions& options, int dimensions) {
-    solve::KrylovOptions out;
-    out.preconditioner = translate(options.pressure.preconditioner);
-    out.max_iterations = options.pressure.max_iterations;
-    out.strong_threshold = dimensions == 3 ? 0.5 : 0.25;
-    return out;
-}
-
 // A solid particle costs little: only those near liquid are looked at.
 constexpr double solid_weight = 0.05;
 } // namespace
@@ -38,7 +18,8 @@ constexpr double solid_weight = 0.05;
 IsphStep::IsphStep(const Comm& comm, const IsphSetup& setup)
     : comm_(comm), setup_(setup), decomposition_(comm, setup.grid),
       bodies_(setup.rigid, setup.solid_scale, setup.first_body, setup.bodies, setup.domain),
-      solver_(comm, "pressure", krylov_options(setup.options, setup.constants.dimensions)) {}
+      hierarchy_(make_hierarchy(comm, setup.options, setup.constants, setup.domain, setup.grid)),
+      solver_(comm, "pressure", krylov_options(setup.options, setup.constants.dimensions, hierarchy_.get())) {}
 
 void IsphStep::start(SolidVolumes volumes) {
     recut();
@@ -198,6 +179,7 @@ void IsphStep::solve_pressure(solve::Matrix& matrix, const PressureSystem::HostS
             },
             options.density_error, options.largest_residual);
     }
+    if (hierarchy_) hierarchy_->refer_to(liquid_, solid_);
     report.pressure =
         solver_.solve(matrix, {host.right_hand_side.data(), rows}, {host.solution.data(), rows}, test);
     system_.take_solution(host);
@@ -372,7 +354,7 @@ double IsphStep::stable_step(double cfl) const {
 
 std::size_t IsphStep::bytes() const {
     return liquid_.bytes() + solid_.store.bytes() + neighbours_.liquid.bytes() + neighbours_.solid.bytes() +
-           system_.bytes();
+           system_.bytes() + (hierarchy_ ? hierarchy_->bytes() : 0);
 }
 
 } // namespace treacle::sph

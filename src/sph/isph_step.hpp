@@ -8,6 +8,7 @@
 #include "sph/forces.hpp"
 #include "sph/motion.hpp"
 #include "sph/prediction.hpp"
+#include "sph/pressure_hierarchy.hpp"
 #include "sph/pressure_system.hpp"
 
 #include <functional>
@@ -82,7 +83,7 @@ public:
     double stable_step(double cfl) const;
 
     // Called with the pressure matrix of every step before its solve, outside of all phases: for measurements.
-    using MatrixObserver = std::function<void(const solve::Matrix&)>;
+    using MatrixObserver = std::function<void(solve::Matrix&)>;
     void observe_matrix(MatrixObserver observer) { matrix_observer_ = std::move(observer); }
 
     // Bytes that this rank's particles, lists and matrix take.
@@ -118,6 +119,7 @@ private:
     PressureSystem system_;
     Bodies bodies_;
     BodyResponse response_;
+    std::unique_ptr<PressureHierarchy> hierarchy_; // of the multilevel preconditioners
     solve::KrylovSolver solver_;
     MatrixObserver matrix_observer_;
     PhaseTimers timers_;

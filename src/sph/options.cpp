@@ -17,6 +17,24 @@ void DensityOptions::declare(Declaration& d) {
             {"must be larger than blend_from", "the blend runs from the one to the other", "5 and 15 are usual"});
 }
 
+void MultilevelOptions::declare(Declaration& d) {
+    d.number("cell", cell, unit::none, range_at_least(0),
+             "Width of the finest cells of `multilevel` in particle spacings; 0: the cells of the neighbour search, "
+             "one support radius. `multilevel_grids` always has those.");
+    d.number("overcorrection", overcorrection, unit::none, range_between(1, 1.95),
+             "What the coarse matrices of `multilevel` are divided by.");
+    d.choice("smoother", smoother,
+             {{"gauss_seidel", MultilevelSmoother::gauss_seidel}, {"jacobi", MultilevelSmoother::jacobi}},
+             "Smoother of `multilevel` on the particles. `multilevel_grids` always takes weighted Jacobi.");
+    d.number("jacobi_weight", jacobi_weight, unit::none, range_above_to(0, 1), "Weight of the Jacobi smoother.");
+    d.choice("cycle", cycle, {{"v", MultilevelCycle::v}, {"w", MultilevelCycle::w}},
+             "Each coarse level of `multilevel` once, or twice for each time of the one above. `multilevel_grids` "
+             "always takes the V-cycle.");
+    d.integer("coarse_sweeps", coarse_sweeps, range_at_least(1), "Smoothing sweeps each way on coarse levels.");
+    d.number("grid_factor", grid_factor, unit::none, range_above(0),
+             "Factor lambda of `multilevel_grids` (dissertation, section 3.5.2).");
+}
+
 void PressureOptions::declare(Declaration& d) {
     d.choice("dirichlet", dirichlet, {{"predicted", DirichletRule::predicted}, {"source", DirichletRule::source}},
              "Which particles keep zero pressure: those that one Jacobi step from the last pressures predicts to "
@@ -43,8 +61,12 @@ void PressureOptions::declare(Declaration& d) {
               {"incomplete_cholesky", PressurePreconditioner::incomplete_cholesky},
               {"ssor", PressurePreconditioner::ssor},
               {"gamg", PressurePreconditioner::gamg},
-              {"boomeramg", PressurePreconditioner::boomeramg}},
-             "Preconditioner of the conjugate gradients.");
+              {"boomeramg", PressurePreconditioner::boomeramg},
+              {"multilevel", PressurePreconditioner::multilevel},
+              {"multilevel_grids", PressurePreconditioner::multilevel_grids}},
+             "Preconditioner of the conjugate gradients: the two multilevel ones coarsen particles to cells, by sums "
+             "of the matrix's entries or by finite differences (dissertation, section 3.5).");
+    d.block("multilevel", multilevel, "The multilevel preconditioners.");
     d.choice("stop", stop, {{"density_error", StoppingRule::density_error}, {"residual", StoppingRule::residual}},
              "Iterate until the mean compression, or until the relative residual, is small enough.");
     d.number("density_error", density_error, unit::none, range_above(0),

@@ -12,7 +12,18 @@ enum class DirichletRule { predicted, source };
 enum class SolidTerm { none, decomposed, unified, amplified, exact };
 enum class BodyCoupling { implicit, one_step_late };
 enum class StoppingRule { density_error, residual };
-enum class PressurePreconditioner { none, jacobi, incomplete_cholesky, ssor, gamg, boomeramg };
+enum class PressurePreconditioner {
+    none,
+    jacobi,
+    incomplete_cholesky,
+    ssor,
+    gamg,
+    boomeramg,
+    multilevel,      // Galerkin products on cells (src/solve/README.md)
+    multilevel_grids // the dissertation's grids, 3.5
+};
+enum class MultilevelCycle { v, w };
+enum class MultilevelSmoother { gauss_seidel, jacobi };
 
 // Options of hybrid incompressible SPH (dissertation, chapter 2), as the block `method` of a scene gives them.
 struct DensityOptions {
@@ -28,13 +39,27 @@ struct DensityOptions {
     void declare(Declaration& d);
 };
 
+// Of the multilevel preconditioners.
+struct MultilevelOptions {
+    double cell = 0;             // width of the finest cells in spacings; 0: the neighbour search's
+    double overcorrection = 1.6; // what coarse matrices are divided by
+    MultilevelSmoother smoother = MultilevelSmoother::gauss_seidel;
+    double jacobi_weight = 2.0 / 3;
+    MultilevelCycle cycle = MultilevelCycle::w;
+    int coarse_sweeps = 1;
+    double grid_factor = 1.2;    // lambda of the dissertation
+
+    void declare(Declaration& d);
+};
+
 struct PressureOptions {
     DirichletRule dirichlet = DirichletRule::predicted;
     double prediction = 1;          // gamma of Eq. 2.6; the dissertation's 0.5 is noisier (README)
     SolidTerm solid_term = SolidTerm::exact;
     double amplification_limit = 2; // gamma of Eq. 3.3; the dissertation's 5 ejects lone particles (README)
     BodyCoupling body_coupling = BodyCoupling::implicit;
-    PressurePreconditioner preconditioner = PressurePreconditioner::jacobi;
+    PressurePreconditioner preconditioner = PressurePreconditioner::multilevel;
+    MultilevelOptions multilevel;
     StoppingRule stop = StoppingRule::density_error;
     double density_error = 1e-5;    // mean compression of the Poisson particles, share of the rest density
     double largest_residual = 0.1;  // relative, that the density rule must reach as well (README)

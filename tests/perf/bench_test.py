@@ -62,6 +62,26 @@ class Bench(unittest.TestCase):
         self.assertGreater(figures["own arrays per particle [B]"], 500)
         self.assertGreaterEqual(figures["imbalance"]["median"], 1)
 
+    def test_pressure_solves_one_system_with_each_preconditioner(self):
+        figures, text = self.figures("pressure", "--preconditioner", "multilevel", "--preconditioner", "jacobi",
+                                     "--residual", "1e-3", "--residual", "1e-6")
+        solves = {(one["preconditioner"], one["residual"]): one for one in figures["solves"]}
+        self.assertEqual(len(solves), 4)
+        for name, residual in solves:
+            self.assertTrue(solves[name, residual]["converged"])
+            self.assertIn(name, text)
+            self.assertGreater(solves[name, residual]["work [WU]"], solves[name, residual]["set-up [WU]"])
+        self.assertLess(solves["multilevel", 1e-3]["iterations"], solves["multilevel", 1e-6]["iterations"])
+        self.assertLess(solves["multilevel", 1e-6]["iterations"], solves["jacobi", 1e-6]["iterations"])
+        for form in figures["preconditioners"]:
+            self.assertTrue(form["positive"])
+            self.assertLess(form["asymmetry"], 1e-12)
+
+    def test_an_unknown_preconditioner_is_refused(self):
+        done = bench("pressure", "--particles", PARTICLES, "--preconditioner", "multilevle")
+        self.assertEqual(done.returncode, 2, done.stdout + done.stderr)
+        self.assertIn("multilevel", done.stdout + done.stderr)
+
     def test_strong_keeps_the_liquid_and_weak_that_of_a_rank(self):
         for kind, expected in [("strong", EDGE**3), ("weak", RANKS * EDGE**3)]:
             figures, text = self.figures(kind)

@@ -1,4 +1,4 @@
-"""`treacle bench kernels` and its figures."""
+"""`treacle bench` and its figures."""
 
 import json
 
@@ -10,6 +10,16 @@ def bench(context, particles, *, ranks):
     with scratch(context, "bench") as folder:
         path = folder / "bench.json"
         treacle(context, "bench", "kernels", "--particles", particles, "--json", path, ranks=ranks)
+        return json.loads(path.read_text())
+
+
+def pressure_bench(context, particles, preconditioners, residuals, *, ranks):
+    """What `treacle bench pressure` writes with --json."""
+    words = [word for name in preconditioners for word in ("--preconditioner", name)]
+    words += [word for residual in residuals for word in ("--residual", f"{residual:g}")]
+    with scratch(context, "bench") as folder:
+        path = folder / "bench.json"
+        treacle(context, "bench", "pressure", "--particles", particles, *words, "--json", path, ranks=ranks)
         return json.loads(path.read_text())
 
 

@@ -62,7 +62,7 @@ TEST(Breakdown, a_preconditioner_that_is_not_positive_is_reported) {
     auto system = diagonal(Comm::world(), 12, {1, 2, 3});
     const auto b = system.values(noise);
     KrylovOptions options;
-    options.user = [](std::span<const double> r, std::span<double> z) {
+    options.user.apply = [](std::span<const double> r, std::span<double> z) {
         for (std::size_t i = 0; i < r.size(); ++i) z[i] = -r[i];
     };
     EXPECT_EQ(solve(system, b, options).report.outcome, Outcome::indefinite_preconditioner);

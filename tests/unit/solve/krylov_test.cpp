@@ -238,7 +238,7 @@ TEST(Krylov, takes_a_preconditioner_of_the_callers) {
     std::vector<double> x(b.size(), 0.0);
     KrylovOptions options;
     int applied = 0;
-    options.user = [&](std::span<const double> r, std::span<double> z) {
+    options.user.apply = [&](std::span<const double> r, std::span<double> z) {
         ++applied;
         for (std::size_t i = 0; i < r.size(); ++i) z[i] = r[i] / 6;
     };

@@ -1,0 +1,71 @@
+#pragma once
+// Inside src/solve only: from one level of a multilevel hierarchy to the next.
+#include "solve/level.hpp"
+#include "solve/multilevel.hpp"
+
+#include <utility>
+
+namespace treacle::solve {
+
+// Cells with p = 0 that hold no unknown of the grid, keys rising.
+using CellSet = std::vector<CellKey>;
+inline void coarsen(CellSet& cells, int halvings) {
+    for (auto& key : cells) key >>= 3 * halvings;
+}
+void sort_unique(CellSet& cells);
+
+enum class RowOrder { along_curve, red_black };
+
+// Puts the rows of each cell of 2^halvings cells into one aggregate; cells of `dropped` get none. Local.
+void aggregate(Level& level, int halvings, RowOrder order, const CellSet& dropped);
+
+// Makes coarse matrices. Keeps its work arrays.
+class Coarsener {
+public:
+    // Collective: P^T A P / divisor in one pass over the entries of the level, and the sums of the walls.
+    void make_galerkin(const Comm& comm, Level& level, double divisor, MadeRows& made);
+    // Collective: finite differences with 7 points on the aggregates of the matrix itself. Cells that the matrix does
+    // not couple are not coupled; walls count by their mean.
+    void make_grid(const Comm& comm, Level& level, double coupling, const CellSet& dirichlet, MadeRows& made);
+
+    Index first_made() const { return first_made_; } // global number of this rank's first made row
+
+private:
+    using Entry = std::pair<Index, double>;
+    void number(const Comm& comm, Level& level);
+    void sum_rows(const Level& level, Index aggregate);
+    void add(Index place, double value);
+    Index global(Index place) const;
+    CellKey key_at(const MadeRows& made, Index place) const;
+    void end_row(MadeRows& made);
+
+    Index first_made_ = 0, made_rows_ = 0;
+    std::vector<Index> halo_aggregate_; // [halo of the level]: place among all aggregates, -1: none
+    std::vector<Index> halo_numbers_;   // global numbers of other ranks' aggregates, rising
+    std::vector<CellKey> halo_keys_;    // [halo_numbers]
+    std::vector<Index> slot_;           // where in row_ an aggregate stands, -1: nowhere
+    std::vector<Entry> row_;            // of places: this rank's aggregates, then the others
+    std::vector<double> scratch_;
+};
+
+// The move of a made level to fewer ranks, and the vectors' way there and back.
+class Gathering {
+public:
+    // Collective. Rows go to the rank's next lower multiple of the stride; other ranks are left without. 1: no move.
+    void move(const Comm& comm, int stride, Index first_made, MadeRows& made, CellSet& dropped);
+    bool moved() const { return moved_; }
+    // Collective, after the level has its numbers.
+    void connect(const Comm& comm, const Level& level);
+
+    void down(std::span<const double> made, std::span<double> level);
+    void up(std::span<const double> level, std::span<double> made);
+    std::size_t bytes() const { return down_.bytes() + up_.bytes(); }
+
+private:
+    bool moved_ = false, leads_ = false;
+    Index first_made_ = 0, made_rows_ = 0;
+    RowHalo down_, up_;
+    std::vector<Index> numbers_;
+};
+
+} // namespace treacle::solve

@@ -1,0 +1,166 @@
+#include "solve/level.hpp"
+
+#include <algorithm>
+
+namespace treacle::solve {
+
+namespace {
+constexpr int key_bits = 21;
+constexpr int key_offset = 1 << 20;
+
+// Puts two zeros after each bit.
+CellKey spread_bits(CellKey x) {
+    x &= (CellKey{1} << key_bits) - 1;
+    x = (x | x << 32) & 0x1f00000000ffff;
+    x = (x | x << 16) & 0x1f0000ff0000ff;
+    x = (x | x << 8) & 0x100f00f00f00f00f;
+    x = (x | x << 4) & 0x10c30c30c30c30c3;
+    x = (x | x << 2) & 0x1249249249249249;
+    return x;
+}
+constexpr CellKey lane = 0x1249249249249249; // the bits of x
+
+inline double gather_sum(const Index* columns, const double* values, Index begin, Index end, const double* z) {
+    double sum = 0;
+#pragma omp simd reduction(+ : sum)
+    for (Index k = begin; k < end; ++k) sum += values[k] * z[columns[k]];
+    return sum;
+}
+
+// No column comes twice in a row.
+void scatter(const Index* columns, const double* values, Index begin, Index end, double factor, double* t) {
+#pragma omp simd
+    for (Index k = begin; k < end; ++k) t[columns[k]] -= values[k] * factor;
+}
+
+double divide(double sum, double diagonal) { return diagonal > 0 ? sum / diagonal : 0.0; }
+} // namespace
+
+CellKey cell_key(const int cell[3]) {
+    CellKey key = 0;
+    for (int axis = 0; axis < 3; ++axis) key |= spread_bits(static_cast<CellKey>(cell[axis] + key_offset)) << axis;
+    return key;
+}
+
+int colour(CellKey key) { return static_cast<int>((key ^ key >> 1 ^ key >> 2) & 1); }
+
+CellKey beside(CellKey key, int face) {
+    const CellKey mask = lane << (face / 2);
+    const CellKey one = CellKey{1} << (face / 2);
+    const CellKey part = face % 2 == 0 ? ((key & mask) - one) & mask : ((key | ~mask) + one) & mask;
+    return part | (key & ~mask);
+}
+
+void Level::refer_to(const Matrix& matrix) {
+    const auto& blocks = matrix.blocks();
+    rows = matrix.rows();
+    first_row = matrix.first_row();
+    global_rows = matrix.global_rows();
+    own_ = {blocks.diagonal_offsets, blocks.diagonal_columns, blocks.diagonal_values};
+    other_ = {blocks.off_offsets, blocks.off_columns, blocks.off_values};
+    const auto columns = matrix.halo_columns();
+    halo_columns_.assign(columns.begin(), columns.end());
+    find_diagonals();
+    halo_.connect(matrix.comm(), first_row, halo_columns_);
+    t.resize(static_cast<std::size_t>(rows));
+}
+
+void Level::find_diagonals() {
+    diagonal_.resize(static_cast<std::size_t>(rows));
+    for (Index i = 0; i < rows; ++i) {
+        const Index* const begin = own_.columns + own_.offsets[i];
+        const Index* const end = own_.columns + own_.offsets[i + 1];
+        diagonal_[static_cast<std::size_t>(i)] = static_cast<Index>(std::lower_bound(begin, end, i) - own_.columns);
+    }
+}
+
+void Level::take(const Comm& comm, MadeRows& made, Index first, Index global) {
+    rows = made.rows();
+    first_row = first;
+    global_rows = global;
+    keys.swap(made.keys);
+    walls.swap(made.walls);
+    const auto& given = made.matrix;
+    const auto inside = [&](Index column) { return column >= first && column < first + rows; };
+    halo_columns_.clear();
+    for (const Index column : given.columns) {
+        if (!inside(column)) halo_columns_.push_back(column);
+    }
+    std::sort(halo_columns_.begin(), halo_columns_.end());
+    halo_columns_.erase(std::unique(halo_columns_.begin(), halo_columns_.end()), halo_columns_.end());
+    own_store_.clear();
+    other_store_.clear();
+    for (std::size_t i = 0; i < static_cast<std::size_t>(rows); ++i) {
+        for (Index k = given.offsets[i]; k < given.offsets[i + 1]; ++k) {
+            const auto at = static_cast<std::size_t>(k);
+            const Index column = given.columns[at];
+            auto& store = inside(column) ? own_store_ : other_store_;
+            const auto place = std::lower_bound(halo_columns_.begin(), halo_columns_.end(), column);
+            const auto halo_place = static_cast<Index>(place - halo_columns_.begin());
+            store.columns.push_back(inside(column) ? column - first : halo_place);
+            store.values.push_back(given.values[at]);
+        }
+        own_store_.end_row();
+        other_store_.end_row();
+    }
+    own_ = {own_store_.offsets.data(), own_store_.columns.data(), own_store_.values.data()};
+    other_ = {other_store_.offsets.data(), other_store_.columns.data(), other_store_.values.data()};
+    find_diagonals();
+    halo_.connect(comm, first, halo_columns_);
+    for (auto* vector : {&r, &z, &t}) vector->resize(static_cast<std::size_t>(rows));
+}
+
+void Level::sweep_down_from_zero(std::span<const double> r_, std::span<double> z_, std::span<double> t_) {
+    std::fill(t_.begin(), t_.end(), 0.0);
+    const Index* const columns = own_.columns;
+    const double* const values = own_.values;
+    for (Index i = 0; i < rows; ++i) {
+        const auto at = static_cast<std::size_t>(i);
+        const Index begin = own_.offsets[i], diagonal = diagonal_[at];
+        const double sum = r_[at] - gather_sum(columns, values, begin, diagonal, z_.data());
+        z_[at] = divide(sum, values[diagonal]);
+        // What is left is -U z, U the transpose of the part of the row that was just read.
+        scatter(columns, values, begin, diagonal, z_[at], t_.data());
+    }
+    const auto around = halo_.gather(z_);
+    for (Index i = 0; i < rows; ++i) {
+        if (other_.offsets[i] == other_.offsets[i + 1]) continue;
+        t_[static_cast<std::size_t>(i)] -=
+            gather_sum(other_.columns, other_.values, other_.offsets[i], other_.offsets[i + 1], around.data());
+    }
+}
+
+double Level::product(std::span<const double> z_, std::span<const double> around, std::size_t row) const {
+    const double sum = gather_sum(own_.columns, own_.values, own_.offsets[row], own_.offsets[row + 1], z_.data());
+    const Index begin = other_.offsets[row], end = other_.offsets[row + 1];
+    return begin == end ? sum : sum + gather_sum(other_.columns, other_.values, begin, end, around.data());
+}
+
+void Level::sweep_down(std::span<const double> r_, std::span<double> z_) {
+    const auto around = halo_.gather(z_);
+    for (std::size_t i = 0; i < static_cast<std::size_t>(rows); ++i) {
+        z_[i] += divide(r_[i] - product(z_, around, i), own_.values[diagonal_[i]]);
+    }
+}
+
+void Level::sweep_up(std::span<const double> r_, std::span<double> z_) {
+    const auto around = halo_.gather(z_);
+    for (std::size_t i = static_cast<std::size_t>(rows); i-- > 0;) {
+        z_[i] += divide(r_[i] - product(z_, around, i), own_.values[diagonal_[i]]);
+    }
+}
+
+void Level::residual(std::span<const double> r_, std::span<const double> z_, std::span<double> t_) {
+    const auto around = halo_.gather(z_);
+    for (std::size_t i = 0; i < static_cast<std::size_t>(rows); ++i) {
+        t_[i] = r_[i] - product(z_, around, i);
+    }
+}
+
+std::size_t Level::bytes() const {
+    return own_store_.bytes() + other_store_.bytes() + halo_.bytes() + 16 * runs.capacity() +
+           8 * (keys.capacity() + walls.capacity() + r.capacity() + z.capacity() + t.capacity()) +
+           4 * (halo_columns_.capacity() + diagonal_.capacity() + aggregate.capacity() + group.capacity());
+}
+
+} // namespace treacle::solve

@@ -1,0 +1,54 @@
+#pragma once
+#include "solve/krylov.hpp"
+#include "solve/multilevel.hpp"
+#include "sph/domain.hpp"
+#include "sph/neighbourhood.hpp"
+#include "sph/options.hpp"
+
+#include <memory>
+#include <vector>
+
+namespace treacle::sph {
+
+// The multilevel preconditioner of the pressure system: tells the algebra in which cells the unknowns lie.
+class PressureHierarchy {
+public:
+    PressureHierarchy(const Comm& comm, const SphOptions& options, const Constants& constants, const DomainBox& domain,
+                      const CellGrid& grid);
+
+    // For the solver; refers to this object.
+    solve::UserPreconditioner preconditioner();
+    // Before each solve: the particles of the system, ghosts with current roles, alive until the solve ends.
+    void refer_to(const LiquidParticles& liquid, const SolidParticles& solid) {
+        liquid_ = &liquid;
+        solid_ = &solid;
+    }
+    // Collective. What the solver calls before the first iteration.
+    void set_up(solve::Matrix& matrix);
+
+    const solve::Multilevel& multilevel() const { return multilevel_; }
+    std::size_t bytes() const;
+
+    // Part of the above; not private, since nvcc takes no kernel in a private function.
+    void locate_rows(int first_row, int rows);
+
+private:
+    void find_dirichlet_cells();
+
+    CellGrid grid_;      // of the finest level
+    DomainBox domain_;
+    const LiquidParticles* liquid_ = nullptr;
+    const SolidParticles* solid_ = nullptr;
+    solve::Multilevel multilevel_;
+    Array<int> cells_{"treacle::row_cell", 0};      // [rows * 3]
+    Array<double> walls_{"treacle::row_wall", 0};   // [rows]
+    std::vector<int> dirichlet_;                    // [n][3]
+};
+
+// The one that the options ask for; null for other preconditioners.
+std::unique_ptr<PressureHierarchy> make_hierarchy(const Comm& comm, const SphOptions& options,
+                                                  const Constants& constants, const DomainBox& domain,
+                                                  const CellGrid& grid);
+solve::KrylovOptions krylov_options(const SphOptions& options, int dimensions, PressureHierarchy* hierarchy);
+
+} // namespace treacle::sph

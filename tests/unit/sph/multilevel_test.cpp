@@ -1,0 +1,89 @@
+#include "sample.hpp"
+
+#include <gtest/gtest.h>
+
+namespace treacle::sph {
+namespace {
+
+constexpr double dt = 4e-3; // [s]
+
+SphOptions with(PressurePreconditioner preconditioner, double residual) {
+    SphOptions options;
+    options.pressure.preconditioner = preconditioner;
+    options.pressure.stop = StoppingRule::residual;
+    options.pressure.residual = residual;
+    return options;
+}
+
+// Liquid out of order that fills a tank to three quarters, each particle with the pressure of its depth.
+Sample tank(int n, int dimensions, const SphOptions& options) {
+    const double edge = n * spacing;
+    const auto domain = make_domain(dimensions, {0, 0, 0}, {edge, edge, dimensions == 3 ? edge : spacing});
+    Sample sample{make_setup(domain, options), {}, {}};
+    const std::size_t up = dimensions == 3 ? 2 : 1;
+    sample.setup.forces.gravity[up] = -9.81;
+    std::array<int, 3> count{n, n, dimensions == 3 ? n : 1};
+    count[up] = 3 * n / 4;
+    const double half = spacing / 2;
+    add_block(sample, {.corner = {half, half, dimensions == 3 ? half : 0}, .count = count, .jitter = 0.2});
+    for (auto& point : sample.liquid) point.p = rest_density * 9.81 * (count[up] * spacing - point.x[up]);
+    if (dimensions == 3) add_shell(sample, {-half, -half, -half}, {n + 2, n + 2, n + 2}, 0);
+    return sample;
+}
+
+// One step, with the roles that the given pressures say.
+std::unique_ptr<IsphStep> stepped(const Comm& comm, const Sample& sample, StepReport& report) {
+    auto step = std::make_unique<IsphStep>(comm, sample.setup);
+    put(comm, sample, step->liquid(), step->solid());
+    step->start();
+    step->start(IsphStep::SolidVolumes::keep);
+    report = step->advance(dt);
+    return step;
+}
+
+double largest_difference(const std::map<std::int64_t, State>& a, const std::map<std::int64_t, State>& b) {
+    EXPECT_EQ(a.size(), b.size());
+    double most = 0, scale = 0;
+    for (const auto& [id, state] : a) {
+        most = std::max(most, std::abs(state.p - b.at(id).p));
+        scale = std::max(scale, std::abs(state.p));
+    }
+    return most / scale;
+}
+
+} // namespace
+
+class EachHierarchy : public testing::TestWithParam<PressurePreconditioner> {
+protected:
+    const Comm comm = Comm::world();
+};
+INSTANTIATE_TEST_SUITE_P(all, EachHierarchy,
+                         testing::Values(PressurePreconditioner::multilevel, PressurePreconditioner::multilevel_grids),
+                         [](const auto& info) {
+                             return std::string(info.param == PressurePreconditioner::multilevel ? "galerkin"
+                                                                                                 : "grids");
+                         });
+
+TEST_P(EachHierarchy, gives_the_pressures_that_jacobi_gives_in_space_and_in_the_plane) {
+    for (const int dimensions : {2, 3}) {
+        StepReport report, reference;
+        const auto step = stepped(comm, tank(12, dimensions, with(GetParam(), 1e-12)), report);
+        const auto other =
+            stepped(comm, tank(12, dimensions, with(PressurePreconditioner::jacobi, 1e-12)), reference);
+        EXPECT_GT(reference.roles.poisson, 50);
+        EXPECT_LT(report.pressure.iterations, reference.pressure.iterations);
+        // The residual's 1e-12 times a condition number of some hundreds.
+        EXPECT_LE(largest_difference(all_states(comm, other->liquid()), all_states(comm, step->liquid())), 1e-9);
+    }
+}
+
+TEST_P(EachHierarchy, takes_few_iterations_on_any_number_of_ranks) {
+    StepReport report;
+    const auto step = stepped(comm, tank(20, 3, with(GetParam(), 1e-6)), report);
+    EXPECT_GT(step->system().global_rows(), 5000);
+    RecordProperty("iterations", report.pressure.iterations);
+    // Measured on 1 to 8 ranks, and a few more.
+    EXPECT_LE(report.pressure.iterations, GetParam() == PressurePreconditioner::multilevel ? 12 : 25);
+}
+
+} // namespace treacle::sph
