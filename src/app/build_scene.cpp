@@ -104,6 +104,8 @@ std::unique_ptr<sph::IsphStep> make_solver(const Comm& comm, const Input& input,
     setup.forces.viscosity = input.scene.liquids.front().viscosity;
     for (const auto& face : domain.faces) setup.forces.friction.push_back(friction_of(face.slip));
     for (const auto& body : input.scene.bodies) setup.forces.friction.push_back(friction_of(body.slip));
+    for (const auto& face : domain.faces) setup.forces.skin_friction.push_back(face.skin_friction);
+    for (const auto& body : input.scene.bodies) setup.forces.skin_friction.push_back(body.skin_friction);
     setup.reference_speed = reference_speed;
     setup.bodies = domain_sides + static_cast<int>(input.scene.bodies.size());
     if (any_moves(input)) {

@@ -30,8 +30,7 @@ sph::WallSetup wall_setup(const Input& input) {
 }
 
 double solid_offset(const Input& input) {
-    const auto& density = input.method.density;
-    return sph::rest_gap(wall_setup(input), density.blend_from, density.blend_to) - input.scene.domain.spacing / 2;
+    return sph::rest_gap(wall_setup(input), input.method.density) - input.scene.domain.spacing / 2;
 }
 
 Geometry build_geometry(const Input& input, const std::vector<std::string>& folders) {

@@ -117,6 +117,8 @@ void Body::declare(Declaration& d) {
     d.number(
         "slip_length", slip_length, unit::length, range_at_least(0),
         "With slip: slip_length, the depth behind the surface at which the velocity would be the body's.");
+    d.number("skin_friction", skin_friction, unit::none, range_between(0, 1),
+             "Coefficient c_f of turbulent flow along the surface; see domain.boundaries.x_min.skin_friction.");
     d.check((slip == Slip::slip_length) == (slip_length > 0), "slip_length",
             {"must be > 0 with slip: slip_length, and only then", "0 is no_slip", "give both or none"});
     d.vec3("velocity", velocity, unit::velocity,

@@ -19,7 +19,7 @@ struct Lattice {
     int dimensions = 3;
 
     std::array<std::int64_t, 3>
-    size() const;                 // points inside the domain, per axis; InputError when > 2^62 in all
+    size() const; // points half a spacing clear of the domain's far sides, per axis; InputError when > 2^62 in all
     std::uint64_t points() const; // product of size()
     Vec3 position(const std::array<std::int64_t, 3>& index) const;
     bool fits(int axis) const; // the domain's edge is a multiple of d, to 1e-6 d

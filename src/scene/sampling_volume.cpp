@@ -14,6 +14,9 @@ using Index = std::array<std::int64_t, 3>;
 // Points on faces are decided as if a little further along +x (less along +y, +z): round-off of decimal
 // lengths, and of meshes in single precision, is smaller than this. In spacings.
 constexpr double face_tolerance = 1e-6;
+// A point may stand this much closer than half a spacing to the far side of the domain: its density is then less
+// than a per cent too large. Farther points would be pushed out at once.
+constexpr double side_tolerance = 0.02;
 constexpr std::int64_t estimate_resolution = 128; // blocks along the longest edge of the box that is counted
 constexpr int none = -1;
 
@@ -167,7 +170,7 @@ std::array<std::int64_t, 3> Lattice::size() const {
     Index n{1, 1, 1};
     double total = 1;
     for (int a = 0; a < dimensions; ++a) {
-        const double count = std::max(0.0, std::ceil((max[a] - min[a]) / spacing - 0.5 - face_tolerance));
+        const double count = std::floor((max[a] - min[a]) / spacing + side_tolerance);
         total *= count;
         if (!(total < 4e18))
             throw InputError({"", "the domain holds more than 4e18 lattice points",
@@ -268,6 +271,15 @@ Overlap find_overlap(const Regions& liquid, const Regions& solids, const Lattice
 }
 
 namespace {
+// Points inside the domain, those too close to its far sides for a particle among them.
+Index points_before_far_sides(const Lattice& lattice) {
+    Index n = lattice.size();
+    for (int a = 0; a < lattice.dimensions; ++a)
+        while (lattice.min[a] + (static_cast<double>(n[a]) + 0.5 - face_tolerance) * lattice.spacing < lattice.max[a])
+            ++n[a];
+    return n;
+}
+
 // Cuts off what reaches beyond the domain: the box keeps the part inside.
 std::vector<IndexBox> cut_outside(IndexBox& box, const Index& size) {
     std::vector<IndexBox> outside;
@@ -306,7 +318,7 @@ Overlap find_outside(const Regions& liquid, const Lattice& lattice) {
     // Thin parts point by point, so that liquid which only touches a side of the domain is not taken for outside.
     constexpr std::int64_t thin = 4;
     constexpr std::uint64_t most_points = 100'000'000;
-    for (const IndexBox& part : cut_outside(box, lattice.size())) {
+    for (const IndexBox& part : cut_outside(box, points_before_far_sides(lattice))) {
         std::int64_t thickness = part.hi[0] - part.lo[0];
         for (int a = 1; a < lattice.dimensions; ++a) thickness = std::min(thickness, part.hi[a] - part.lo[a]);
         const bool by_point = thickness <= thin && part.points() <= most_points;

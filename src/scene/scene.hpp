@@ -21,12 +21,14 @@ struct Face {
     FaceKind kind = FaceKind::wall;
     Slip slip = Slip::free_slip;
     double slip_length = 0; // [m]
+    double skin_friction = 0; // c_f
     std::string where;
 
     void declare(Declaration& d);
     // Where it was written does not count.
     bool operator==(const Face& other) const {
-        return kind == other.kind && slip == other.slip && slip_length == other.slip_length;
+        return kind == other.kind && slip == other.slip && slip_length == other.slip_length &&
+               skin_friction == other.skin_friction;
     }
 };
 
@@ -75,6 +77,7 @@ struct Body {
     double mass = 0;    // [kg], in the plane [kg/m]
     Slip slip = Slip::free_slip;
     double slip_length = 0;         // [m]
+    double skin_friction = 0;       // c_f
     Vec3 velocity{0, 0, 0};         // [m/s] dynamic: at the start; kinematic: all the time
     Vec3 angular_velocity{0, 0, 0}; // [rad/s] about the centre of mass, or the pivot
     std::optional<Vec3> pivot;      // [m] kinematic: point of the body, at the start, that rotations leave in place

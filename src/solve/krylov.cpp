@@ -40,10 +40,11 @@ ConvergenceTest ConvergenceTest::residual(double relative, double absolute) {
 }
 
 ConvergenceTest ConvergenceTest::measure(std::function<double(std::span<const double>)> local,
-                                         double threshold) {
+                                         double threshold, double relative) {
     ConvergenceTest test;
     test.local = std::move(local);
     test.threshold = threshold;
+    test.relative = relative;
     return test;
 }
 
@@ -104,8 +105,8 @@ bool Run::breaks_down(double product, Outcome indefinite) {
 bool Run::judge(double rr, double measured) {
     report.error_measure = test.local ? measured : std::sqrt(rr);
     if (!std::isfinite(rr) || !std::isfinite(report.error_measure)) return end(Outcome::non_finite);
-    const bool passed = test.local ? measured < test.threshold
-                                   : report.error_measure <= std::max(test.relative * norm_b, test.absolute);
+    const bool small = std::sqrt(rr) <= std::max(test.relative * norm_b, test.absolute);
+    const bool passed = small && (!test.local || measured < test.threshold);
     if (passed) return end(Outcome::converged);
     if (rr == 0) return end(Outcome::stagnated);
     return false;

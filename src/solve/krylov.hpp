@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <span>
 #include <string>
@@ -46,9 +47,12 @@ struct ConvergenceTest {
     // ||r|| <= max(relative ||b||, absolute), norms without the preconditioner.
     static ConvergenceTest residual(double relative, double absolute = 0);
     // Sum over the ranks of local(r of this rank's rows) < threshold; local must not throw nor communicate.
+    // And ||r|| <= relative ||b||.
     // Average density error, dissertation 2.5.1: local = sum max(0, -r_i) dt^2 / (N rho_0), threshold = eta.
-    static ConvergenceTest measure(std::function<double(std::span<const double>)> local, double threshold);
+    static ConvergenceTest measure(std::function<double(std::span<const double>)> local, double threshold,
+                                   double relative = unbounded);
 
+    static constexpr double unbounded = std::numeric_limits<double>::infinity();
     double relative = 0;
     double absolute = 0;
     std::function<double(std::span<const double>)> local;

@@ -18,24 +18,29 @@ struct ForceLoop {
         const Constants& c = fluid.constants;
         const auto& u = fluid.velocity;
         double ax = gravity[0], ay = gravity[1], az = gravity[2];
+        Lanes fx = 0.0, fy = 0.0, fz = 0.0;
         const double soft = 0.01 * c.support * c.support;
         // Densities of pairs are the rest density here: the liquid is incompressible, and a division less counts.
         const double laminar = 2 * (Kernel::dimensions + 2) * viscosity / (c.rest_density * c.rest_density);
         const double colliding = artificial / c.rest_density;
         const double ux = u(i, 0), uy = u(i, 1), uz = u(i, 2);
         if (artificial > 0 || viscosity > 0) {
-            const auto row = fluid.liquid.row(i);
-            TREACLE_SIMD_SUM(ax, ay, az)
-            for (int k = 0; k < row.count; ++k) {
-                const int j = row.index[k];
-                const auto d = row.separation(j);
-                const double approach = (ux - u(j, 0)) * d.x + (uy - u(j, 1)) * d.y + (uz - u(j, 2)) * d.z;
-                const double drag = laminar * approach + colliding * math::min(approach, 0.0);
-                const double f = c.mass * drag / (d.r2 + soft) * kernel.gradient(math::sqrt(d.r2));
-                ax += f * d.x;
-                ay += f * d.y;
-                az += f * d.z;
+            const Row row = fluid.row(i);
+            for (int k = 0; k < row.count; k += lanes) {
+                const auto d = row.near(k);
+                const auto v = fluid.motions(row, k);
+                const auto along = distance(d.r2);
+                const Lanes approach = (ux - v.x) * d.x + (uy - v.y) * d.y + (uz - v.z) * d.z;
+                const Lanes drag = laminar * approach + colliding * math::min(approach, Lanes(0.0));
+                const Lanes f = row.within(k, c.mass * drag * inverse(d.r2 + soft) *
+                                                  kernel.gradient(along.r, along.inverse));
+                fx = fx + f * d.x;
+                fy = fy + f * d.y;
+                fz = fz + f * d.z;
             }
+            ax += sum_lanes(fx);
+            ay += sum_lanes(fy);
+            az += sum_lanes(fz);
         }
         fluid.solid.each(i, [&](int s, double dx, double dy, double dz, double r2) {
             const double grip = friction(fluid.solid_body(s));
@@ -59,23 +64,23 @@ template <class Kernel>
 struct PressureForceLoop {
     Kernel kernel;
     Fluid fluid;
-    Array3 acceleration;
+    Array3 velocity;
+    double dt;
 
     KOKKOS_INLINE_FUNCTION void operator()(int i) const {
         const Constants& c = fluid.constants;
-        const auto& load = fluid.load;
-        const double own = load(i);
-        double ax = 0, ay = 0, az = 0;
-        const auto row = fluid.liquid.row(i);
-        TREACLE_SIMD_SUM(ax, ay, az)
-        for (int k = 0; k < row.count; ++k) {
-            const int j = row.index[k];
-            const auto d = row.separation(j);
-            const double f = -c.mass * (own + load(j)) * kernel.gradient(math::sqrt(d.r2));
-            ax += f * d.x;
-            ay += f * d.y;
-            az += f * d.z;
+        const double own = fluid.load(i);
+        const Row row = fluid.row(i);
+        Lanes fx = 0.0, fy = 0.0, fz = 0.0;
+        for (int k = 0; k < row.count; k += lanes) {
+            const auto d = row.near(k);
+            const auto along = distance(d.r2);
+            const Lanes f = row.within(k, -c.mass * (own + d.number) * kernel.gradient(along.r, along.inverse));
+            fx = fx + f * d.x;
+            fy = fy + f * d.y;
+            fz = fz + f * d.z;
         }
+        double ax = sum_lanes(fx), ay = sum_lanes(fy), az = sum_lanes(fz);
         if (own > 0) {
             fluid.solid.each(i, [&](int s, double dx, double dy, double dz, double r2) {
                 const double f =
@@ -85,9 +90,9 @@ struct PressureForceLoop {
                 az += f * dz;
             });
         }
-        acceleration(i, 0) = ax;
-        acceleration(i, 1) = ay;
-        acceleration(i, 2) = az;
+        velocity(i, 0) += dt * ax;
+        velocity(i, 1) += dt * ay;
+        velocity(i, 2) += dt * az;
     }
 };
 
@@ -111,15 +116,8 @@ struct BodyLoadLoop {
     }
     KOKKOS_INLINE_FUNCTION void add(value_type sum, int s, const double force[3]) const {
         const auto& x = fluid.solid.among;
-        const int body = fluid.solid_body(s);
         const double place[3] = {x(s, 0), x(s, 1), x(s, 2)};
-        double arm[3];
-        points.arm(body, place, arm);
-        double* load = sum + 6 * body;
-        for (int k = 0; k < 3; ++k) load[k] += force[k];
-        load[3] += arm[1] * force[2] - arm[2] * force[1];
-        load[4] += arm[2] * force[0] - arm[0] * force[2];
-        load[5] += arm[0] * force[1] - arm[1] * force[0];
+        points.add(sum, fluid.solid_body(s), place, force);
     }
     KOKKOS_INLINE_FUNCTION void operator()(int i, value_type sum) const {
         const Constants& c = fluid.constants;
@@ -205,6 +203,8 @@ Array<double> upload(const std::vector<double>& values) {
 BodyLoads apply_forces(const SphOptions& options, const ForceOptions& forces, const Constants& constants,
                        LiquidParticles& liquid, const SolidParticles& solid, const Neighbourhood& neighbours,
                        double dt, const LoadPoints& points) {
+    write_places(liquid, liquid.volume());
+    write_motions(liquid);
     const auto fluid = gather_fluid(constants, liquid, solid, neighbours);
     const auto& g = forces.gravity;
     const auto friction = upload(forces.friction);
@@ -244,19 +244,19 @@ void compute_loads(const Constants& constants, LiquidParticles& liquid) {
 BodyLoads apply_pressure(const SphOptions& options, const Constants& constants, LiquidParticles& liquid,
                          const SolidParticles& solid, const Neighbourhood& neighbours, const LoadPoints& points,
                          double dt) {
+    write_places(liquid, liquid.load());
     const auto fluid = gather_fluid(constants, liquid, solid, neighbours);
     BodyLoads loads(static_cast<std::size_t>(6 * points.count), 0.0);
     with_kernel(options.kernel, constants.dimensions, constants.support, [&](const auto& kernel) {
         using Kernel = std::decay_t<decltype(kernel)>;
         Kokkos::parallel_for("treacle::pressure_force", fluid.count,
-                             PressureForceLoop<Kernel>{kernel, fluid, liquid.acceleration()});
+                             PressureForceLoop<Kernel>{kernel, fluid, liquid.velocity(), dt});
         if (neighbours.solid.size > 0) {
             Kokkos::parallel_reduce("treacle::body_loads", fluid.count,
                                     BodyLoadLoop<Kernel>{kernel, fluid, points, loads.size()},
                                     HostLoads(loads.data(), loads.size()));
         }
     });
-    accelerate(liquid, dt);
     return loads;
 }
 

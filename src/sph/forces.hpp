@@ -13,6 +13,7 @@ struct ForceOptions {
     double artificial = 0;         // alpha h c of Monaghan 1992 [m2/s]
     double viscosity = 0;          // dynamic viscosity of the liquid [Pa s]
     std::vector<double> friction;  // per body: 0 free slip, 1 no slip
+    std::vector<double> skin_friction; // per body: c_f
 };
 
 // Force [N] and torque [N m] on each body, 6 numbers a body; the torque about the body's load point.

@@ -2,6 +2,7 @@
 
 #include "base/error.hpp"
 #include "sph/density.hpp"
+#include "sph/skin_friction.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -71,6 +72,8 @@ std::vector<std::int64_t> IsphStep::decomposition_state() const {
 }
 
 namespace {
+// The cells of a store's particles with their weights. Liquid lies in the grid; a solid may reach beyond it and then
+// counts for the nearest cell, whose rank owns it.
 void append_weights(const ParticleStore& store, const CellGrid& grid, double weight, std::vector<int>& cells,
                     std::vector<double>& weights) {
     const auto x = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), store.position());
@@ -78,6 +81,7 @@ void append_weights(const ParticleStore& store, const CellGrid& grid, double wei
     for (int i = 0; i < store.owned(); ++i) {
         int c[3];
         grid.locate(x(i, 0), x(i, 1), x(i, 2), c);
+        for (int k = 0; k < 3; ++k) c[k] = std::clamp(c[k], 0, grid.count[k] - 1);
         if (i > 0 && c[0] == last[0] && c[1] == last[1] && c[2] == last[2]) {
             weights.back() += weight; // sorted particles share their cell with the one before
             continue;
@@ -158,6 +162,11 @@ void IsphStep::refresh() {
     Kokkos::deep_copy(liquid_.role(), static_cast<int>(Role::poisson));
 }
 
+PressureSystem::HostSystem IsphStep::hand_over() {
+    const auto phase = timers_.scope("hand over");
+    return system_.to_host();
+}
+
 solve::Matrix IsphStep::wrap_matrix(const PressureSystem::HostSystem& host) {
     const auto phase = timers_.scope("hand over");
     solve::CsrBlocks blocks;
@@ -187,7 +196,7 @@ void IsphStep::solve_pressure(solve::Matrix& matrix, const PressureSystem::HostS
                 for (const double r : residual) sum += std::max(0.0, r);
                 return sum * scale;
             },
-            options.density_error);
+            options.density_error, options.largest_residual);
     }
     report.pressure =
         solver_.solve(matrix, {host.right_hand_side.data(), rows}, {host.solution.data(), rows}, test);
@@ -212,6 +221,8 @@ void IsphStep::accelerate(StepReport& report, double dt) {
     bodies_.set_velocities(solid_);
     report.viscous_loads = apply_forces(setup_.options, setup_.forces, setup_.constants, liquid_, solid_, neighbours_,
                                         dt, bodies_.load_points());
+    apply_skin_friction(setup_.options, setup_.constants, liquid_, solid_, neighbours_,
+                        {setup_.forces.skin_friction, bodies_.load_points(), dt}, report.viscous_loads);
     halo_.gather(liquid_.store, {liquid_.velocity_field(), liquid_.pressure_field()});
     if (!bodies_.any_dynamic()) return;
     comm_.sum(std::span(report.viscous_loads));
@@ -239,13 +250,13 @@ void IsphStep::move(StepReport& report, double dt) {
         halo_.gather(liquid_.store, {liquid_.velocity_field()});
         compute_xsph(setup_.options, setup_.constants, liquid_, solid_, neighbours_);
     }
-    move_particles(setup_.domain, liquid_, dt, smooth ? Use::yes : Use::no);
+    const int lost = move_particles(setup_.domain, liquid_, dt, smooth ? Use::yes : Use::no);
     if (bodies_.any_moves()) {
         bodies_.rigid.move(dt);
         bodies_.place(solid_);
     }
     report.imbalance = load_imbalance(comm_, liquid_.store.owned());
-    report.lost = remove_lost(setup_.domain, liquid_);
+    if (lost > 0) report.lost = remove_lost(setup_.domain, liquid_);
     collect(report);
 }
 
@@ -284,14 +295,14 @@ StepReport IsphStep::advance(double dt) {
                                answering ? Answer::bodies : Answer::none); // (S5), (S6)
         last_pressures_ = LastPressures::known;
         halo_.gather(liquid_.store, {liquid_.role_field()});
-        report.anchored = anchoring_.anchor(comm_, liquid_, neighbours_, halo_);
+        report.anchored = anchoring_.anchor(options, constants, comm_, liquid_, neighbours_, halo_);
     }
     {
         const auto phase = timers_.scope("assemble");
         system_.assemble(options, constants, comm_, liquid_, neighbours_, halo_);
     }
     {
-        const auto host = system_.to_host();
+        const auto host = hand_over();
         auto matrix = wrap_matrix(host);
         if (answering) matrix.set_addition(response_.addition(comm_, liquid_, system_));
         if (matrix_observer_) matrix_observer_(matrix);
@@ -360,7 +371,7 @@ double IsphStep::stable_step(double cfl) const {
 }
 
 std::size_t IsphStep::bytes() const {
-    return liquid_.store.bytes() + solid_.store.bytes() + neighbours_.liquid.bytes() + neighbours_.solid.bytes() +
+    return liquid_.bytes() + solid_.store.bytes() + neighbours_.liquid.bytes() + neighbours_.solid.bytes() +
            system_.bytes();
 }
 

@@ -95,6 +95,7 @@ private:
     void place_solids();
     void find_neighbours();
     void update_density(StepReport& report);
+    PressureSystem::HostSystem hand_over();
     void accelerate(StepReport& report, double dt);
     void push_by_pressure(StepReport& report, double dt);
     void move(StepReport& report, double dt);

@@ -121,13 +121,12 @@ PlanarWall measure_aligned(const WallSetup& setup, double gap) {
 }
 } // namespace
 
-double rest_gap(const WallSetup& setup, double blend_from, double blend_to) {
+double rest_gap(const WallSetup& setup, const DensityOptions& density) {
     double lo = 0.3 * setup.spacing, hi = setup.support;
     for (int k = 0; k < 60; ++k) {
         const double gap = (lo + hi) / 2;
         const auto wall = measure_aligned(setup, gap);
-        const double zeta =
-            std::clamp((wall.wall_neighbours - blend_from) / (blend_to - blend_from), 0.0, 1.0);
+        const double zeta = density.spiky_share(wall.wall_neighbours);
         const double ratio = (1 - zeta) * wall.density_ratio + zeta * wall.number_ratio;
         (ratio > 1 ? lo : hi) = gap;
     }

@@ -1,5 +1,5 @@
 #pragma once
-#include "sph/kernels.hpp"
+#include "sph/options.hpp"
 
 namespace treacle::sph {
 
@@ -37,8 +37,7 @@ struct WallSetup {
 // Mean over three lateral offsets of the two lattices: none, half a spacing along one and along both directions.
 PlanarWall measure_wall(const WallSetup& setup, double gap);
 
-// The distance from a wall layer at which the first layer of a resting lattice has its rest density, by the
-// blended density of Eq. 2.3 with the given bounds of M [m].
-double rest_gap(const WallSetup& setup, double blend_from, double blend_to);
+// The distance from a wall layer at which the first layer of a resting lattice has its rest density [m].
+double rest_gap(const WallSetup& setup, const DensityOptions& density);
 
 } // namespace treacle::sph

@@ -24,6 +24,17 @@ struct LoadPoints {
             if (period[k] > 0) out[k] -= period[k] * math::floor(out[k] / period[k] + 0.5);
         }
     }
+
+    // Adds a force [N] at a point of a body to the loads, 6 numbers a body.
+    KOKKOS_INLINE_FUNCTION void add(double loads[], int body, const double x[3], const double force[3]) const {
+        double lever[3];
+        arm(body, x, lever);
+        double* load = loads + 6 * body;
+        for (int k = 0; k < 3; ++k) load[k] += force[k];
+        load[3] += lever[1] * force[2] - lever[2] * force[1];
+        load[4] += lever[2] * force[0] - lever[0] * force[2];
+        load[5] += lever[0] * force[1] - lever[1] * force[0];
+    }
 };
 
 } // namespace treacle::sph

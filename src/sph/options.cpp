@@ -49,6 +49,9 @@ void PressureOptions::declare(Declaration& d) {
              "Iterate until the mean compression, or until the relative residual, is small enough.");
     d.number("density_error", density_error, unit::none, range_above(0),
              "Mean compression of the Poisson particles at which iterating ends, as a share of the density.");
+    d.number("largest_residual", largest_residual, unit::none, range_above_to(0, 1),
+             "Relative residual that must be reached as well, with `stop: density_error`: gravity compresses only the "
+             "lowest layer in a step, too little to count on average, and the liquid would fall until it does.");
     d.number("residual", residual, unit::none, range_above_to(0, 1),
              "Relative residual at which iterating ends, with `stop: residual`.");
     d.integer("max_iterations", max_iterations, range_at_least(1),

@@ -20,6 +20,11 @@ struct DensityOptions {
     double blend_from = 5; // alpha of Eq. 2.3: wall neighbours below which the smooth kernel rules alone
     double blend_to = 15;  // beta: from which the spiky kernel rules alone
 
+    // Share of the spiky kernel's density at a number of solid neighbours (zeta of Eq. 2.3).
+    KOKKOS_INLINE_FUNCTION double spiky_share(double wall_neighbours) const {
+        if (kind != DensityKind::blended) return kind == DensityKind::spiky ? 1.0 : 0.0;
+        return math::min(math::max((wall_neighbours - blend_from) / (blend_to - blend_from), 0.0), 1.0);
+    }
     void declare(Declaration& d);
 };
 
@@ -32,6 +37,7 @@ struct PressureOptions {
     PressurePreconditioner preconditioner = PressurePreconditioner::jacobi;
     StoppingRule stop = StoppingRule::density_error;
     double density_error = 1e-5;    // mean compression of the Poisson particles, share of the rest density
+    double largest_residual = 0.1;  // relative, that the density rule must reach as well (README)
     double residual = 1e-6;         // relative, for the residual rule
     int max_iterations = 2000;
 

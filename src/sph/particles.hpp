@@ -31,6 +31,12 @@ public:
           component_(store.add<Array<int>>("component", "", FieldRole::work)) {}
 
     ParticleStore store;
+    // Copies of what pair sums read of a neighbour, one load each; of owned and ghost particles. Each loop over pairs
+    // writes anew what it reads.
+    Array4 place{"treacle::place", 0};   // x, y, z, and a number that is the loop's: volume or load
+    Array4 motion{"treacle::motion", 0}; // ux, uy, uz, p
+    std::size_t bytes() const { return store.bytes() + 8 * (place.span() + motion.span()); }
+
     const Array3& position() const { return store.position(); }
     const Array<std::int64_t>& id() const { return store.id(); }
     const Array3& velocity() const { return store.get<Array3>(velocity_); }

@@ -49,22 +49,22 @@ struct PredictionLoop {
         const double ux = u(i, 0), uy = u(i, 1), uz = u(i, 2);
         const bool decomposed = options.solid_term == SolidTerm::decomposed && fluid.solid.count(i) > 0;
         RowSums out;
-        double divergence = 0, weights = 0, weighted = 0;
-        const auto row = fluid.liquid.row(i);
-        TREACLE_SIMD_SUM(divergence, weights, weighted)
-        for (int k = 0; k < row.count; ++k) {
-            const int j = row.index[k];
-            const auto d = row.separation(j);
-            const double r = math::sqrt(d.r2);
-            const double a = laplacian.weight(volume + laplacian.volume(j), d.r2, r);
-            divergence += laplacian.kernel.gradient(r) *
-                          ((ux - u(j, 0)) * d.x + (uy - u(j, 1)) * d.y + (uz - u(j, 2)) * d.z);
-            weights += a;
-            weighted += a * fluid.pressure(j);
+        Lanes divergence = 0.0, weights = 0.0, weighted = 0.0;
+        const Row row = fluid.row(i);
+        for (int k = 0; k < row.count; k += lanes) {
+            const auto d = row.near(k);
+            const auto m = fluid.motions(row, k);
+            const auto along = distance(d.r2);
+            // W' r is grad r^2 here; the matrix computes its a_ij without the division.
+            const Lanes gradient = row.within(k, laplacian.kernel.gradient(along.r, along.inverse));
+            const Lanes a = laplacian.weight_of(volume + d.number, d.r2, gradient * d.r2);
+            divergence = divergence + gradient * ((ux - m.x) * d.x + (uy - m.y) * d.y + (uz - m.z) * d.z);
+            weights = weights + a;
+            weighted = weighted + a * m.w;
         }
-        out.divergence = c.mass * divergence;
-        out.weights = weights;
-        out.weighted = weighted;
+        out.divergence = c.mass * sum_lanes(divergence);
+        out.weights = sum_lanes(weights);
+        out.weighted = sum_lanes(weighted);
         if (decomposed) {
             fluid.liquid.each(i, [&](int j, double dx, double dy, double dz, double r2) {
                 const double half = 0.5 * (volume + laplacian.volume(j)) * laplacian.kernel.gradient(math::sqrt(r2));
@@ -138,6 +138,8 @@ struct PredictionLoop {
 RoleCounts predict(const SphOptions& options, const Constants& constants, LiquidParticles& liquid,
                    const SolidParticles& solid, const Neighbourhood& neighbours, LastPressures pressures,
                    double dt, Answer answer) {
+    write_places(liquid, liquid.volume());
+    write_motions(liquid);
     const auto fluid = gather_fluid(constants, liquid, solid, neighbours);
     int poissons = 0, separates = 0;
     with_kernel(options.kernel, constants.dimensions, constants.support, [&](const auto& kernel) {

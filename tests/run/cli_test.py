@@ -3,6 +3,7 @@
 
 usage: cli_test.py PROGRAM MPIEXEC GROUP RANKS
 """
+import csv
 import json
 import os
 import re
@@ -245,6 +246,14 @@ class WithRun(Workplace):
             self.assertIn(os.path.join("column", name), files)
         self.assertEqual(len([name for name in files if re.search(r"frame_\d+\.hdf$", name)]), 5)
         self.assertFalse([name for name in files if name.endswith(".tmp")])
+
+    def test_measurements_start_with_what_the_scene_says(self):
+        with open(self.path("column", "measurements.csv")) as file:
+            first = next(csv.DictReader(file))
+        # The column is 0.16 x 0.2 m; particles fill a per mille less than their cubes, as the kernel sums have it.
+        self.assertAlmostEqual(float(first["front [m]"]), 0.16, delta=1e-9)
+        self.assertAlmostEqual(float(first["height [m]"]), 0.2, delta=5e-4)
+        self.assertEqual(float(first["dry [m]"]), 0)
 
     def test_an_existing_folder_is_refused_and_untouched(self):
         before = {name: os.stat(self.path(name)).st_mtime_ns for name in self.listing()}

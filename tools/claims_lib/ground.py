@@ -211,7 +211,7 @@ def resuming(context):
 def lost_particles(context):
     with scratch(context, "lost") as folder:
         run = run_scene(context, scene(context, "dam_break"), folder / "run", timeout=4 * 3600, set={
-            "domain.spacing": 0.0155 if context.quick else 0.008, "time.end": 2, "lost_limit": 1,
+            "domain.spacing": 0.0155 if context.quick else 0.0074, "time.end": 2, "lost_limit": 1,
             "output.interval": 0, "output.checkpoint_interval": 0})
         steps = run.steps()
         causes = {cause: int(steps[cause].max()) for cause in ("lost by leak", "lost as non-finite", "lost by outflow")}

@@ -173,6 +173,20 @@ TEST(VolumeSampling, LiquidOutsideTheDomainIsCountedWithAnExample) {
     EXPECT_EQ(find_outside({SolidRegion(everything)}, lattice).count, 0u);
 }
 
+TEST(VolumeSampling, InADomainThatIsNoMultipleOfTheSpacingNoParticleIsCloseToTheFarSide) {
+    for (const double spacing : {0.0074, 0.0076, 0.0079, 0.0083, 0.3 / 40.01, 0.3 / 39.99}) {
+        const Lattice lattice{spacing, {0, 0, 0}, {0.3, 0.3, 0.3}, 3};
+        const Regions liquid{SolidRegion(box({0, 0, 0}, {0.3, 0.3, 0.3}))};
+        const auto samples = fill_volume({{liquid}, {}, 0, lattice, {}});
+        double last = 0;
+        for (const Vec3& x : samples.positions) last = std::max({last, x[0], x[1], x[2]});
+        // 0.02 spacings raise the density next to a wall by 0.8 %.
+        EXPECT_LE(last, 0.3 - 0.48 * spacing) << spacing;
+        EXPECT_GT(last, 0.3 - 1.48 * spacing) << spacing;
+        EXPECT_EQ(find_outside(liquid, lattice).count, 0u) << "what has no room is not outside of the domain";
+    }
+}
+
 TEST(VolumeSampling, ALiquidAThousandTimesTooLargeIsFoundOutAtOnce) {
     const Lattice lattice{0.001, {0, 0, 0}, {1, 1, 1}, 3}; // millimetres taken for metres
     const Overlap overlap = find_outside({SolidRegion(round(ShapeKind::sphere, {0, 0, 0}, 1000))}, lattice);

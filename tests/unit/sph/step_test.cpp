@@ -35,7 +35,7 @@ Sample dam_break() {
     sample.setup.forces.gravity = {0, 0, -9.81};
     sample.setup.forces.artificial = 0.1 * c.support * 1.9; // sqrt(g H) is 1.9 m/s
     add_block(sample, {{spacing / 2, spacing / 2, spacing / 2}, {6, 6, 6}});
-    const double gap = rest_gap({sample.setup.options.kernel, 3, c.support, spacing, spacing}, 5, 15);
+    const double gap = rest_gap({sample.setup.options.kernel, 3, c.support, spacing, spacing}, sample.setup.options.density);
     const double out = gap - spacing / 2;
     for (int j = 0; j < 6; ++j) {
         const double y = (j + 0.5) * spacing;
@@ -223,6 +223,25 @@ TEST(IsphStep, AnUnconvergedSolveEndsTheRunOnEveryRank) {
         EXPECT_NE(std::string(error.what()).find("pressure"), std::string::npos);
     }
     EXPECT_EQ(code, 3);
+}
+
+TEST(Step, SolidsOutsideTheGridCountForItsNearestCell) {
+    const auto boxes = [](double below) {
+        auto sample = dam_break();
+        for (int k = 0; k < 2000; ++k) {
+            const double x = (17 + 0.5 * k / 2000) * spacing;
+            sample.solid.push_back({{x, 3.1 * spacing, -below}, 1});
+        }
+        const auto step = started(Comm::world(), sample);
+        EXPECT_EQ(step->comm().sum(std::int64_t(step->solid().store.owned())), std::int64_t(sample.solid.size()));
+        std::vector<int> out;
+        for (const auto& box : step->decomposition().boxes()) {
+            out.insert(out.end(), box.lo, box.lo + 3);
+            out.insert(out.end(), box.hi, box.hi + 3);
+        }
+        return out;
+    };
+    EXPECT_EQ(boxes(20 * spacing), boxes(0.5 * spacing));
 }
 
 } // namespace treacle::sph
