@@ -162,6 +162,12 @@ class Serial(Workplace):
             done = self.treacle(*command, COLUMN, "--set", "liquids.water.material=water")
             self.assertIn("does not model the surface tension of water", done.stdout + done.stderr)
 
+    def test_a_risky_density_is_told_with_its_number(self):
+        raft = os.path.join(SCENES, "raft.yaml")
+        self.assertIn("no warnings", self.treacle("check", raft).stdout)
+        light = self.treacle("check", raft, "--set", "bodies.raft.density=10").stdout
+        self.assertIn("warning: bodies.raft has 0.01 times the liquid's density", light)
+
     def test_thin_bodies_are_told(self):
         thin = ["--set", "bodies.post.shape.box.max=[0.281, 0.1]"]
         for command in [["check"], ["run", "--out", "told"]]:

@@ -18,6 +18,7 @@ SHORTENED = {
     "dam_break": {"domain.spacing": "0.04", "time.end": "0.15"},
     "floating_body": {"domain.spacing": "0.02", "time.end": "0.07"},
     "floating_cube": {"time.end": "0.04"},
+    "hanging_ball": {"domain.spacing": "0.02", "time.end": "0.07"},
     "hydrostatic_column": {"time.end": "0.02"},
     "koshizuka_oka": {"domain.spacing": "0.0146", "time.end": "0.08"},
     "martin_moyce": {"domain.spacing": "0.0057", "time.end": "0.06"},
