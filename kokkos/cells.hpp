@@ -59,11 +59,12 @@ struct CellGrid {
     int count[3] = {1, 1, 1};
     int dimensions = 3;
 
+    // What lies outside belongs to the nearest cell of the border: neighbours stay in adjacent cells.
     KOKKOS_INLINE_FUNCTION void locate(double x, double y, double z, int c[3]) const {
         const double p[3] = {x, y, z};
         for (int k = 0; k < 3; ++k) {
             c[k] = static_cast<int>(math::floor((p[k] - origin[k]) * inverse_width[k]));
-            if (period[k] > 0) c[k] = math::min(math::max(c[k], 0), count[k] - 1);
+            c[k] = math::min(math::max(c[k], 0), count[k] - 1);
         }
     }
     bool periodic(int axis) const { return period[axis] > 0; }

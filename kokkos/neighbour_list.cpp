@@ -1,19 +1,45 @@
 #include "kokkos/neighbour_list.hpp"
 
+#include "kokkos/lanes.hpp"
+
+#include <type_traits>
+
 namespace treacle {
 
 namespace {
-// Walks the up to 27 (9 in the plane) cells around a particle. Cells along x that stand one behind the other
-// in memory are handed to `visit(first, last)` as one run.
-struct Surroundings {
+// Candidates are tested this many at a time; the outcomes of a batch are the bits of one number.
+constexpr int batch = 16;
+// Particles of one loop index: those of one cell follow one another and share their candidates.
+constexpr int chunk = std::is_same_v<Memory, Kokkos::HostSpace> ? 64 : 1;
+
+// The candidates around the particles of a cell: up to 27 cells (9 in the plane), where cells along x that stand one
+// behind the other in memory are one run.
+struct Runs {
+    int first[27], last[27];
+    int count = 0;
+    int batches = 0;
+
+    KOKKOS_INLINE_FUNCTION void add(int from, int to) {
+        if (to <= from) return;
+        first[count] = from;
+        last[count++] = to;
+        batches += (to - from + batch - 1) / batch;
+    }
+};
+
+struct Search {
     CellGrid grid;
     CellBox window;
     Array<int> begin, end;
+    Array3 of;
+    Array<double> along_x, along_y, along_z; // of the candidates: contiguous, so that tests go several at a time
+    double radius2;
+    int n;     // particles that look for neighbours
+    bool same; // a particle is not its own neighbour
 
-    template <class Visit>
-    KOKKOS_INLINE_FUNCTION void walk(double x, double y, double z, const Visit& visit) const {
-        int c[3];
-        grid.locate(x, y, z, c);
+    KOKKOS_INLINE_FUNCTION void find_runs(const int c[3], Runs& runs) const {
+        runs.count = 0;
+        runs.batches = 0;
         const int x_lo = math::max(c[0] - 1, window.lo[0]), x_hi = math::min(c[0] + 1, window.hi[0] - 1);
         for (int dz = -grid.reach(2); dz <= grid.reach(2); ++dz) {
             const int cz = c[2] + dz;
@@ -26,84 +52,100 @@ struct Surroundings {
                     const int b = begin(cell), e = end(cell);
                     if (b == e) continue;
                     if (b != last) {
-                        if (last > first) visit(first, last);
+                        runs.add(first, last);
                         first = b;
                     }
                     last = e;
                 }
-                if (last > first) visit(first, last);
+                runs.add(first, last);
             }
         }
     }
-};
 
-constexpr int batch = 16;
+    // visit(i, x, y, z, runs) for the particles of a chunk.
+    template <class Visit>
+    KOKKOS_INLINE_FUNCTION void each_of(int chunk_index, const Visit& visit) const {
+        const int last = math::min(n, (chunk_index + 1) * chunk);
+        Runs runs;
+        int known[3] = {0, 0, 0};
+        for (int i = chunk_index * chunk; i < last; ++i) {
+            const double x = of(i, 0), y = of(i, 1), z = of(i, 2);
+            int c[3];
+            grid.locate(x, y, z, c);
+            if (i == chunk_index * chunk || c[0] != known[0] || c[1] != known[1] || c[2] != known[2]) {
+                find_runs(c, runs);
+                for (int k = 0; k < 3; ++k) known[k] = c[k];
+            }
+            visit(i, x, y, z, runs);
+        }
+    }
 
-KOKKOS_INLINE_FUNCTION int lowest_bit(unsigned bits) {
-#if defined(__CUDA_ARCH__) || defined(__HIP_DEVICE_COMPILE__)
-    return __ffs(static_cast<int>(bits)) - 1;
-#else
-    return __builtin_ctz(bits);
-#endif
-}
-
-KOKKOS_INLINE_FUNCTION int count_bits(unsigned bits) {
-#if defined(__CUDA_ARCH__) || defined(__HIP_DEVICE_COMPILE__)
-    return __popc(bits);
-#else
-    return __builtin_popcount(bits);
-#endif
-}
-
-struct Search {
-    Surroundings surroundings;
-    Array3 of;
-    Array<double> along_x, along_y, along_z; // of the candidates: contiguous, so that tests go several at a time
-    double radius2;
-    bool same; // a particle is not its own neighbour
-
-    KOKKOS_INLINE_FUNCTION int close(double x, double y, double z, int j) const {
-        const double dx = x - along_x(j), dy = y - along_y(j), dz = z - along_z(j);
-        return dx * dx + dy * dy + dz * dz < radius2 ? 1 : 0;
+    KOKKOS_INLINE_FUNCTION std::int64_t count_batches(int chunk_index) const {
+        std::int64_t batches = 0;
+        each_of(chunk_index, [&](int, double, double, double, const Runs& runs) { batches += runs.batches; });
+        return batches;
     }
     // The neighbours among the candidates [start, start + batch), as bits. All of the batch is tried, the last one
     // reading into the padding behind the coordinates; the outcome of a test is as good as random, so that hits are
     // collected as bits, not by branches.
-    KOKKOS_INLINE_FUNCTION unsigned hits(double x, double y, double z, int start, int last, int self) const {
+    KOKKOS_INLINE_FUNCTION unsigned hits(Lanes x, Lanes y, Lanes z, int start, int last, int self) const {
         unsigned bits = 0;
-        for (int k = 0; k < batch; ++k) bits |= static_cast<unsigned>(close(x, y, z, start + k)) << k;
+        for (int k = 0; k < batch; k += lanes) {
+            const Lanes dx = x - load_lanes(along_x.data() + start + k);
+            const Lanes dy = y - load_lanes(along_y.data() + start + k);
+            const Lanes dz = z - load_lanes(along_z.data() + start + k);
+            bits |= bits_of(dx * dx + dy * dy + dz * dz < Lanes(radius2)) << k;
+        }
         if (last - start < batch) bits &= (1u << (last - start)) - 1;
-        if (self >= start && self < start + batch) bits &= ~(1u << (self - start));
-        return bits;
+        const unsigned own = static_cast<unsigned>(self - start);
+        return own < batch ? bits & ~(1u << own) : bits;
     }
-    KOKKOS_INLINE_FUNCTION int count(int i) const {
-        const double x = of(i, 0), y = of(i, 1), z = of(i, 2);
-        const int self = same ? i : -1;
-        int n = 0;
-        surroundings.walk(x, y, z, [&](int first, int last) {
-            for (int start = first; start < last; start += batch) n += count_bits(hits(x, y, z, start, last, self));
+    // Tests the candidates of a chunk's particles once; their outcomes wait in `masks` until the rows are laid out.
+    KOKKOS_INLINE_FUNCTION void test(int chunk_index, std::uint16_t* mask, const Array<std::int64_t>& count) const {
+        each_of(chunk_index, [&](int i, double x, double y, double z, const Runs& runs) {
+            const int self = same ? i : -batch;
+            int found = 0;
+            for (int r = 0; r < runs.count; ++r) {
+                for (int start = runs.first[r]; start < runs.last[r]; start += batch) {
+                    const unsigned bits = hits(x, y, z, start, runs.last[r], self);
+                    *mask++ = static_cast<std::uint16_t>(bits);
+                    found += count_bits(bits);
+                }
+            }
+            count(i) = found;
         });
-        return n;
     }
-    KOKKOS_INLINE_FUNCTION void fill(int i, int* row) const {
-        const double x = of(i, 0), y = of(i, 1), z = of(i, 2);
-        const int self = same ? i : -1;
-        surroundings.walk(x, y, z, [&](int first, int last) {
-            for (int start = first; start < last; start += batch) {
-                unsigned bits = hits(x, y, z, start, last, self);
-                for (; bits != 0; bits &= bits - 1) *row++ = start + lowest_bit(bits);
+    KOKKOS_INLINE_FUNCTION void fill(int chunk_index, const std::uint16_t* mask, const Array<std::int64_t>& offset,
+                                     const Array<int>& index) const {
+        each_of(chunk_index, [&](int i, double, double, double, const Runs& runs) {
+            int* row = index.data() + offset(i);
+            for (int r = 0; r < runs.count; ++r) {
+                for (int start = runs.first[r]; start < runs.last[r]; start += batch) {
+                    row += write_set_bits(*mask++, start, row);
+                }
             }
         });
     }
 };
+
+std::int64_t counts_to_offsets(const Array<std::int64_t>& offset, int n) {
+    std::int64_t total = 0;
+    Kokkos::parallel_scan("treacle::scan_neighbours", n + 1,
+        KOKKOS_LAMBDA(int i, std::int64_t& sum, bool last) {
+            const std::int64_t count = i < n ? offset(i) : 0;
+            if (last) offset(i) = sum;
+            sum += count;
+        }, total);
+    return total;
+}
 } // namespace
 
 void NeighbourList::build(const ParticleStore& of, const ParticleStore& among, const CellGrid& grid,
                           const CellList& cells, double radius) {
-    const int n = of.owned();
+    const int n = of.owned(), chunks = (n + chunk - 1) / chunk;
     for (auto& axis : along_) reserve(axis, static_cast<std::size_t>(among.total() + batch));
-    const Search search{{grid, cells.window, cells.begin, cells.end}, of.position(), along_[0], along_[1],
-                        along_[2], radius * radius, &of == &among};
+    const Search search{grid, cells.window, cells.begin, cells.end, of.position(), along_[0], along_[1],
+                        along_[2], radius * radius, n, &of == &among};
     const auto x = among.position();
     Kokkos::parallel_for("treacle::split_positions", among.total(), KOKKOS_LAMBDA(int j) {
         search.along_x(j) = x(j, 0);
@@ -111,21 +153,23 @@ void NeighbourList::build(const ParticleStore& of, const ParticleStore& among, c
         search.along_z(j) = x(j, 2);
     });
     reserve(offset, static_cast<std::size_t>(n) + 1);
-    const auto rows = offset;
-    std::int64_t total = 0;
-    Kokkos::parallel_for("treacle::count_neighbours", n, KOKKOS_LAMBDA(int i) { rows(i) = search.count(i); });
-    Kokkos::parallel_scan("treacle::scan_neighbours", n + 1,
-        KOKKOS_LAMBDA(int i, std::int64_t& sum, bool last) {
-            const std::int64_t count = i < n ? rows(i) : 0;
-            if (last) rows(i) = sum;
-            sum += count;
-        }, total);
-    size = total;
-    reserve(index, static_cast<std::size_t>(size));
-    const auto list = index;
-    Kokkos::parallel_for("treacle::fill_neighbours", n, KOKKOS_LAMBDA(int i) {
-        search.fill(i, list.data() + rows(i));
+    reserve(mask_offset_, static_cast<std::size_t>(chunks) + 1);
+    const auto rows = offset, masks_before = mask_offset_;
+    Kokkos::parallel_for("treacle::count_batches", chunks,
+                         KOKKOS_LAMBDA(int c) { masks_before(c) = search.count_batches(c); });
+    reserve(masks_, static_cast<std::size_t>(counts_to_offsets(mask_offset_, chunks)));
+    const auto masks = masks_;
+    Kokkos::parallel_for("treacle::test_candidates", chunks, KOKKOS_LAMBDA(int c) {
+        search.test(c, masks.data() + masks_before(c), rows);
     });
+    size = counts_to_offsets(offset, n);
+    reserve(index, static_cast<std::size_t>(size) + spare);
+    const auto list = index;
+    const auto entries = size;
+    Kokkos::parallel_for("treacle::fill_neighbours", chunks, KOKKOS_LAMBDA(int c) {
+        search.fill(c, masks.data() + masks_before(c), rows, list);
+    });
+    Kokkos::parallel_for("treacle::spare_neighbours", spare, KOKKOS_LAMBDA(int k) { list(entries + k) = 0; });
 }
 
 } // namespace treacle

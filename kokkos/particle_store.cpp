@@ -86,20 +86,21 @@ CellBox occupied_cells(const ParticleStore& store, const CellGrid& grid) {
     CellBox box;
     if (store.owned() == 0) return box;
     const auto x = store.position();
-    int lo[3], hi[3];
-    for (int axis = 0; axis < 3; ++axis) {
-        Kokkos::parallel_reduce(
-            "treacle::occupied_cells", store.owned(),
-            KOKKOS_LAMBDA(int i, int& least, int& most) {
-                int c[3];
-                grid.locate(x(i, 0), x(i, 1), x(i, 2), c);
-                least = math::min(least, c[axis]);
-                most = math::max(most, c[axis]);
-            },
-            Kokkos::Min<int>(lo[axis]), Kokkos::Max<int>(hi[axis]));
-        box.lo[axis] = lo[axis];
-        box.hi[axis] = hi[axis] + 1;
-    }
+    Kokkos::parallel_reduce(
+        "treacle::occupied_cells", store.owned(),
+        KOKKOS_LAMBDA(int i, int& lx, int& ly, int& lz, int& hx, int& hy, int& hz) {
+            int c[3];
+            grid.locate(x(i, 0), x(i, 1), x(i, 2), c);
+            lx = math::min(lx, c[0]);
+            ly = math::min(ly, c[1]);
+            lz = math::min(lz, c[2]);
+            hx = math::max(hx, c[0]);
+            hy = math::max(hy, c[1]);
+            hz = math::max(hz, c[2]);
+        },
+        Kokkos::Min<int>(box.lo[0]), Kokkos::Min<int>(box.lo[1]), Kokkos::Min<int>(box.lo[2]),
+        Kokkos::Max<int>(box.hi[0]), Kokkos::Max<int>(box.hi[1]), Kokkos::Max<int>(box.hi[2]));
+    for (int& end : box.hi) ++end;
     return box;
 }
 

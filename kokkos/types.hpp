@@ -13,6 +13,8 @@ using Memory = Execution::memory_space;
 template <class T>
 using Array = Kokkos::View<T*, Memory>;
 using Array3 = Kokkos::View<double* [3], Memory>;
+// Four numbers of a particle that are read together: one aligned load.
+using Array4 = Kokkos::View<double* [4], Kokkos::LayoutRight, Memory>;
 
 namespace math {
 #if KOKKOS_VERSION >= 30700

@@ -150,7 +150,7 @@ BenchCase prepare(const Comm& comm, const BenchRequest& request) {
 
 ExitCode run_bench(const Comm& comm, const BenchRequest& request) {
     const auto [input, geometry] = prepare(comm, request);
-    auto solver = make_solver(comm, input, reference_speed(input, geometry));
+    auto solver = make_solver(comm, input, reference_speed(input, geometry), geometry);
     Measurement measurement(comm, input, *solver);
     const double before = peak_memory();
     fill_solver(input, geometry, *solver);

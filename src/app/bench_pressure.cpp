@@ -258,7 +258,7 @@ ExitCode run_pressure_bench(const Comm& comm, const PressureBenchRequest& reques
         geometry = build_geometry(input, {});
         validate_geometry(input, geometry, comm);
     });
-    auto solver = make_solver(comm, input, reference_speed(input, geometry));
+    auto solver = make_solver(comm, input, reference_speed(input, geometry), geometry);
     fill_solver(input, geometry, *solver);
     PressureBench bench(comm, input, *solver, request);
     bench.shake();

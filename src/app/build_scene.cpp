@@ -1,5 +1,6 @@
 #include "app/build_scene.hpp"
 
+#include "app/bodies.hpp"
 #include "base/error.hpp"
 #include "scene/materials.hpp"
 
@@ -42,10 +43,6 @@ void check_supported(const Input& input) {
         }
     }
     for (const auto& body : input.scene.bodies) {
-        if (body.kind != scene::BodyKind::fixed) {
-            problems.push_back({body.where, "bodies." + body.name + " moves", "method sph takes static bodies only",
-                                "set its kind to static"});
-        }
         if (body.slip == scene::Slip::slip_length) {
             problems.push_back({body.where, "bodies." + body.name + ".slip: a slip length is not modelled by method sph",
                                 "", "choose free_slip or no_slip"});
@@ -95,7 +92,8 @@ double reference_speed(const Input& input, const Geometry& geometry) {
     return std::sqrt(pull * std::max(0.0, highest - lowest));
 }
 
-std::unique_ptr<sph::IsphStep> make_solver(const Comm& comm, const Input& input, double reference_speed) {
+std::unique_ptr<sph::IsphStep> make_solver(const Comm& comm, const Input& input, double reference_speed,
+                                           const Geometry& geometry) {
     sph::IsphSetup setup;
     setup.options = input.method;
     setup.constants = make_constants(input);
@@ -106,8 +104,15 @@ std::unique_ptr<sph::IsphStep> make_solver(const Comm& comm, const Input& input,
     setup.forces.viscosity = input.scene.liquids.front().viscosity;
     for (const auto& face : domain.faces) setup.forces.friction.push_back(friction_of(face.slip));
     for (const auto& body : input.scene.bodies) setup.forces.friction.push_back(friction_of(body.slip));
+    for (const auto& face : domain.faces) setup.forces.skin_friction.push_back(face.skin_friction);
+    for (const auto& body : input.scene.bodies) setup.forces.skin_friction.push_back(body.skin_friction);
     setup.reference_speed = reference_speed;
     setup.bodies = domain_sides + static_cast<int>(input.scene.bodies.size());
+    if (any_moves(input)) {
+        setup.rigid = make_bodies(input, geometry);
+        setup.solid_scale = solid_scales(input, geometry);
+    }
+    setup.first_body = domain_sides;
     setup.forces.artificial = input.method.viscosity.artificial * setup.constants.support * reference_speed;
     return std::make_unique<sph::IsphStep>(comm, setup);
 }
@@ -192,7 +197,7 @@ SolidSamples sample_solids(const Geometry& geometry, const scene::Bounds& part) 
     }
     auto next = static_cast<std::int64_t>(scene::count_domain_walls(geometry.walls));
     for (std::size_t b = 0; b < geometry.bodies.size(); ++b) {
-        const auto surface = scene::sample_surface(geometry.bodies[b], body_sampling(geometry));
+        const auto surface = scene::sample_surface(geometry.bodies[b], body_sampling(geometry, b));
         out.thin += surface.thin;
         for (const auto& position : surface.positions) {
             const std::int64_t id = next++;
@@ -235,6 +240,7 @@ std::vector<std::string> fill_solver(const Input& input, const Geometry& geometr
     });
     solver.start();
     auto notes = geometry.notes;
+    for (auto& note : body_notes(input, geometry)) notes.push_back(std::move(note));
     for (auto& note : method_notes(input)) notes.push_back(std::move(note));
     thin = solver.comm().max(thin);
     if (thin > 0) notes.push_back(thin_note(static_cast<std::size_t>(thin)));

@@ -9,7 +9,7 @@ namespace treacle::app {
 // Names of what carries loads: the six sides of the domain, then the bodies.
 std::vector<std::string> load_names(const Input& input);
 
-// Throws InputError for what the SPH method does not do: several densities, moving bodies, slip lengths.
+// Throws InputError for what the SPH method does not do: several densities, slip lengths.
 void check_supported(const Input& input);
 
 // What the method leaves out of the scene without harm, one sentence each: the surface tension of a material.
@@ -19,8 +19,10 @@ std::vector<std::string> method_notes(const Input& input);
 // start [m/s].
 double reference_speed(const Input& input, const Geometry& geometry);
 
-// A solver for the scene without particles. Collective. The speed is that of the artificial viscosity.
-std::unique_ptr<sph::IsphStep> make_solver(const Comm& comm, const Input& input, double reference_speed);
+// A solver for the scene without particles. Collective. The speed is that of the artificial viscosity. The geometry
+// is needed where bodies move.
+std::unique_ptr<sph::IsphStep> make_solver(const Comm& comm, const Input& input, double reference_speed,
+                                           const Geometry& geometry);
 
 // Puts the scene's particles into the solver and starts it. Collective; each rank makes those of its own box.
 // Returns what the user should know about the scene: fallbacks, thin bodies, what is not modelled.

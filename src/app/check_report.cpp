@@ -1,5 +1,6 @@
 #include "app/check_report.hpp"
 
+#include "app/bodies.hpp"
 #include "app/build_scene.hpp"
 #include "app/estimates.hpp"
 #include "app/table_text.hpp"
@@ -130,7 +131,14 @@ void Report::bodies() {
     for (std::size_t i = 0; i < scene().bodies.size(); ++i) {
         const auto& body = scene().bodies[i];
         const auto& region = at_.geometry.bodies[i];
-        row(body.name, std::string(body.slip == scene::Slip::no_slip ? "no-slip" : "free-slip") +
+        const auto dynamic = body.kind == scene::BodyKind::dynamic;
+        if (body.kind == scene::BodyKind::kinematic) row(body.name, "kinematic");
+        if (dynamic) {
+            row(body.name, "dynamic, " + short_number(density_of(body, region)) + " kg/m3, " +
+                               short_number(density_of(body, region) / scene().liquids.front().density) +
+                               " times the liquid's density");
+        }
+        row(moves(body) ? "" : body.name, std::string(body.slip == scene::Slip::no_slip ? "no-slip" : "free-slip") +
                            ", volume " + volume_text(region.volume(), scene().domain.dimensions));
         mesh(region, "bodies." + body.name);
     }
@@ -196,6 +204,7 @@ void Report::warnings() {
              " % of it is thinner than three spacings: refine domain.spacing");
     }
     for (const auto& note : at_.geometry.notes) warn(note);
+    for (const auto& note : body_notes(at_.input, at_.geometry)) warn(note);
     for (const auto& note : method_notes(at_.input)) warn(note);
     for (const auto& text : warnings_) lines_.push_back("warning: " + text);
     if (warnings_.empty()) lines_.emplace_back("no warnings");

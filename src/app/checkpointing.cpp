@@ -57,6 +57,8 @@ void save_checkpoint(const io::RunFolder& folder, const Input& input, const std:
     for (std::size_t k = 0; k < sph::loss_causes; ++k) writer.attribute(cause_names[k], progress.lost[k]);
     const auto decomposition = solver.decomposition_state();
     writer.replicated("decomposition", std::span<const std::int64_t>(decomposition));
+    const auto bodies = solver.bodies().state();
+    writer.replicated("bodies", std::span<const double>(bodies));
     add_store(writer, "liquid", solver.liquid().store);
     add_store(writer, "solid", solver.solid().store);
     writer.commit();
@@ -100,6 +102,7 @@ void load_checkpoint(const Checkpoint& checkpoint, sph::IsphStep& solver) {
     const io::CheckpointReader reader(comm, checkpoint.path);
     read_store(reader, "liquid", solver.liquid().store);
     read_store(reader, "solid", solver.solid().store);
+    solver.restore_bodies(reader.replicated<double>("bodies"));
     if (reader.writer_ranks() == comm.size()) {
         solver.restore(reader.replicated<std::int64_t>("decomposition"));
     } else {

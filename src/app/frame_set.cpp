@@ -81,10 +81,17 @@ RunView open_run(const Comm& comm, const std::filesystem::path& path) {
         run.input = load_input({run.folder.effective_scene(), {}, {}});
         const auto series = run.folder.frames() / (run.input.scene.output.name + ".hdf.series");
         if (std::filesystem::exists(series)) run.frames = io::read_series(series);
-        const auto solids = run.folder.frames() / "solid_000000.hdf";
-        if (std::filesystem::exists(solids)) run.solids = solids;
+        const auto solids = run.folder.frames() / "solid.hdf.series";
+        if (std::filesystem::exists(solids)) run.solids = io::read_series(solids);
     });
     return run;
+}
+
+std::optional<std::filesystem::path> RunView::solids_of(std::size_t i) const {
+    if (solids.empty()) return std::nullopt;
+    const auto later = [](double time, const io::SeriesEntry& entry) { return time < entry.time; };
+    const auto next = std::upper_bound(solids.begin() + 1, solids.end(), frames[i].time, later);
+    return folder.frames() / (next - 1)->file;
 }
 
 void require_frames(const RunView& run) {

@@ -28,8 +28,10 @@ struct RunView {
     io::RunFolder folder;
     Input input;                                 // of effective.yaml
     std::vector<io::SeriesEntry> frames;         // of the liquid, by time; may be empty
-    std::optional<std::filesystem::path> solids; // frame of the solids' particles
+    std::vector<io::SeriesEntry> solids;         // of the solids' particles: one, or one for each frame
 
+    // The solids at the time of a frame; nothing when there are none.
+    std::optional<std::filesystem::path> solids_of(std::size_t i) const;
     std::filesystem::path frame(std::size_t i) const { return folder.frames() / frames[i].file; }
 };
 

@@ -1,5 +1,6 @@
 #include "app/geometry.hpp"
 
+#include "app/bodies.hpp"
 #include "base/error.hpp"
 #include "base/text.hpp"
 
@@ -20,12 +21,13 @@ scene::Side side_of(const scene::Face& face) {
     return scene::Side::wall;
 }
 
+} // namespace
+
 sph::WallSetup wall_setup(const Input& input) {
     const auto& domain = input.scene.domain;
     return {input.method.kernel, domain.dimensions, input.method.support_ratio * domain.spacing, domain.spacing,
             domain.spacing};
 }
-} // namespace
 
 double solid_offset(const Input& input) {
     return sph::rest_gap(wall_setup(input), input.method.density) - input.scene.domain.spacing / 2;
@@ -46,7 +48,10 @@ Geometry build_geometry(const Input& input, const std::vector<std::string>& fold
         auto& regions = out.liquids.emplace_back();
         for (const auto& shape : liquid.shapes) add(shape, regions);
     }
-    for (const auto& body : input.scene.bodies) add(body.shape, out.bodies);
+    for (const auto& body : input.scene.bodies) {
+        add(body.shape, out.bodies);
+        out.moving.push_back(moves(body) ? 1 : 0);
+    }
     out.offset = solid_offset(input);
     out.walls.lattice = out.lattice;
     for (std::size_t k = 0; k < 6; ++k) out.walls.sides[k] = side_of(domain.faces[k]);
@@ -55,7 +60,8 @@ Geometry build_geometry(const Input& input, const std::vector<std::string>& fold
     return out;
 }
 
-scene::SurfaceSampling body_sampling(const Geometry& geometry) {
+scene::SurfaceSampling body_sampling(const Geometry& geometry, std::size_t body) {
+    if (geometry.moving[body] != 0 && geometry.bodies[body].closed()) return {geometry.lattice.spacing, geometry.offset, {}};
     scene::SurfaceSampling sampling{geometry.lattice.spacing, geometry.offset,
                                     {geometry.lattice.min, geometry.lattice.max}};
     for (std::size_t k = 0; k < static_cast<std::size_t>(geometry.lattice.dimensions); ++k) {
@@ -80,8 +86,8 @@ ParticleCounts estimate_particles(const Geometry& geometry) {
     fill.lattice = geometry.lattice;
     for (const auto count : scene::estimate_liquid_counts(fill)) counts.liquid += count;
     counts.solid = scene::count_domain_walls(geometry.walls);
-    for (const auto& body : geometry.bodies) {
-        counts.solid += scene::estimate_surface_count(body, body_sampling(geometry));
+    for (std::size_t b = 0; b < geometry.bodies.size(); ++b) {
+        counts.solid += scene::estimate_surface_count(geometry.bodies[b], body_sampling(geometry, b));
     }
     return counts;
 }
@@ -125,7 +131,7 @@ void check_overlaps(const Input& input, const Geometry& geometry, std::vector<Di
                                     " particles would start there",
                                 "move or shrink its shapes, or enlarge domain.min and domain.max"});
         }
-        for (std::size_t b = 0; b < geometry.bodies.size(); ++b) {
+        for (std::size_t b = 0; b < geometry.bodies.size() && !liquid.around_bodies; ++b) {
             const auto overlap =
                 scene::find_overlap(geometry.liquids[k], scene::Regions{geometry.bodies[b]}, geometry.lattice);
             if (overlap.count == 0) continue;
@@ -134,7 +140,8 @@ void check_overlaps(const Input& input, const Geometry& geometry, std::vector<Di
                                     ", as at " + place(overlap.example),
                                 std::to_string(overlap.count) + " of its " + std::to_string(overlap.total) +
                                     " particles would start inside the solid",
-                                "move one of the two, or make the liquid of shapes around the body"});
+                                "move one of the two, make the liquid of shapes around the body, or set its "
+                                "around_bodies to true"});
         }
     }
 }
@@ -143,6 +150,7 @@ void check_overlaps(const Input& input, const Geometry& geometry, std::vector<Di
 void validate_geometry(const Input& input, const Geometry& geometry, const Comm& comm) {
     std::vector<Diagnostic> problems;
     check_overlaps(input, geometry, problems);
+    check_bodies(input, geometry, problems);
     const auto counts = estimate_particles(geometry);
     if (counts.liquid == 0) {
         problems.push_back({input.scene.liquids.front().where, "the scene has no liquid particle", "no point of the particle lattice lies in its liquids",

@@ -13,6 +13,7 @@ struct Geometry {
     scene::Lattice lattice;
     std::vector<scene::Regions> liquids;   // one union per liquid
     scene::Regions bodies;
+    std::vector<char> moving;              // per body: 1 when its place changes
     scene::WallSampling walls;
     double offset = 0;                     // depth of a solid's particle layer below its surface [m]
     std::vector<std::string> notes;        // fallbacks taken and the like
@@ -20,6 +21,8 @@ struct Geometry {
 
 // Index of a body's loads and slip: the six sides of the domain come first, then the bodies of the scene.
 inline constexpr int domain_sides = 6;
+
+sph::WallSetup wall_setup(const Input& input);
 
 // Depth of a solid's particle layer below its surface, at which a resting lattice of liquid that touches the
 // surface keeps its rest density [m].
@@ -29,8 +32,8 @@ double solid_offset(const Input& input);
 Geometry build_geometry(const Input& input, const std::vector<std::string>& folders);
 
 // How the surfaces of bodies are sampled. Where the domain has walls, up to the layer of these, so that the two
-// layers meet.
-scene::SurfaceSampling body_sampling(const Geometry& geometry);
+// layers meet; bodies that move are sampled whole.
+scene::SurfaceSampling body_sampling(const Geometry& geometry, std::size_t body);
 
 // What users are told when bodies are thinner than two layers.
 std::string thin_note(std::size_t samples);
@@ -42,7 +45,7 @@ struct ParticleCounts {
 };
 ParticleCounts estimate_particles(const Geometry& geometry);
 
-// What the geometry must not be: liquid in a solid or outside of the domain, no liquid at all, more particles
+// What the geometry must not be: bodies in each other, liquid in a solid or outside of the domain, no liquid at all, more particles
 // than the machine's memory holds. Throws InputError with all of it.
 void validate_geometry(const Input& input, const Geometry& geometry, const Comm& comm);
 

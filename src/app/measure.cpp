@@ -1,6 +1,9 @@
 #include "app/measure.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <span>
+#include <vector>
 
 namespace treacle::app {
 
@@ -29,25 +32,81 @@ std::pair<int, double> upwards(const scene::Domain& domain) {
     return {axis, domain.gravity[static_cast<std::size_t>(axis)] > 0 ? -1.0 : 1.0};
 }
 
-double measure_height(const Vec3& position, const scene::Domain& domain, const sph::IsphStep& solver) {
-    const auto [axis, sign] = upwards(domain);
-    const auto x = solver.liquid().position();
-    const double d = solver.setup().constants.spacing;
-    const double px = position[0], py = position[1], pz = position[2];
-    const int up = axis;
-    const double way = sign;
-    double top = nowhere;
-    Kokkos::parallel_reduce("treacle::height", solver.liquid().store.owned(), KOKKOS_LAMBDA(int i, double& most) {
-        const double p[3] = {px, py, pz};
-        for (int k = 0; k < 3; ++k) {
-            if (k != up && math::fabs(x(i, k) - p[k]) > d) return;
+// Integral of the hat 1 - |t| / radius from -infinity to t.
+double hat_below(double t, double radius) {
+    const double q = std::clamp(t / radius, -1.0, 1.0);
+    return radius * (q < 0 ? 0.5 * (1 + q) * (1 + q) : 1 - 0.5 * (1 - q) * (1 - q));
+}
+
+// The part of space around a vertical line whose liquid is looked at, level by level.
+struct Plumb {
+    double at[3], radius;
+    int up, dimensions;
+    double way, floor, step; // level k is at way * floor + k * step along `way` [m]
+    int levels;
+    double area; // of the weights inside the domain, [m] in the plane, [m2] in space
+
+    KOKKOS_INLINE_FUNCTION double weight(const Array3& x, int i) const {
+        double w = 1;
+        for (int k = 0; k < dimensions; ++k) {
+            if (k != up) w *= math::max(0.0, 1 - math::fabs(x(i, k) - at[k]) / radius);
         }
-        most = math::max(most, way * x(i, up));
-    }, Kokkos::Max<double>(top));
-    const double over_ranks = solver.comm().max(top);
+        return w;
+    }
+};
+
+Plumb drop_plumb(const Vec3& position, const scene::Domain& domain, const sph::Constants& constants) {
+    const auto [axis, sign] = upwards(domain);
     const auto u = static_cast<std::size_t>(axis);
-    const double floor = sign > 0 ? domain.min[u] : -domain.max[u];
-    return over_ranks > nowhere ? over_ranks + d / 2 - floor : 0.0;
+    Plumb out{{position[0], position[1], position[2]}, constants.support, axis, domain.dimensions, sign, 0, 0, 0, 1};
+    out.floor = sign > 0 ? domain.min[u] : -domain.max[u];
+    out.step = 0.5 * constants.spacing;
+    // A level below and two above: the profile starts and ends with what liquid pressed to a side has beyond it.
+    out.levels = static_cast<int>(std::ceil((domain.max[u] - domain.min[u]) / out.step)) + 4;
+    for (int k = 0; k < domain.dimensions; ++k) {
+        const auto c = static_cast<std::size_t>(k);
+        if (k == axis) continue;
+        out.area *= hat_below(domain.max[c] - position[c], out.radius) - hat_below(domain.min[c] - position[c], out.radius);
+    }
+    return out;
+}
+
+// Share of each level that is liquid, over all ranks: particles are spread over a spacing up and down. Counted in
+// integers, so that no order of the particles changes it.
+std::vector<double> wet_levels(const Plumb& plumb, const sph::IsphStep& solver) {
+    const auto& constants = solver.setup().constants;
+    const auto x = solver.liquid().position();
+    const double d = constants.spacing, unit = 1e-9 * plumb.area * d / constants.rest_volume;
+    const Array<std::int64_t> counts("treacle::wet_levels", static_cast<std::size_t>(plumb.levels));
+    Kokkos::parallel_for("treacle::height", solver.liquid().store.owned(), KOKKOS_LAMBDA(int i) {
+        const double weight = plumb.weight(x, i);
+        if (weight == 0) return;
+        const double y = (plumb.way * x(i, plumb.up) - plumb.floor) / plumb.step;
+        const int nearest = static_cast<int>(math::floor(y));
+        for (int k = nearest - 2; k <= nearest + 3; ++k) {
+            const double share = weight * (1 - math::fabs(y - k) * plumb.step / d) / unit;
+            if (share <= 0 || k < 0 || k >= plumb.levels) continue;
+            Kokkos::atomic_add(&counts(k), static_cast<std::int64_t>(share));
+        }
+    });
+    const auto host = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), counts);
+    std::vector<std::int64_t> sums(host.data(), host.data() + host.extent(0));
+    solver.comm().sum(std::span(sums));
+    std::vector<double> out;
+    for (const auto count : sums) out.push_back(1e-9 * double(count));
+    return out;
+}
+
+// Where the liquid over a point ends: the highest level at which half of the surroundings, a support radius wide, is
+// liquid [m] above the lower side of the domain.
+double measure_height(const Vec3& position, const scene::Domain& domain, const sph::IsphStep& solver) {
+    const auto plumb = drop_plumb(position, domain, solver.setup().constants);
+    const auto wet = wet_levels(plumb, solver);
+    for (std::size_t k = wet.size() - 1; k > 0; --k) {
+        if (wet[k] >= 0.5 || wet[k - 1] < 0.5) continue;
+        return plumb.step * (double(k - 1) + (wet[k - 1] - 0.5) / (wet[k - 1] - wet[k]));
+    }
+    return 0;
 }
 
 double measure_flow(const scene::Measurement& measurement, const sph::IsphStep& solver) {

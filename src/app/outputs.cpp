@@ -1,5 +1,6 @@
 #include "app/outputs.hpp"
 
+#include "app/bodies.hpp"
 #include "app/build_scene.hpp"
 #include "app/host_rows.hpp"
 #include "app/measure.hpp"
@@ -10,8 +11,8 @@ namespace treacle::app {
 
 namespace {
 // In the order in which a step goes through them.
-constexpr const char* phases[] = {"sort", "neighbours", "density", "forces", "predict", "assemble", "solve",
-                                  "pressure force", "move"};
+constexpr const char* phases[] = {"sort", "neighbours", "density", "forces", "predict", "assemble", "hand over",
+                                  "solve", "pressure force", "move"};
 
 std::vector<std::string> step_columns(const Input& input) {
     const std::string mass = input.scene.domain.dimensions == 3 ? "kg" : "kg/m";
@@ -40,9 +41,21 @@ std::vector<std::string> body_columns(const Input& input) {
     const std::string force = input.scene.domain.dimensions == 3 ? "N" : "N/m";
     const std::string torque = input.scene.domain.dimensions == 3 ? "N m" : "N";
     std::vector<std::string> columns{"step", "time [s]"};
-    for (const auto& name : load_names(input)) {
-        for (const char* axis : {"x", "y", "z"}) columns.push_back(name + " pressure force " + axis + " [" + force + "]");
-        for (const char* axis : {"x", "y", "z"}) columns.push_back(name + " pressure torque " + axis + " [" + torque + "]");
+    const auto append = [&](const std::string& what, const std::string& unit) {
+        for (const char* axis : {"x", "y", "z"}) columns.push_back(what + " " + axis + " [" + unit + "]");
+    };
+    for (const char* cause : {" pressure", " viscous"}) {
+        for (const auto& name : load_names(input)) {
+            append(name + cause + " force", force);
+            append(name + cause + " torque", torque);
+        }
+    }
+    for (const auto& body : input.scene.bodies) {
+        if (!moves(body)) continue;
+        append(body.name + " position", "m");
+        append(body.name + " rotation", "rad");
+        append(body.name + " velocity", "m/s");
+        append(body.name + " angular velocity", "rad/s");
     }
     return columns;
 }
@@ -86,10 +99,14 @@ Outputs::Outputs(const Comm& comm, const io::RunFolder& folder, const Input& inp
                  Opening opening)
     : comm_(comm), folder_(folder), input_(input),
       frames_(comm, folder.frames(), input.scene.output.name, precision_of(input)),
+      solid_frames_(comm, folder.frames(), "solid", precision_of(input)),
       next_measurement_(input.scene.measurements.size(), 0.0),
       last_measurement_(input.scene.measurements.size(), 0.0), phase_seconds_(std::size(phases), 0.0) {
     const bool fresh = opening == Opening::fresh;
-    if (!fresh) frames_.resume(progress.time);
+    if (!fresh) {
+        frames_.resume(progress.time);
+        if (any_moves(input)) solid_frames_.resume(progress.time);
+    }
     comm.guard_root([&] {
         const auto open = [&](const std::filesystem::path& path, std::vector<std::string> columns) {
             return fresh ? CsvTable::create(path, std::move(columns))
@@ -110,12 +127,12 @@ void Outputs::write_frame(const Progress& progress, sph::IsphStep& solver) {
     frames_.write(progress.step, progress.time, make_block(positions, fields));
 }
 
-void Outputs::write_solids(const sph::IsphStep& solver) {
+void Outputs::write_solids(const Progress& progress, const sph::IsphStep& solver) {
+    if (progress.step > 0 && !solver.bodies().any_moves()) return;
     const auto& store = solver.solid().store;
-    io::FrameWriter writer(comm_, folder_.frames(), "solid", precision_of(input_));
     const auto positions = host_rows(store.position(), store.owned());
     const auto fields = collect_fields(store, {"id", "body"});
-    writer.write(0, 0.0, make_block(positions, fields));
+    solid_frames_.write(progress.step, progress.time, make_block(positions, fields));
 }
 
 void Outputs::write_step(const Progress& progress, const sph::StepReport& report,
@@ -155,10 +172,19 @@ void Outputs::write_measurements(const Progress& progress, const sph::IsphStep& 
     measurements_->append(row);
 }
 
-void Outputs::write_loads(const Progress& progress, const sph::StepReport& report) {
+void Outputs::write_bodies(const Progress& progress, const sph::StepReport& report,
+                           const rigid::RigidBodies& bodies) {
     if (!bodies_) return;
     std::vector<double> row{double(progress.step), progress.time};
     row.insert(row.end(), report.loads.begin(), report.loads.end());
+    row.insert(row.end(), report.viscous_loads.begin(), report.viscous_loads.end());
+    for (std::size_t b = 0; b < bodies.size(); ++b) {
+        if (!bodies.moves(b)) continue;
+        for (const auto& values : {bodies.pose(b).centre, rigid::rotation_vector(bodies.pose(b).turn),
+                                   bodies.velocity(b), bodies.spin(b)}) {
+            row.insert(row.end(), values.begin(), values.end());
+        }
+    }
     bodies_->append(row);
 }
 

@@ -18,11 +18,13 @@ public:
             Opening opening);
 
     void write_frame(const Progress& progress, sph::IsphStep& solver);
-    void write_solids(const sph::IsphStep& solver);
+    // Once for a run where nothing solid moves, otherwise with every frame.
+    void write_solids(const Progress& progress, const sph::IsphStep& solver);
     void write_step(const Progress& progress, const sph::StepReport& report, const sph::LiquidTotals& totals,
                     const PhaseTimers& timers);
     void write_measurements(const Progress& progress, const sph::IsphStep& solver);
-    void write_loads(const Progress& progress, const sph::StepReport& report);
+    // Loads of all solids, and where the bodies that move are.
+    void write_bodies(const Progress& progress, const sph::StepReport& report, const rigid::RigidBodies& bodies);
     // Appends the culprits to lost_particles.csv.
     void write_lost(const Progress& progress, const sph::StepReport& report);
     void flush();
@@ -31,7 +33,7 @@ private:
     Comm comm_;
     io::RunFolder folder_;
     const Input& input_;
-    io::FrameWriter frames_;
+    io::FrameWriter frames_, solid_frames_;
     std::optional<CsvTable> steps_, measurements_, bodies_, lost_;
     std::vector<double> next_measurement_; // [s] per measurement
     std::vector<double> last_measurement_;

@@ -83,10 +83,10 @@ void add_solids(const Geometry& geometry, double spacing, Preview& preview) {
     const auto samples = scene::sample_domain_walls(walls);
     for (std::size_t i = 0; i < samples.positions.size(); ++i)
         preview.solids.add(samples.positions[i], samples.faces[i]);
-    for (const auto& body : geometry.bodies) {
-        auto sampling = body_sampling(geometry);
+    for (std::size_t b = 0; b < geometry.bodies.size(); ++b) {
+        auto sampling = body_sampling(geometry, b);
         sampling.spacing = spacing;
-        const auto surface = scene::sample_surface(body, sampling);
+        const auto surface = scene::sample_surface(geometry.bodies[b], sampling);
         preview.thin_solid += surface.thin;
         for (const auto& x : surface.positions) preview.solids.add(x, domain_sides);
     }

@@ -22,14 +22,14 @@ struct Job {
     scene::Camera camera;
     video::View view;
     video::ValueRange range;
-    SolidPoints solids;
     std::string stem; // of the files' names
 };
 
-SolidPoints read_solids(const RunView& run) {
+SolidPoints read_solids(const RunView& run, std::size_t frame_index) {
     SolidPoints points;
-    if (!run.solids) return points;
-    const auto frame = io::read_frame(*run.solids);
+    const auto path = run.solids_of(frame_index);
+    if (!path) return points;
+    const auto frame = io::read_frame(*path);
     const auto body = scalar_field(frame, "body").values;
     for (std::size_t i = 0; i < body.size(); ++i) {
         const auto* x = frame.positions.data() + 3 * i;
@@ -75,7 +75,8 @@ video::Image draw(const RenderRequest& request, const Job& job, std::size_t fram
     liquid.title = field.title;
     liquid.map = request.map;
     liquid.range = job.range;
-    add_solid_layers(job.solids, scene.domain.spacing, picture.layers);
+    const auto solids = read_solids(job.run, frame_index);
+    add_solid_layers(solids, scene.domain.spacing, picture.layers);
     return video::render_frame(picture);
 }
 
@@ -88,7 +89,6 @@ Job plan(const Comm& comm, const RenderRequest& request) {
     job.camera = find_camera(scene, request.camera);
     job.view = view_of(job.camera, scene.domain, request.size);
     job.stem = job.camera.name + "_" + request.field;
-    comm.guard([&] { job.solids = read_solids(job.run); });
     job.range = request.range ? *request.range : find_range(comm, request, job);
     return job;
 }

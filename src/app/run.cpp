@@ -1,5 +1,6 @@
 #include "app/run.hpp"
 
+#include "app/bodies.hpp"
 #include "app/time_loop.hpp"
 #include "base/file.hpp"
 #include "base/options.hpp"
@@ -63,7 +64,7 @@ ExitCode run_scene(const Comm& comm, const RunRequest& request) {
 
     Progress progress;
     progress.reference_speed = reference_speed(input, geometry);
-    auto solver = make_solver(comm, input, progress.reference_speed);
+    auto solver = make_solver(comm, input, progress.reference_speed, geometry);
     const auto notes = fill_solver(input, geometry, *solver);
     TimeLoop loop({comm, folder, input, io::text_hash(scene), request.wall_limit}, std::move(solver), progress);
     for (const auto& note : notes) loop.log().warn(note);
@@ -74,13 +75,16 @@ ExitCode resume_run(const Comm& comm, const ResumeRequest& request) {
     const auto folder = io::open_run_folder(comm, request.folder);
     const auto scene = read_text(comm, folder.effective_scene());
     Input input;
+    Geometry geometry;
     comm.guard([&] {
         parse(Document::from_text(scene, folder.effective_scene().string()), input);
         check_supported(input);
+        // The files of meshes were found when the run began and stand there with their whole paths.
+        if (any_moves(input)) geometry = build_geometry(input, {});
     });
     const auto hash = io::text_hash(scene);
     const auto checkpoint = find_checkpoint(comm, folder, hash);
-    auto solver = make_solver(comm, input, checkpoint.progress.reference_speed);
+    auto solver = make_solver(comm, input, checkpoint.progress.reference_speed, geometry);
     load_checkpoint(checkpoint, *solver);
     TimeLoop loop({comm, folder, input, hash, request.wall_limit}, std::move(solver), checkpoint.progress);
     for (const auto& message : checkpoint.skipped) loop.log().warn(message);

@@ -104,6 +104,7 @@ void TimeLoop::write_due(Outputs& outputs, const sph::StepReport& report) {
     bool line = finished();
     if (output.interval > 0 && now >= output.interval * double(progress_.frames)) {
         outputs.write_frame(progress_, *solver_);
+        outputs.write_solids(progress_, *solver_);
         progress_.frames = static_cast<std::int64_t>(std::floor(now / output.interval)) + 1;
         line = line || output.log_interval == 0;
     }
@@ -156,7 +157,7 @@ void TimeLoop::take_step(Outputs& outputs) {
                                "velocities have grown without bound", "take a smaller time step"});
     }
     outputs.write_step(progress_, report, totals_, solver_->timers());
-    outputs.write_loads(progress_, report);
+    outputs.write_bodies(progress_, report, solver_->bodies());
     outputs.write_measurements(progress_, *solver_);
     write_due(outputs, report);
 }
@@ -206,7 +207,7 @@ ExitCode TimeLoop::run(Opening opening) {
                   " solid particles on " + std::to_string(setup_.comm.size()) + " ranks");
         if (setup_.input.scene.output.interval > 0) {
             solver_->refresh();
-            outputs.write_solids(*solver_);
+            outputs.write_solids(progress_, *solver_);
             outputs.write_frame(progress_, *solver_);
             progress_.frames = 1;
         }

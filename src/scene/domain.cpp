@@ -66,6 +66,11 @@ void Face::declare(Declaration& d) {
     d.number(
         "slip_length", slip_length, unit::length, range_at_least(0),
         "With slip: slip_length, the depth behind the wall at which the velocity would be that of the wall.");
+    d.number("skin_friction", skin_friction, unit::none, range_between(0, 1),
+             "Coefficient c_f of turbulent flow along the wall, whose boundary layer is thinner than a particle: the "
+             "shear stress is c_f / 2 times density times speed squared. 0.003 to 0.01 for water on smooth walls.");
+    d.check(kind == FaceKind::wall || skin_friction == 0, "skin_friction",
+            {"has no effect", "the side is not a wall", "remove it or write kind: wall"});
     d.check(slip != Slip::slip_length || slip_length > 0, "slip_length",
             {"must be > 0 with slip: slip_length", "0 is no_slip", "give a length or write slip: no_slip"});
     d.check(slip == Slip::slip_length || slip_length == 0, "slip_length",

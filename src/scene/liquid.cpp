@@ -46,6 +46,8 @@ void Liquid::declare(Declaration& d) {
     d.check(!shapes.empty(), "shapes",
             {"must not be empty", "the liquid would have no particles",
              "add a shape, for instance - box: {min: [0, 0, 0], max: [1, 1, 1]}"});
+    d.boolean("around_bodies", around_bodies,
+              "Whether the shapes may reach into bodies, the liquid being left out there; otherwise that is an error.");
     d.vec3("velocity", velocity, unit::velocity, "Velocity at the start.");
 }
 

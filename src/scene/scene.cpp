@@ -102,8 +102,8 @@ void Measurement::declare(Declaration& d) {
         {{"front", MeasurementKind::front},
          {"height", MeasurementKind::height},
          {"flow", MeasurementKind::flow}},
-        "The largest coordinate of the liquid along an axis, its height above a point, or "
-        "the volume flow through a plane.");
+        "The largest coordinate of the liquid along an axis; its height over a point, up to where half of the "
+        "surroundings, a support radius wide, is liquid; or the volume flow through a plane.");
     d.required("kind");
     d.choice<int>("axis", axis, {{"x", 0}, {"y", 1}, {"z", 2}}, "Axis of the front, normal of the plane.");
     d.check(axis < 2 || !d.plane_vectors(), "axis", {"must be x or y", "the scene is plane", ""});

@@ -21,12 +21,14 @@ struct Face {
     FaceKind kind = FaceKind::wall;
     Slip slip = Slip::free_slip;
     double slip_length = 0; // [m]
+    double skin_friction = 0; // c_f
     std::string where;
 
     void declare(Declaration& d);
     // Where it was written does not count.
     bool operator==(const Face& other) const {
-        return kind == other.kind && slip == other.slip && slip_length == other.slip_length;
+        return kind == other.kind && slip == other.slip && slip_length == other.slip_length &&
+               skin_friction == other.skin_friction;
     }
 };
 
@@ -49,7 +51,8 @@ struct Liquid {
     double viscosity = 0;          // [Pa s]
     double surface_tension = 0;    // [N/m]
     std::vector<Shape> shapes;
-    Vec3 velocity{0, 0, 0}; // [m/s]
+    bool around_bodies = false; // where a body is, the liquid is left out
+    Vec3 velocity{0, 0, 0};     // [m/s]
     std::string where;
 
     void declare(Declaration& d);
@@ -70,12 +73,18 @@ struct Body {
     std::string name;
     BodyKind kind = BodyKind::fixed;
     Shape shape;
-    double density = 0; // [kg/m3] dynamic
+    double density = 0; // [kg/m3] dynamic: this, or the mass
+    double mass = 0;    // [kg], in the plane [kg/m]
     Slip slip = Slip::free_slip;
     double slip_length = 0;         // [m]
-    Vec3 velocity{0, 0, 0};         // [m/s] dynamic: at the start
-    Vec3 angular_velocity{0, 0, 0}; // [rad/s]
+    double skin_friction = 0;       // c_f
+    Vec3 velocity{0, 0, 0};         // [m/s] dynamic: at the start; kinematic: all the time
+    Vec3 angular_velocity{0, 0, 0}; // [rad/s] about the centre of mass, or the pivot
+    std::optional<Vec3> pivot;      // [m] kinematic: point of the body, at the start, that rotations leave in place
     std::vector<Keyframe> keyframes;
+    std::array<bool, 6> locked{};   // dynamic: motion along x, y, z, rotation about x, y, z
+    double restitution = 0;         // of contacts: velocity after over velocity before
+    double friction = 0.3;          // of contacts: Coulomb's coefficient
     std::string where;
 
     void declare(Declaration& d);

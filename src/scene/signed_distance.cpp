@@ -213,13 +213,16 @@ void place_mesh(CheckedMesh& checked, const Shape& shape) {
 }
 
 SurfacePointer mesh_of(const Shape& shape, const std::string& path, int dimensions,
-                       std::optional<MeshReport>& report) {
+                       std::optional<MeshReport>& report, std::optional<Moments>& moments) {
     if (shape.size <= 0) require_positive(shape, "scale", shape.scale);
     CheckedMesh checked = load_closed_mesh(path, shape.where);
     place_mesh(checked, shape);
     report = checked.report;
     const SurfacePointer body = make_mesh(checked.mesh, checked.report);
-    if (dimensions == 3) return body;
+    if (dimensions == 3) {
+        moments = moments_of(checked.mesh);
+        return body;
+    }
     const auto pieces = slice(checked.mesh);
     if (pieces.empty()) reject_no_cut(shape);
     // Just below the plane, where slice() cuts: a face in the plane itself has no clear side.
@@ -253,7 +256,7 @@ SolidRegion::SolidRegion(const Shape& shape, const RegionOptions& options)
     const std::vector<std::filesystem::path> folders(options.mesh_folders.begin(),
                                                      options.mesh_folders.end());
     if (const auto path = find_data_file(shape.file, folders); !path.empty()) {
-        surface_ = mesh_of(shape, path.string(), dimensions_, mesh_);
+        surface_ = mesh_of(shape, path.string(), dimensions_, mesh_, mesh_moments_);
         return;
     }
     if (shape.fallback.empty()) {
@@ -283,6 +286,11 @@ Bounds SolidRegion::bounds() const { return inverted_ ? Bounds{} : surface_->bou
 Bounds SolidRegion::surface_bounds() const { return surface_->bounds(); }
 double SolidRegion::volume() const { return inverted_ ? Bounds::infinite : surface_->volume(); }
 double SolidRegion::area() const { return surface_->area(); }
+Moments SolidRegion::moments() const {
+    if (mesh_moments_) return *mesh_moments_;
+    const auto distance = [this](const Vec3& x) { return surface_->nearest(x).distance; };
+    return moments_of(SampledSolid{distance, surface_->bounds(), dimensions_, surface_->volume()});
+}
 bool SolidRegion::closed() const { return std::isfinite(surface_->area()); }
 
 } // namespace treacle::scene

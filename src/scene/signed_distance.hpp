@@ -1,6 +1,7 @@
 #pragma once
 #include "scene/bounds.hpp"
 #include "scene/mesh.hpp"
+#include "scene/moments.hpp"
 #include "scene/shape.hpp"
 
 #include <memory>
@@ -38,10 +39,13 @@ public:
     const std::optional<MeshReport>& mesh() const { return mesh_; }
     bool used_fallback() const { return used_fallback_; }
     const Surface& surface() const { return *surface_; } // of the shape before inversion
+    // Of the shape before inversion, which must be of finite extent: exact for meshes in space.
+    Moments moments() const;
 
 private:
     std::shared_ptr<const Surface> surface_;
     std::optional<MeshReport> mesh_;
+    std::optional<Moments> mesh_moments_; // in space
     int dimensions_ = 3;
     bool inverted_ = false;
     bool used_fallback_ = false;

@@ -101,6 +101,7 @@ Matrix& Matrix::operator=(Matrix&&) noexcept = default;
 void Matrix::multiply(std::span<const double> x, std::span<double> y) const {
     assert(x.size() == static_cast<std::size_t>(rows_) && y.size() == x.size());
     native_->on(x, y, [this](Vec in, Vec out) { return MatMult(native_->mat, in, out); });
+    if (addition_) addition_(x, y);
 }
 
 std::span<const Index> Matrix::halo_columns() const {

@@ -2,6 +2,7 @@
 #include "mpi/comm.hpp"
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
 
@@ -38,6 +39,11 @@ public:
     Matrix(Matrix&&) noexcept;
     Matrix& operator=(Matrix&&) noexcept;
 
+    // What products add to those of the stored entries: y += B x on this rank's rows, collective if the caller's is,
+    // B symmetric and positive semidefinite. Preconditioners do not know of it.
+    using Addition = std::function<void(std::span<const double> x, std::span<double> y)>;
+    void set_addition(Addition addition) { addition_ = std::move(addition); }
+
     // y = A x on this rank's rows. Collective.
     void multiply(std::span<const double> x, std::span<double> y) const;
     // To be called after values were changed in the caller's arrays, the pattern being the same: what
@@ -67,6 +73,7 @@ private:
     Index rows_;
     Index global_rows_;
     std::int64_t entries_;
+    Addition addition_;
     std::int64_t revision_;
     std::unique_ptr<Native> native_;
 };

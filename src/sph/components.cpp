@@ -1,5 +1,7 @@
 #include "sph/components.hpp"
 
+#include "sph/laplacian.hpp"
+
 #include <map>
 #include <vector>
 
@@ -8,6 +10,10 @@ namespace treacle::sph {
 namespace {
 // A wall term below this share of the diagonal leaves the system nearly singular: it is no anchor.
 constexpr double least_anchor = 1e-3;
+// Nor are Dirichlet neighbours whose a_ij add up to less than this share: a component that hangs on one neighbour at
+// the rim of its support would get pressures a thousand times too large. The nearest neighbour of a particle inside
+// the liquid has a share of 0.07.
+constexpr double least_link = 0.05;
 
 // Lock-free union-find (Jaiganesh & Burtscher 2018): roots only ever hook to smaller roots, so that the root
 // of a component is its least member whatever the order of the threads.
@@ -35,37 +41,67 @@ struct Forest {
         }
     }
 };
+
+template <class Kernel>
+struct JoinLoop {
+    LaplacianWeight<Kernel> laplacian;
+    Pairs pairs;
+    Forest forest; // parents of Poisson particles, -1 for all others, ghosts included
+    Array<double> wall, diagonal;
+    Array<int> anchored;
+
+    KOKKOS_INLINE_FUNCTION double weight(int i, int j) const {
+        const auto& x = pairs.of;
+        const double dx = x(i, 0) - x(j, 0), dy = x(i, 1) - x(j, 1), dz = x(i, 2) - x(j, 2);
+        const double r2 = dx * dx + dy * dy + dz * dz;
+        return laplacian.weight(laplacian.volume(i) + laplacian.volume(j), r2, math::sqrt(r2));
+    }
+    KOKKOS_INLINE_FUNCTION void operator()(int i) const {
+        const auto& parent = forest.parent;
+        if (parent(i) < 0) return;
+        const double needed = least_link * diagonal(i);
+        double held = wall(i) > least_anchor * diagonal(i) ? needed : 0;
+        const int count = pairs.count(i);
+        const int* around = pairs.index.data() + pairs.offset(i);
+        int previous = -1; // neighbours follow one another in their cells: most have just been joined
+        for (int k = 0; k < count; k += lanes) {
+            const IntLanes index = load_ints(around + k), up = gather_ints(parent.data(), index);
+            const unsigned all = first_bits(count - k);
+            const unsigned fixed = all & bits_below(up, 0);
+            for (unsigned left = fixed; left != 0 && held < needed; left &= left - 1) {
+                held += weight(i, around[k + lowest_bit(left)]);
+            }
+            unsigned apart = all & ~fixed & bits_below(index, i) & ~bits_equal(up, previous);
+            for (; apart != 0; apart &= apart - 1) {
+                const int j = around[k + lowest_bit(apart)], above = parent(j);
+                if (above == previous) continue;
+                forest.join(i, j);
+                previous = above;
+            }
+        }
+        anchored(i) = static_cast<int>(held >= needed);
+    }
+};
 } // namespace
 
-std::int64_t Anchoring::label(const LiquidParticles& liquid, const Neighbourhood& neighbours) {
+std::int64_t Anchoring::label(const SphOptions& options, const Constants& constants, const LiquidParticles& liquid,
+                              const Neighbourhood& neighbours) {
     const int n = liquid.store.owned();
-    reserve(root_, static_cast<std::size_t>(n));
+    reserve(root_, static_cast<std::size_t>(liquid.store.total()));
     reserve(anchored_, static_cast<std::size_t>(n));
     const auto root = root_, anchored = anchored_;
     const auto role = liquid.role();
-    const auto offset = neighbours.liquid.offset;
-    const auto index = neighbours.liquid.index;
-    const auto wall = liquid.wall_term(), diagonal = liquid.diagonal();
     const Forest forest{root_};
-    Kokkos::parallel_for("treacle::start_components", n, KOKKOS_LAMBDA(int i) {
-        root(i) = i;
-        anchored(i) = 0;
+    Kokkos::parallel_for("treacle::start_components", liquid.store.total(), KOKKOS_LAMBDA(int i) {
+        root(i) = role(i) == Role::poisson ? i : -1;
+        if (i < n) anchored(i) = 0;
     });
-    Kokkos::parallel_for("treacle::join_components", n, KOKKOS_LAMBDA(int i) {
-        if (role(i) != Role::poisson) return;
-        bool own_anchor = wall(i) > least_anchor * diagonal(i);
-        int previous = -1; // neighbours follow one another in their cells: most have just been joined
-        for (std::int64_t k = offset(i); k < offset(i + 1); ++k) {
-            const int j = index(k);
-            if (role(j) != Role::poisson) {
-                own_anchor = true;
-            } else if (j < i) {
-                const int up = root(j);
-                if (up != previous) forest.join(i, j);
-                previous = up;
-            }
-        }
-        if (own_anchor) anchored(i) = 1;
+    with_kernel(options.kernel, constants.dimensions, constants.support, [&](const auto& kernel) {
+        using Kernel = std::decay_t<decltype(kernel)>;
+        Kokkos::parallel_for("treacle::join_components", n,
+                             JoinLoop<Kernel>{laplacian_weight(kernel, constants, liquid),
+                                              pairs(neighbours.liquid, liquid.store, liquid.store), forest,
+                                              liquid.wall_term(), liquid.diagonal(), anchored_});
     });
     Kokkos::parallel_for("treacle::flatten_components", n, KOKKOS_LAMBDA(int i) {
         if (role(i) != Role::poisson) return;
@@ -161,14 +197,18 @@ std::int64_t Anchoring::choose_anchors(const Comm& comm, LiquidParticles& liquid
     return chosen;
 }
 
-std::int64_t Anchoring::anchor(const Comm& comm, LiquidParticles& liquid, const Neighbourhood& neighbours,
-                               Halo& halo) {
-    const std::int64_t loose = label(liquid, neighbours);
-    if (!comm.any(loose > 0)) return 0;
-    merge_across_ranks(comm, liquid, neighbours, halo);
-    const std::int64_t chosen = choose_anchors(comm, liquid);
-    halo.gather(liquid.store, {liquid.role_field()});
-    return chosen;
+std::int64_t Anchoring::anchor(const SphOptions& options, const Constants& constants, const Comm& comm,
+                               LiquidParticles& liquid, const Neighbourhood& neighbours, Halo& halo) {
+    std::int64_t all = 0;
+    while (comm.any(label(options, constants, liquid, neighbours) > 0)) {
+        merge_across_ranks(comm, liquid, neighbours, halo);
+        const std::int64_t chosen = choose_anchors(comm, liquid);
+        // What looked loose here may be anchored on another rank; and a new anchor may itself hold too little.
+        if (!comm.any(chosen > 0)) break;
+        halo.gather(liquid.store, {liquid.role_field()});
+        all += chosen;
+    }
+    return all;
 }
 
 } // namespace treacle::sph

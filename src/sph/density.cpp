@@ -15,12 +15,12 @@ struct DensityLoop {
         const Constants& c = fluid.constants;
         const bool smooth_only = options.kind == DensityKind::smooth;
         double rho = c.mass * kernel.value(0.0);
-        double n = 0;
-        const auto row = fluid.liquid.row(i);
-        TREACLE_SIMD_SUM(rho)
-        for (int k = 0; k < row.count; ++k) {
-            rho += c.mass * kernel.value(math::sqrt(row.separation(row.index[k]).r2)); // (2.1)
+        const Row row = fluid.row(i);
+        Lanes around = 0.0;
+        for (int k = 0; k < row.count; k += lanes) {
+            around = around + row.within(k, kernel.value(distance(row.near(k).r2).r)); // (2.1)
         }
+        rho += c.mass * sum_lanes(around);
         const int wall_neighbours = fluid.solid.count(i);
         double wall = 0, wall_number = 0;
         fluid.solid.each(i, [&](int s, double, double, double, double r2) {
@@ -40,11 +40,11 @@ struct DensityLoop {
             blended(i) = rho;
             return;
         }
-        TREACLE_SIMD_SUM(n)
-        for (int k = 0; k < row.count; ++k) {
-            n += number.value(math::sqrt(row.separation(row.index[k]).r2)); // (2.2)
+        Lanes spiky = 0.0;
+        for (int k = 0; k < row.count; k += lanes) {
+            spiky = spiky + row.within(k, number.value(distance(row.near(k).r2).r)); // (2.2)
         }
-        n += wall_number / c.rest_volume;
+        const double n = sum_lanes(spiky) + wall_number / c.rest_volume;
         blended(i) = (1 - zeta) * rho + zeta * c.rest_density / c.number_density * n;
     }
 };
@@ -53,18 +53,25 @@ template <class Kernel>
 struct SolidVolumeLoop {
     Kernel kernel;
     Pairs solids;
+    LoadPoints points;
+    Array<int> body;
     Array<double> volume;
 
     KOKKOS_INLINE_FUNCTION void operator()(int i) const {
         double sum = kernel.value(0.0);
-        solids.each(i, [&](int, double, double, double, double r2) { sum += kernel.value(math::sqrt(r2)); });
-        volume(i) = 1 / sum;
+        const int own = body(i);
+        solids.each(i, [&](int s, double, double, double, double r2) {
+            if (body(s) != own && (points.moves(own) || points.moves(body(s)))) return;
+            sum += kernel.value(math::sqrt(r2));
+        });
+        volume(i) = (points.moving ? points.scale(own) : 1.0) / sum;
     }
 };
 } // namespace
 
 void compute_density(const SphOptions& options, const Constants& constants, LiquidParticles& liquid,
                      const SolidParticles& solid, const Neighbourhood& neighbours) {
+    write_places(liquid, liquid.pressure());
     const auto fluid = gather_fluid(constants, liquid, solid, neighbours);
     const NumberKernel number(constants.support, constants.spacing);
     with_kernel(options.kernel, constants.dimensions, constants.support, [&](const auto& kernel) {
@@ -76,12 +83,13 @@ void compute_density(const SphOptions& options, const Constants& constants, Liqu
 }
 
 void compute_solid_volumes(const SphOptions& options, const Constants& constants, SolidParticles& solid,
-                           const NeighbourList& list) {
+                           const NeighbourList& list, const LoadPoints& points) {
     with_kernel(options.kernel, constants.dimensions, constants.support, [&](const auto& kernel) {
         using Kernel = std::decay_t<decltype(kernel)>;
         Kokkos::parallel_for(
             "treacle::solid_volumes", solid.store.owned(),
-            SolidVolumeLoop<Kernel>{kernel, pairs(list, solid.store, solid.store), solid.volume()});
+            SolidVolumeLoop<Kernel>{kernel, pairs(list, solid.store, solid.store), points, solid.body(),
+                                    solid.volume()});
     });
 }
 

@@ -1,4 +1,5 @@
 #pragma once
+#include "sph/load_points.hpp"
 #include "sph/neighbourhood.hpp"
 
 namespace treacle::sph {
@@ -9,9 +10,10 @@ void compute_density(const SphOptions& options, const Constants& constants, Liqu
                      const SolidParticles& solid, const Neighbourhood& neighbours);
 
 // Volumes of solid particles, V_s = 1 / sum_s W over the solids themselves (Akinci et al. 2012). `list` holds
-// the solid neighbours of solids; owned rows are written.
+// the solid neighbours of solids; owned rows are written. Solids that rest count among each other, as where two walls
+// meet; one that moves counts by itself, whatever it touches at the start.
 void compute_solid_volumes(const SphOptions& options, const Constants& constants, SolidParticles& solid,
-                           const NeighbourList& list);
+                           const NeighbourList& list, const LoadPoints& points = 0);
 
 // Mean and largest compression max(0, rho / rho0 - 1) of the owned particles: the sum and the maximum.
 struct Compression {

@@ -1,5 +1,7 @@
 #include "sph/forces.hpp"
 
+#include <algorithm>
+
 namespace treacle::sph {
 
 namespace {
@@ -16,24 +18,29 @@ struct ForceLoop {
         const Constants& c = fluid.constants;
         const auto& u = fluid.velocity;
         double ax = gravity[0], ay = gravity[1], az = gravity[2];
+        Lanes fx = 0.0, fy = 0.0, fz = 0.0;
         const double soft = 0.01 * c.support * c.support;
         // Densities of pairs are the rest density here: the liquid is incompressible, and a division less counts.
         const double laminar = 2 * (Kernel::dimensions + 2) * viscosity / (c.rest_density * c.rest_density);
         const double colliding = artificial / c.rest_density;
         const double ux = u(i, 0), uy = u(i, 1), uz = u(i, 2);
         if (artificial > 0 || viscosity > 0) {
-            const auto row = fluid.liquid.row(i);
-            TREACLE_SIMD_SUM(ax, ay, az)
-            for (int k = 0; k < row.count; ++k) {
-                const int j = row.index[k];
-                const auto d = row.separation(j);
-                const double approach = (ux - u(j, 0)) * d.x + (uy - u(j, 1)) * d.y + (uz - u(j, 2)) * d.z;
-                const double drag = laminar * approach + colliding * math::min(approach, 0.0);
-                const double f = c.mass * drag / (d.r2 + soft) * kernel.gradient(math::sqrt(d.r2));
-                ax += f * d.x;
-                ay += f * d.y;
-                az += f * d.z;
+            const Row row = fluid.row(i);
+            for (int k = 0; k < row.count; k += lanes) {
+                const auto d = row.near(k);
+                const auto v = fluid.motions(row, k);
+                const auto along = distance(d.r2);
+                const Lanes approach = (ux - v.x) * d.x + (uy - v.y) * d.y + (uz - v.z) * d.z;
+                const Lanes drag = laminar * approach + colliding * math::min(approach, Lanes(0.0));
+                const Lanes f = row.within(k, c.mass * drag * inverse(d.r2 + soft) *
+                                                  kernel.gradient(along.r, along.inverse));
+                fx = fx + f * d.x;
+                fy = fy + f * d.y;
+                fz = fz + f * d.z;
             }
+            ax += sum_lanes(fx);
+            ay += sum_lanes(fy);
+            az += sum_lanes(fz);
         }
         fluid.solid.each(i, [&](int s, double dx, double dy, double dz, double r2) {
             const double grip = friction(fluid.solid_body(s));
@@ -57,23 +64,23 @@ template <class Kernel>
 struct PressureForceLoop {
     Kernel kernel;
     Fluid fluid;
-    Array3 acceleration;
+    Array3 velocity;
+    double dt;
 
     KOKKOS_INLINE_FUNCTION void operator()(int i) const {
         const Constants& c = fluid.constants;
-        const auto& load = fluid.load;
-        const double own = load(i);
-        double ax = 0, ay = 0, az = 0;
-        const auto row = fluid.liquid.row(i);
-        TREACLE_SIMD_SUM(ax, ay, az)
-        for (int k = 0; k < row.count; ++k) {
-            const int j = row.index[k];
-            const auto d = row.separation(j);
-            const double f = -c.mass * (own + load(j)) * kernel.gradient(math::sqrt(d.r2));
-            ax += f * d.x;
-            ay += f * d.y;
-            az += f * d.z;
+        const double own = fluid.load(i);
+        const Row row = fluid.row(i);
+        Lanes fx = 0.0, fy = 0.0, fz = 0.0;
+        for (int k = 0; k < row.count; k += lanes) {
+            const auto d = row.near(k);
+            const auto along = distance(d.r2);
+            const Lanes f = row.within(k, -c.mass * (own + d.number) * kernel.gradient(along.r, along.inverse));
+            fx = fx + f * d.x;
+            fy = fy + f * d.y;
+            fz = fz + f * d.z;
         }
+        double ax = sum_lanes(fx), ay = sum_lanes(fy), az = sum_lanes(fz);
         if (own > 0) {
             fluid.solid.each(i, [&](int s, double dx, double dy, double dz, double r2) {
                 const double f =
@@ -83,9 +90,9 @@ struct PressureForceLoop {
                 az += f * dz;
             });
         }
-        acceleration(i, 0) = ax;
-        acceleration(i, 1) = ay;
-        acceleration(i, 2) = az;
+        velocity(i, 0) += dt * ax;
+        velocity(i, 1) += dt * ay;
+        velocity(i, 2) += dt * az;
     }
 };
 
@@ -98,6 +105,7 @@ struct BodyLoadLoop {
     using size_type = std::size_t;
     Kernel kernel;
     Fluid fluid;
+    LoadPoints points;
     size_type value_count; // 6 per body
 
     KOKKOS_INLINE_FUNCTION void init(value_type sum) const {
@@ -105,6 +113,11 @@ struct BodyLoadLoop {
     }
     KOKKOS_INLINE_FUNCTION void join(value_type sum, const value_type other) const {
         for (size_type k = 0; k < value_count; ++k) sum[k] += other[k];
+    }
+    KOKKOS_INLINE_FUNCTION void add(value_type sum, int s, const double force[3]) const {
+        const auto& x = fluid.solid.among;
+        const double place[3] = {x(s, 0), x(s, 1), x(s, 2)};
+        points.add(sum, fluid.solid_body(s), place, force);
     }
     KOKKOS_INLINE_FUNCTION void operator()(int i, value_type sum) const {
         const Constants& c = fluid.constants;
@@ -114,12 +127,37 @@ struct BodyLoadLoop {
             const double f = c.mass * c.rest_density * fluid.solid_volume(s) * own *
                              kernel.gradient(math::sqrt(r2)); // on the solid, along x_i - x_s
             const double force[3] = {f * dx, f * dy, f * dz};
-            const auto& x = fluid.solid.among;
-            double* load = sum + 6 * fluid.solid_body(s);
-            for (int k = 0; k < 3; ++k) load[k] += force[k];
-            load[3] += x(s, 1) * force[2] - x(s, 2) * force[1];
-            load[4] += x(s, 2) * force[0] - x(s, 0) * force[2];
-            load[5] += x(s, 0) * force[1] - x(s, 1) * force[0];
+            add(sum, s, force);
+        });
+    }
+};
+
+// The reaction of the viscous forces of ForceLoop, pair by pair.
+template <class Kernel>
+struct ViscousLoadLoop : BodyLoadLoop<Kernel> {
+    using Base = BodyLoadLoop<Kernel>;
+    using value_type = double[];
+    using size_type = std::size_t;
+    double artificial, viscosity;
+    Array<double> friction;
+
+    KOKKOS_INLINE_FUNCTION void operator()(int i, value_type sum) const {
+        const Fluid& fluid = Base::fluid;
+        const Constants& c = fluid.constants;
+        const auto &u = fluid.velocity, &v = fluid.solid_velocity;
+        const double soft = 0.01 * c.support * c.support;
+        const double laminar = 2 * (Kernel::dimensions + 2) * viscosity / (c.rest_density * c.rest_density);
+        const double colliding = artificial / c.rest_density;
+        fluid.solid.each(i, [&](int s, double dx, double dy, double dz, double r2) {
+            const double grip = friction(fluid.solid_body(s));
+            if (grip == 0) return;
+            const double approach =
+                (u(i, 0) - v(s, 0)) * dx + (u(i, 1) - v(s, 1)) * dy + (u(i, 2) - v(s, 2)) * dz;
+            const double drag = laminar * approach + colliding * math::min(approach, 0.0);
+            const double mass = c.rest_density * fluid.solid_volume(s) * grip;
+            const double f = -c.mass * mass * drag / (r2 + soft) * Base::kernel.gradient(math::sqrt(r2));
+            const double force[3] = {f * dx, f * dy, Kernel::dimensions == 3 ? f * dz : 0};
+            Base::add(sum, s, force);
         });
     }
 };
@@ -162,19 +200,31 @@ Array<double> upload(const std::vector<double>& values) {
 }
 } // namespace
 
-void apply_forces(const SphOptions& options, const ForceOptions& forces, const Constants& constants,
-                  LiquidParticles& liquid, const SolidParticles& solid, const Neighbourhood& neighbours,
-                  double dt) {
+BodyLoads apply_forces(const SphOptions& options, const ForceOptions& forces, const Constants& constants,
+                       LiquidParticles& liquid, const SolidParticles& solid, const Neighbourhood& neighbours,
+                       double dt, const LoadPoints& points) {
+    write_places(liquid, liquid.volume());
+    write_motions(liquid);
     const auto fluid = gather_fluid(constants, liquid, solid, neighbours);
     const auto& g = forces.gravity;
+    const auto friction = upload(forces.friction);
+    BodyLoads loads(static_cast<std::size_t>(6 * points.count), 0.0);
+    bool grips = (forces.artificial > 0 || forces.viscosity > 0) && neighbours.solid.size > 0 && points.count > 0;
+    grips = grips && std::any_of(forces.friction.begin(), forces.friction.end(), [](double f) { return f > 0; });
     with_kernel(options.kernel, constants.dimensions, constants.support, [&](const auto& kernel) {
         using Kernel = std::decay_t<decltype(kernel)>;
         Kokkos::parallel_for("treacle::forces", fluid.count,
                              ForceLoop<Kernel>{kernel, fluid, {g[0], g[1], g[2]}, forces.artificial,
-                                               forces.viscosity, upload(forces.friction),
-                                               liquid.acceleration()});
+                                               forces.viscosity, friction, liquid.acceleration()});
+        if (grips) {
+            Kokkos::parallel_reduce("treacle::viscous_loads", fluid.count,
+                                    ViscousLoadLoop<Kernel>{{kernel, fluid, points, loads.size()},
+                                                            forces.artificial, forces.viscosity, friction},
+                                    HostLoads(loads.data(), loads.size()));
+        }
     });
     accelerate(liquid, dt);
+    return loads;
 }
 
 double viscous_step_limit(const Constants& constants, double viscosity) {
@@ -192,20 +242,21 @@ void compute_loads(const Constants& constants, LiquidParticles& liquid) {
 }
 
 BodyLoads apply_pressure(const SphOptions& options, const Constants& constants, LiquidParticles& liquid,
-                         const SolidParticles& solid, const Neighbourhood& neighbours, int bodies, double dt) {
+                         const SolidParticles& solid, const Neighbourhood& neighbours, const LoadPoints& points,
+                         double dt) {
+    write_places(liquid, liquid.load());
     const auto fluid = gather_fluid(constants, liquid, solid, neighbours);
-    BodyLoads loads(static_cast<std::size_t>(6 * bodies), 0.0);
+    BodyLoads loads(static_cast<std::size_t>(6 * points.count), 0.0);
     with_kernel(options.kernel, constants.dimensions, constants.support, [&](const auto& kernel) {
         using Kernel = std::decay_t<decltype(kernel)>;
         Kokkos::parallel_for("treacle::pressure_force", fluid.count,
-                             PressureForceLoop<Kernel>{kernel, fluid, liquid.acceleration()});
+                             PressureForceLoop<Kernel>{kernel, fluid, liquid.velocity(), dt});
         if (neighbours.solid.size > 0) {
             Kokkos::parallel_reduce("treacle::body_loads", fluid.count,
-                                    BodyLoadLoop<Kernel>{kernel, fluid, loads.size()},
+                                    BodyLoadLoop<Kernel>{kernel, fluid, points, loads.size()},
                                     HostLoads(loads.data(), loads.size()));
         }
     });
-    accelerate(liquid, dt);
     return loads;
 }
 

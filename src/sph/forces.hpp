@@ -1,5 +1,6 @@
 #pragma once
 #include "base/vec3.hpp"
+#include "sph/load_points.hpp"
 #include "sph/neighbourhood.hpp"
 
 #include <vector>
@@ -12,28 +13,32 @@ struct ForceOptions {
     double artificial = 0;         // alpha h c of Monaghan 1992 [m2/s]
     double viscosity = 0;          // dynamic viscosity of the liquid [Pa s]
     std::vector<double> friction;  // per body: 0 free slip, 1 no slip
+    std::vector<double> skin_friction; // per body: c_f
 };
+
+// Force [N] and torque [N m] on each body, 6 numbers a body; the torque about the body's load point.
+using BodyLoads = std::vector<double>;
 
 // (S4) Gravity, Monaghan's artificial viscosity, and the physical viscosity in the pairwise form of Monaghan &
 // Cleary, 2 (D+2) mu (v.x) grad W / (rho0^2 r^2), which conserves linear and angular momentum; then
-// u* = u + dt a for the owned particles. Explicit: stable for dt <= viscous_step_limit().
-void apply_forces(const SphOptions& options, const ForceOptions& forces, const Constants& constants,
-                  LiquidParticles& liquid, const SolidParticles& solid, const Neighbourhood& neighbours,
-                  double dt);
+// u* = u + dt a for the owned particles. Explicit: stable for dt <= viscous_step_limit(). Returns this rank's share
+// of the viscous forces on the bodies, equal and opposite; none when `points` are not given.
+BodyLoads apply_forces(const SphOptions& options, const ForceOptions& forces, const Constants& constants,
+                       LiquidParticles& liquid, const SolidParticles& solid, const Neighbourhood& neighbours,
+                       double dt, const LoadPoints& points = 0);
 
 // Largest step of the explicit viscosity, 0.125 h^2 rho / mu (Morris et al. 1997) [s].
 double viscous_step_limit(const Constants& constants, double viscosity);
-
-// Force [N] and torque about the origin [N m] that the liquid's pressure exerts on each body, 6 numbers a body.
-using BodyLoads = std::vector<double>;
 
 // p / rho^2 of the owned particles, for apply_pressure; the ghosts' must be gathered in between.
 void compute_loads(const Constants& constants, LiquidParticles& liquid);
 
 // (S8) Acceleration by pressure, -sum_j m (p_i/rho_i^2 + p_j/rho_j^2) grad W - rho0 sum_s V_s p_i/rho_i^2
-// grad W (Akinci et al. 2012), added to the velocities; equal and opposite on the bodies.
+// grad W (Akinci et al. 2012), added to the velocities; equal and opposite on the bodies, of which this
+// rank's share is returned.
 BodyLoads apply_pressure(const SphOptions& options, const Constants& constants, LiquidParticles& liquid,
-                         const SolidParticles& solid, const Neighbourhood& neighbours, int bodies, double dt);
+                         const SolidParticles& solid, const Neighbourhood& neighbours, const LoadPoints& points,
+                         double dt);
 
 // XSPH (Monaghan 1989): writes epsilon sum_j (V_i + V_j)/2 (u_j - u_i) W to the acceleration field as a velocity
 // correction [m/s]. Ghost velocities must be current.

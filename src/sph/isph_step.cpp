@@ -2,7 +2,9 @@
 
 #include "base/error.hpp"
 #include "sph/density.hpp"
+#include "sph/skin_friction.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 
@@ -15,6 +17,7 @@ constexpr double solid_weight = 0.05;
 
 IsphStep::IsphStep(const Comm& comm, const IsphSetup& setup)
     : comm_(comm), setup_(setup), decomposition_(comm, setup.grid),
+      bodies_(setup.rigid, setup.solid_scale, setup.first_body, setup.bodies, setup.domain),
       hierarchy_(make_hierarchy(comm, setup.options, setup.constants, setup.domain, setup.grid)),
       solver_(comm, "pressure", krylov_options(setup.options, setup.constants.dimensions, hierarchy_.get())) {}
 
@@ -24,9 +27,11 @@ void IsphStep::start(SolidVolumes volumes) {
     place_solids();
     last_pressures_ = volumes == SolidVolumes::keep ? LastPressures::known : LastPressures::none;
     if (volumes == SolidVolumes::keep) return;
+    bodies_.mark_start(solid_);
+    bodies_.set_velocities(solid_);
     NeighbourList list;
     list.build(solid_.store, solid_.store, setup_.grid, solid_cells_, setup_.constants.support);
-    compute_solid_volumes(setup_.options, setup_.constants, solid_, list);
+    compute_solid_volumes(setup_.options, setup_.constants, solid_, list, bodies_.load_points());
     solid_halo_.gather(solid_.store, {solid_.volume_field()});
 }
 
@@ -48,6 +53,8 @@ std::vector<std::int64_t> IsphStep::decomposition_state() const {
 }
 
 namespace {
+// The cells of a store's particles with their weights. Liquid lies in the grid; a solid may reach beyond it and then
+// counts for the nearest cell, whose rank owns it.
 void append_weights(const ParticleStore& store, const CellGrid& grid, double weight, std::vector<int>& cells,
                     std::vector<double>& weights) {
     const auto x = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), store.position());
@@ -55,6 +62,7 @@ void append_weights(const ParticleStore& store, const CellGrid& grid, double wei
     for (int i = 0; i < store.owned(); ++i) {
         int c[3];
         grid.locate(x(i, 0), x(i, 1), x(i, 2), c);
+        for (int k = 0; k < 3; ++k) c[k] = std::clamp(c[k], 0, grid.count[k] - 1);
         if (i > 0 && c[0] == last[0] && c[1] == last[1] && c[2] == last[2]) {
             weights.back() += weight; // sorted particles share their cell with the one before
             continue;
@@ -129,9 +137,15 @@ void IsphStep::update_density(StepReport& report) {
 
 void IsphStep::refresh() {
     place_liquid();
+    if (bodies_.any_moves()) place_solids();
     find_neighbours();
     compute_density(setup_.options, setup_.constants, liquid_, solid_, neighbours_);
     Kokkos::deep_copy(liquid_.role(), static_cast<int>(Role::poisson));
+}
+
+PressureSystem::HostSystem IsphStep::hand_over() {
+    const auto phase = timers_.scope("hand over");
+    return system_.to_host();
 }
 
 solve::Matrix IsphStep::wrap_matrix(const PressureSystem::HostSystem& host) {
@@ -177,15 +191,69 @@ void IsphStep::solve_pressure(solve::Matrix& matrix, const PressureSystem::HostS
     }
 }
 
+namespace {
+bool implicit_bodies(const SphOptions& options, const Bodies& bodies) {
+    return bodies.any_dynamic() && options.pressure.body_coupling == BodyCoupling::implicit;
+}
+} // namespace
+
+// (S4), for liquid and bodies.
+void IsphStep::accelerate(StepReport& report, double dt) {
+    bodies_.rigid.begin(dt);
+    bodies_.set_velocities(solid_);
+    report.viscous_loads = apply_forces(setup_.options, setup_.forces, setup_.constants, liquid_, solid_, neighbours_,
+                                        dt, bodies_.load_points());
+    apply_skin_friction(setup_.options, setup_.constants, liquid_, solid_, neighbours_,
+                        {setup_.forces.skin_friction, bodies_.load_points(), dt}, report.viscous_loads);
+    halo_.gather(liquid_.store, {liquid_.velocity_field(), liquid_.pressure_field()});
+    if (!bodies_.any_dynamic()) return;
+    comm_.sum(std::span(report.viscous_loads));
+    bodies_.rigid.fall(dt);
+    bodies_.rigid.push(bodies_.loads_of(report.viscous_loads), dt);
+    bodies_.set_velocities(solid_);
+}
+
+// (S8)
+void IsphStep::push_by_pressure(StepReport& report, double dt) {
+    system_.store_pressure(liquid_);
+    compute_loads(setup_.constants, liquid_);
+    halo_.gather(liquid_.store, {liquid_.load_field()});
+    report.loads = apply_pressure(setup_.options, setup_.constants, liquid_, solid_, neighbours_,
+                                  bodies_.load_points(), dt);
+    if (!bodies_.any_dynamic()) return;
+    comm_.sum(std::span(report.loads));
+    bodies_.rigid.push(bodies_.loads_of(report.loads), dt);
+}
+
+// (S9)
+void IsphStep::move(StepReport& report, double dt) {
+    const bool smooth = setup_.options.viscosity.xsph > 0;
+    if (smooth) {
+        halo_.gather(liquid_.store, {liquid_.velocity_field()});
+        compute_xsph(setup_.options, setup_.constants, liquid_, solid_, neighbours_);
+    }
+    const int lost = move_particles(setup_.domain, liquid_, dt, smooth ? Use::yes : Use::no);
+    if (bodies_.any_moves()) {
+        bodies_.rigid.move(dt);
+        bodies_.place(solid_);
+    }
+    report.imbalance = load_imbalance(comm_, liquid_.store.owned());
+    if (lost > 0) report.lost = remove_lost(setup_.domain, liquid_);
+    collect(report);
+}
+
 // One hybrid ISPH step, collective. Tags: src/sph/README.md.
 StepReport IsphStep::advance(double dt) {
     StepReport report;
     report.dt = dt;
-    const auto& [options, constants, forces, domain, grid, reference_speed, bodies] = setup_;
+    const auto& options = setup_.options;
+    const auto& constants = setup_.constants;
+    const bool answering = implicit_bodies(options, bodies_);
     {
         const auto phase = timers_.scope("sort");
         rebalance();
         place_liquid();
+        if (bodies_.any_moves()) place_solids();
     }
     {
         const auto phase = timers_.scope("neighbours");
@@ -197,55 +265,53 @@ StepReport IsphStep::advance(double dt) {
     }
     {
         const auto phase = timers_.scope("forces");
-        apply_forces(options, forces, constants, liquid_, solid_, neighbours_, dt); // (S4)
-        halo_.gather(liquid_.store, {liquid_.velocity_field(), liquid_.pressure_field()});
+        accelerate(report, dt);
     }
     {
         const auto phase = timers_.scope("predict");
-        report.roles = predict(options, constants, liquid_, solid_, neighbours_, last_pressures_, dt); // (S5), (S6)
+        if (answering) {
+            response_.build(options, constants, liquid_, solid_, neighbours_, bodies_);
+            response_.apply_to_pressure(comm_, liquid_);
+        }
+        report.roles = predict(options, constants, liquid_, solid_, neighbours_, last_pressures_, dt,
+                               answering ? Answer::bodies : Answer::none); // (S5), (S6)
         last_pressures_ = LastPressures::known;
         halo_.gather(liquid_.store, {liquid_.role_field()});
-        report.anchored = anchoring_.anchor(comm_, liquid_, neighbours_, halo_);
+        report.anchored = anchoring_.anchor(options, constants, comm_, liquid_, neighbours_, halo_);
     }
     {
         const auto phase = timers_.scope("assemble");
         system_.assemble(options, constants, comm_, liquid_, neighbours_, halo_);
     }
     {
-        const auto host = system_.to_host();
+        const auto host = hand_over();
         auto matrix = wrap_matrix(host);
+        if (answering) matrix.set_addition(response_.addition(comm_, liquid_, system_));
         if (matrix_observer_) matrix_observer_(matrix);
         const auto phase = timers_.scope("solve");
         solve_pressure(matrix, host, dt, report); // (S7)
     }
     {
         const auto phase = timers_.scope("pressure force");
-        system_.store_pressure(liquid_);
-        compute_loads(constants, liquid_);
-        halo_.gather(liquid_.store, {liquid_.load_field()});
-        report.loads = apply_pressure(options, constants, liquid_, solid_, neighbours_, bodies, dt); // (S8)
+        push_by_pressure(report, dt);
     }
     {
         const auto phase = timers_.scope("move");
-        const bool smooth = options.viscosity.xsph > 0;
-        if (smooth) {
-            halo_.gather(liquid_.store, {liquid_.velocity_field()});
-            compute_xsph(options, constants, liquid_, solid_, neighbours_);
-        }
-        move_particles(domain, liquid_, dt, smooth ? Use::yes : Use::no); // (S9)
-        report.imbalance = load_imbalance(comm_, liquid_.store.owned());
-        report.lost = remove_lost(domain, liquid_);
-        collect(report, dt);
+        move(report, dt);
     }
     return report;
 }
 
 // Sums the report over the ranks, in one message.
-void IsphStep::collect(StepReport& report, double) {
+void IsphStep::collect(StepReport& report) {
     for (const auto& particle : report.lost) {
         ++report.lost_by_cause[static_cast<std::size_t>(particle.cause) - 1];
     }
-    std::vector<double> sums = report.loads;
+    std::vector<double> sums;
+    if (!bodies_.any_dynamic()) { // else they are summed already
+        sums = report.loads;
+        sums.insert(sums.end(), report.viscous_loads.begin(), report.viscous_loads.end());
+    }
     const std::size_t n = sums.size();
     const double lost_before = double(report.lost.size());
     for (const auto count : {report.roles.poisson, report.roles.dirichlet, report.roles.separated,
@@ -257,7 +323,11 @@ void IsphStep::collect(StepReport& report, double) {
     sums.push_back(double(liquid_.store.owned()) + lost_before);
     comm_.sum(std::span(sums));
     report.max_compression = comm_.max(report.max_compression);
-    report.loads.assign(sums.begin(), sums.begin() + static_cast<std::ptrdiff_t>(n));
+    if (n > 0) {
+        std::copy_n(sums.begin(), report.loads.size(), report.loads.begin());
+        std::copy_n(sums.begin() + std::ptrdiff_t(report.loads.size()), report.viscous_loads.size(),
+                    report.viscous_loads.begin());
+    }
     const auto count = [&](std::size_t k) { return static_cast<std::int64_t>(std::llround(sums[n + k])); };
     report.roles = {count(0), count(1), count(2)};
     report.anchored = count(3);
@@ -272,7 +342,7 @@ double IsphStep::stable_step(double cfl) const {
         most = math::max(most, u(i, 0) * u(i, 0) + u(i, 1) * u(i, 1) + u(i, 2) * u(i, 2));
     }, Kokkos::Max<double>(fastest));
     const double own = std::sqrt(liquid_.store.owned() > 0 ? fastest : 0.0);
-    const double speed = comm_.max(std::max(own, setup_.reference_speed));
+    const double speed = comm_.max(std::max({own, setup_.reference_speed, bodies_.rigid.max_speed()}));
     const auto& g = setup_.forces.gravity;
     const double pull = std::sqrt(g[0] * g[0] + g[1] * g[1] + g[2] * g[2]);
     const double d = setup_.constants.spacing;
@@ -283,7 +353,7 @@ double IsphStep::stable_step(double cfl) const {
 }
 
 std::size_t IsphStep::bytes() const {
-    return liquid_.store.bytes() + solid_.store.bytes() + neighbours_.liquid.bytes() + neighbours_.solid.bytes() +
+    return liquid_.bytes() + solid_.store.bytes() + neighbours_.liquid.bytes() + neighbours_.solid.bytes() +
            system_.bytes() + (hierarchy_ ? hierarchy_->bytes() : 0);
 }
 

@@ -2,6 +2,8 @@
 #include "base/timers.hpp"
 #include "mpi/migration.hpp"
 #include "solve/krylov.hpp"
+#include "sph/bodies.hpp"
+#include "sph/body_response.hpp"
 #include "sph/components.hpp"
 #include "sph/forces.hpp"
 #include "sph/motion.hpp"
@@ -22,7 +24,10 @@ struct IsphSetup {
     DomainBox domain;
     CellGrid grid;
     double reference_speed = 0; // sqrt(g H): the speed at which the weight of the liquid acts on it [m/s]
-    int bodies = 1; // bodies that carry loads; 0 is the domain's walls
+    int bodies = 1; // solids that carry loads; 0 is the domain's walls
+    rigid::BodiesSetup rigid; // may be empty: then all solids rest
+    std::vector<double> solid_scale; // per body of `rigid`, or empty: factor on its particles' volumes
+    int first_body = 0;       // number, among the solids that carry loads, of the first of these bodies
 };
 
 struct StepReport {
@@ -34,6 +39,7 @@ struct StepReport {
     double max_compression = 0;
     double imbalance = 1;              // largest over mean number of particles per rank
     BodyLoads loads;                   // [body][6] by pressure, summed over ranks [N], [N m]
+    BodyLoads viscous_loads;           // by viscosity, physical and artificial
     std::vector<LostParticle> lost;    // of this rank
     std::array<std::int64_t, loss_causes> lost_by_cause{}; // over all ranks
 };
@@ -48,6 +54,7 @@ public:
     SolidParticles& solid() { return solid_; }
     const SolidParticles& solid() const { return solid_; }
     const IsphSetup& setup() const { return setup_; }
+    const rigid::RigidBodies& bodies() const { return bodies_.rigid; }
     const Comm& comm() const { return comm_; }
     const Decomposition& decomposition() const { return decomposition_; }
     PhaseTimers& timers() { return timers_; }
@@ -61,6 +68,8 @@ public:
     void start(SolidVolumes volumes = SolidVolumes::compute);
     // As start, with the decomposition of a checkpoint of the same number of ranks.
     void restore(std::span<const std::int64_t> decomposition);
+    // The bodies as a checkpoint has them; before start() or restore().
+    void restore_bodies(std::span<const double> state) { bodies_.rigid.restore(state); }
     std::vector<std::int64_t> decomposition_state() const;
 
     // One step of dt [s]. Throws SimulationError, on every rank, when the pressure solve fails.
@@ -70,7 +79,7 @@ public:
     void refresh();
 
     // Largest step in which no particle moves farther than `cfl` spacings at its speed or the reference speed, which
-    // bounds what the pressure must hold up, and the limit of the explicit viscosity [s].
+    // bounds what the pressure must hold up, no body that moves does either, and the limit of the explicit viscosity [s].
     double stable_step(double cfl) const;
 
     // Called with the pressure matrix of every step before its solve, outside of all phases: for measurements.
@@ -87,10 +96,14 @@ private:
     void place_solids();
     void find_neighbours();
     void update_density(StepReport& report);
+    PressureSystem::HostSystem hand_over();
+    void accelerate(StepReport& report, double dt);
+    void push_by_pressure(StepReport& report, double dt);
+    void move(StepReport& report, double dt);
     solve::Matrix wrap_matrix(const PressureSystem::HostSystem& host);
     void solve_pressure(solve::Matrix& matrix, const PressureSystem::HostSystem& host, double dt,
                         StepReport& report);
-    void collect(StepReport& report, double dt);
+    void collect(StepReport& report);
 
     Comm comm_;
     IsphSetup setup_;
@@ -104,6 +117,8 @@ private:
     Neighbourhood neighbours_;
     Anchoring anchoring_;
     PressureSystem system_;
+    Bodies bodies_;
+    BodyResponse response_;
     std::unique_ptr<PressureHierarchy> hierarchy_; // of the multilevel preconditioners
     solve::KrylovSolver solver_;
     MatrixObserver matrix_observer_;

@@ -1,5 +1,5 @@
 #pragma once
-#include "kokkos/types.hpp"
+#include "kokkos/lanes.hpp"
 
 namespace treacle::sph {
 
@@ -7,7 +7,7 @@ enum class KernelKind { cubic_spline, wendland_c2, mueller };
 
 // Smoothing kernels of compact support h [m] in D dimensions. `value` is W(r) [1/m^D]; `gradient` is
 // W'(r)/r [1/m^(D+2)], so that the gradient at x_i is gradient(r) (x_i - x_j); `radial` is W'(r) r [1/m^D], which
-// needs no division. All expect r < h.
+// needs no division. All expect r < h. Templates over a number or several, and 1/r where it is known already.
 
 // Monaghan & Lattanzio 1985, with h as the support radius.
 template <int D>
@@ -19,18 +19,22 @@ struct CubicSpline {
         scale = D == 3 ? 8 / (math::pi * h * h * h) : 40 / (7 * math::pi * h * h);
         gradient_scale = -6 * scale / (h * h);
     }
-    KOKKOS_INLINE_FUNCTION double value(double r) const {
-        const double q = r * inverse_h, a = 1 - q, b = math::max(0.5 - q, 0.0);
+    template <Number T>
+    KOKKOS_INLINE_FUNCTION T value(T r) const {
+        const T q = r * inverse_h, a = 1 - q, b = math::max(0.5 - q, T(0.0));
         return 2 * scale * (a * a * a - 4 * b * b * b);
     }
-    KOKKOS_INLINE_FUNCTION double gradient(double r) const {
-        const double q = r * inverse_h, a = 1 - q;
-        return gradient_scale * (q < 0.5 ? 2 - 3 * q : a * a / q);
+    template <Number T>
+    KOKKOS_INLINE_FUNCTION T gradient(T r, T inverse_r) const {
+        const T q = r * inverse_h, a = 1 - q;
+        return gradient_scale * select(q < 0.5, 2 - 3 * q, a * a * (h * inverse_r));
     }
-    KOKKOS_INLINE_FUNCTION double radial(double r) const {
-        const double q = r * inverse_h, a = 1 - q;
-        return gradient_scale * h * r * (q < 0.5 ? q * (2 - 3 * q) : a * a);
+    template <Number T>
+    KOKKOS_INLINE_FUNCTION T radial(T r) const {
+        const T q = r * inverse_h, a = 1 - q;
+        return gradient_scale * h * r * select(q < 0.5, q * (2 - 3 * q), a * a);
     }
+    KOKKOS_INLINE_FUNCTION double gradient(double r) const { return gradient(r, 1 / r); }
 };
 
 // Wendland 1995.
@@ -43,15 +47,21 @@ struct WendlandC2 {
         scale = D == 3 ? 21 / (2 * math::pi * h * h * h) : 7 / (math::pi * h * h);
         gradient_scale = -20 * scale / (h * h);
     }
-    KOKKOS_INLINE_FUNCTION double value(double r) const {
-        const double q = r * inverse_h, a = 1 - q, a2 = a * a;
+    template <Number T>
+    KOKKOS_INLINE_FUNCTION T value(T r) const {
+        const T q = r * inverse_h, a = 1 - q, a2 = a * a;
         return scale * a2 * a2 * (4 * q + 1);
     }
-    KOKKOS_INLINE_FUNCTION double gradient(double r) const {
-        const double a = 1 - r * inverse_h;
+    template <Number T>
+    KOKKOS_INLINE_FUNCTION T gradient(T r, T) const {
+        const T a = 1 - r * inverse_h;
         return gradient_scale * a * a * a;
     }
-    KOKKOS_INLINE_FUNCTION double radial(double r) const { return gradient(r) * r * r; }
+    template <Number T>
+    KOKKOS_INLINE_FUNCTION T radial(T r) const {
+        return gradient(r, r) * r * r;
+    }
+    KOKKOS_INLINE_FUNCTION double gradient(double r) const { return gradient(r, r); }
 };
 
 // Mueller, Charypar & Gross 2003: poly6 for values, spiky for gradients; the dissertation's own pair.
@@ -65,18 +75,22 @@ struct Mueller {
         scale = D == 3 ? 315 / (64 * math::pi * h4 * h4 * h) : 4 / (math::pi * h4 * h4);
         gradient_scale = D == 3 ? -45 / (math::pi * h4 * h2) : -30 / (math::pi * h4 * h);
     }
-    KOKKOS_INLINE_FUNCTION double value(double r) const {
-        const double a = h * h - r * r;
+    template <Number T>
+    KOKKOS_INLINE_FUNCTION T value(T r) const {
+        const T a = h * h - r * r;
         return scale * a * a * a;
     }
-    KOKKOS_INLINE_FUNCTION double gradient(double r) const {
-        const double a = h - r;
-        return gradient_scale * a * a / math::max(r, 1e-9 * h);
+    template <Number T>
+    KOKKOS_INLINE_FUNCTION T gradient(T r, T inverse_r) const {
+        const T a = h - r;
+        return gradient_scale * a * a * math::min(inverse_r, T(1e9 / h));
     }
-    KOKKOS_INLINE_FUNCTION double radial(double r) const {
-        const double a = h - r;
+    template <Number T>
+    KOKKOS_INLINE_FUNCTION T radial(T r) const {
+        const T a = h - r;
         return gradient_scale * a * a * r;
     }
+    KOKKOS_INLINE_FUNCTION double gradient(double r) const { return gradient(r, 1 / r); }
 };
 
 // The spiky number-density kernel of Koshizuka & Oka 1996, w(r) = h/r - 1, without a self term; r is kept
@@ -84,7 +98,10 @@ struct Mueller {
 struct NumberKernel {
     double h, least;
     NumberKernel(double support, double spacing) : h(support), least(0.1 * spacing) {}
-    KOKKOS_INLINE_FUNCTION double value(double r) const { return h / math::max(r, least) - 1; }
+    template <Number T>
+    KOKKOS_INLINE_FUNCTION T value(T r) const {
+        return h * inverse(math::max(r, T(least))) - 1;
+    }
 };
 
 // Calls work(kernel) with the kernel of a kind and a number of dimensions.

@@ -84,7 +84,8 @@ PlanarWall measure_at(const Kernel& kernel, const WallSetup& setup, double gap, 
         liquid_w += kernel.value(r);
         if (r > 0) liquid_n += number.value(r);
     });
-    out.density_ratio = lattice.volume * liquid_w + out.wall_volume * wall_w;
+    out.solid_ratio = out.wall_volume * wall_w;
+    out.density_ratio = lattice.volume * liquid_w + out.solid_ratio;
     out.number_ratio = (liquid_n + out.wall_volume / lattice.volume * wall_n) / lattice.number_density;
     out.wall_vector = std::abs(out.wall_vector);
     out.wall_term = out.wall_vector * out.wall_vector;
@@ -103,6 +104,7 @@ PlanarWall measure_wall(const WallSetup& setup, double gap) {
             mean.number_ratio += one.number_ratio / 3;
             mean.wall_term += one.wall_term / 3;
             mean.wall_vector += one.wall_vector / 3;
+            mean.solid_ratio += one.solid_ratio / 3;
             mean.wall_neighbours += one.wall_neighbours / 3;
         }
     });

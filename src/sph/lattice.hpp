@@ -25,6 +25,7 @@ struct PlanarWall {
     double wall_term = 0;      // |sum_s V_s grad W|^2 (alpha at rho = rho0) [1/m^2]
     double wall_vector = 0;    // |sum_s V_s grad W| [1/m]
     double wall_neighbours = 0;// M
+    double solid_ratio = 0;    // the wall's share of density_ratio
 };
 struct WallSetup {
     KernelKind kind;

@@ -4,17 +4,6 @@
 
 namespace treacle::sph {
 
-void move_particles(const DomainBox& domain, LiquidParticles& liquid, double dt, Use use_correction) {
-    const auto x = liquid.position(), u = liquid.velocity(), correction = liquid.acceleration();
-    const double share = use_correction == Use::yes ? 1 : 0;
-    Kokkos::parallel_for("treacle::move", liquid.store.owned(), KOKKOS_LAMBDA(int i) {
-        for (int k = 0; k < 3; ++k) {
-            const double extra = share > 0 ? correction(i, k) : 0;
-            x(i, k) = domain.wrap(k, x(i, k) + dt * (u(i, k) + extra));
-        }
-    });
-}
-
 namespace {
 template <class Vectors>
 KOKKOS_INLINE_FUNCTION LossCause loss_of(const DomainBox& domain, const Vectors& x, const Vectors& u, int i) {
@@ -38,19 +27,37 @@ KOKKOS_INLINE_FUNCTION LossCause loss_of(const DomainBox& domain, const Vectors&
     return LossCause::none;
 }
 
-int count_lost(const DomainBox& domain, const LiquidParticles& liquid) {
-    const auto x = liquid.position(), u = liquid.velocity();
+// Whether a point within the domain and a finite velocity make a closer look needless; not so for NaN.
+KOKKOS_INLINE_FUNCTION bool clearly_inside(const DomainBox& domain, const double x[3], const double u[3]) {
+    bool inside = true;
+    for (int k = 0; k < 3; ++k) {
+        const bool within = k < domain.dimensions ? x[k] >= domain.lo[k] && x[k] < domain.hi[k] : x[k] - x[k] == 0.0;
+        inside = inside && within && u[k] - u[k] == 0.0;
+    }
+    return inside;
+}
+} // namespace
+
+int move_particles(const DomainBox& domain, LiquidParticles& liquid, double dt, Use use_correction) {
+    const auto x = liquid.position(), u = liquid.velocity(), correction = liquid.acceleration();
+    const double share = use_correction == Use::yes ? 1 : 0;
     int lost = 0;
-    Kokkos::parallel_reduce("treacle::count_lost", liquid.store.owned(), KOKKOS_LAMBDA(int i, int& sum) {
+    Kokkos::parallel_reduce("treacle::move", liquid.store.owned(), KOKKOS_LAMBDA(int i, int& sum) {
+        double to[3], speed[3];
+        for (int k = 0; k < 3; ++k) {
+            speed[k] = u(i, k);
+            const double extra = share > 0 ? correction(i, k) : 0;
+            to[k] = domain.wrap(k, x(i, k) + dt * (speed[k] + extra));
+            x(i, k) = to[k];
+        }
+        if (clearly_inside(domain, to, speed)) return;
         sum += static_cast<int>(loss_of(domain, x, u, i) != LossCause::none);
     }, lost);
     return lost;
 }
-} // namespace
 
 std::vector<LostParticle> remove_lost(const DomainBox& domain, LiquidParticles& liquid) {
     std::vector<LostParticle> lost;
-    if (count_lost(domain, liquid) == 0) return lost;
     // Losses are rare and each one is reported: the host looks at all particles of this rank.
     const auto x = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), liquid.position());
     const auto u = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), liquid.velocity());
@@ -68,6 +75,7 @@ std::vector<LostParticle> remove_lost(const DomainBox& domain, LiquidParticles& 
             lost.push_back({id(i), {x(i, 0), x(i, 1), x(i, 2)}, {u(i, 0), u(i, 1), u(i, 2)}, cause});
         }
     }
+    if (lost.empty()) return lost;
     Kokkos::deep_copy(keep, host_keep);
     liquid.store.permute(keep, kept);
     return lost;

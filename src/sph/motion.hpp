@@ -19,12 +19,13 @@ struct LostParticle {
 };
 
 // (S9) x += dt (u + correction), wrapped along periodic axes. `correction` is the XSPH velocity in the
-// acceleration field, used when `use_correction` is Use::yes.
+// acceleration field, used when `use_correction` is Use::yes. Returns how many of this rank's particles are lost by
+// that, for remove_lost to take out.
 enum class Use { no, yes };
-void move_particles(const DomainBox& domain, LiquidParticles& liquid, double dt, Use use_correction);
+int move_particles(const DomainBox& domain, LiquidParticles& liquid, double dt, Use use_correction);
 
 // Takes out the particles of this rank that left through an open face, went through a wall, or are no longer
-// finite, and returns them with their causes.
+// finite, and returns them with their causes. Looks at every particle on the host: losses are rare.
 std::vector<LostParticle> remove_lost(const DomainBox& domain, LiquidParticles& liquid);
 
 // What the measurements and the step control need of the owned particles, summed over the ranks.

@@ -5,11 +5,6 @@
 
 namespace treacle::sph {
 
-// Before a loop whose sums the compiler may keep in several partial sums: the order is fixed at compile time, so
-// that results stay the same from run to run and on any number of ranks. Devices ignore it.
-#define TREACLE_PRAGMA(text) _Pragma(#text)
-#define TREACLE_SIMD_SUM(...) TREACLE_PRAGMA(omp simd reduction(+ : __VA_ARGS__))
-
 // The constants of a run that every pair sum needs.
 struct Constants {
     double support = 0;        // h [m]
@@ -27,20 +22,29 @@ struct Neighbourhood {
     NeighbourList solid;
 };
 
-// The particles around one particle, for loops that the compiler puts into vector registers.
+// Copies positions and a number of each owned and ghost particle, or velocities and pressures, to where pair sums
+// read them.
+void write_places(LiquidParticles& liquid, const Array<double>& number);
+void write_motions(LiquidParticles& liquid);
+
+// The liquid particles around one particle, several at a time: for (int k = 0; k < row.count; k += lanes).
 struct Row {
     const int* index;
     int count;
     double x, y, z;
-    Array3 among;
+    const double* place;
 
-    struct Separation {
-        double x, y, z, r2; // from the neighbour to the particle
+    struct Near {
+        Lanes x, y, z, r2; // from the neighbours to the particle
+        Lanes number;      // the fourth one of `place`
     };
-    KOKKOS_INLINE_FUNCTION Separation separation(int j) const {
-        const double dx = x - among(j, 0), dy = y - among(j, 1), dz = z - among(j, 2);
-        return {dx, dy, dz, dx * dx + dy * dy + dz * dz};
+    KOKKOS_INLINE_FUNCTION Near near(int k) const {
+        const Quads q = gather_quads(place, index + k);
+        const Lanes dx = x - q.x, dy = y - q.y, dz = z - q.z;
+        return {dx, dy, dz, dx * dx + dy * dy + dz * dz, q.w};
     }
+    // Lanes beyond the end of the row hold some other pair: what is summed must be 0 there.
+    KOKKOS_INLINE_FUNCTION Lanes within(int k, Lanes term) const { return select(first_lanes(count - k), term, 0.0); }
 };
 
 // Pair sums over a list, for kernels: visit(j, dx, dy, dz, r2) with the vector from x_j to x_i.
@@ -50,8 +54,8 @@ struct Pairs {
     Array3 of, among;
 
     KOKKOS_INLINE_FUNCTION int count(int i) const { return static_cast<int>(offset(i + 1) - offset(i)); }
-    KOKKOS_INLINE_FUNCTION Row row(int i) const {
-        return {index.data() + offset(i), count(i), of(i, 0), of(i, 1), of(i, 2), among};
+    KOKKOS_INLINE_FUNCTION Row row(int i, const Array4& place) const {
+        return {index.data() + offset(i), count(i), of(i, 0), of(i, 1), of(i, 2), place.data()};
     }
 
     template <class Visit>
@@ -74,12 +78,18 @@ inline Pairs pairs(const NeighbourList& list, const ParticleStore& of, const Par
 struct Fluid {
     Constants constants;
     Pairs liquid, solid;
+    Array4 place, motion;
     Array3 velocity;
     Array<double> pressure, volume, load;
     Array3 solid_velocity;
     Array<double> solid_volume;
     Array<int> solid_body;
     int count; // owned liquid particles
+
+    KOKKOS_INLINE_FUNCTION Row row(int i) const { return liquid.row(i, place); }
+    KOKKOS_INLINE_FUNCTION Quads motions(const Row& row, int k) const {
+        return gather_quads(motion.data(), row.index + k);
+    }
 };
 
 inline Fluid gather_fluid(const Constants& constants, const LiquidParticles& liquid, const SolidParticles& solid,
@@ -87,6 +97,8 @@ inline Fluid gather_fluid(const Constants& constants, const LiquidParticles& liq
     return {constants,
             pairs(neighbours.liquid, liquid.store, liquid.store),
             pairs(neighbours.solid, liquid.store, solid.store),
+            liquid.place,
+            liquid.motion,
             liquid.velocity(),
             liquid.pressure(),
             liquid.volume(),

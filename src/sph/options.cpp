@@ -51,6 +51,10 @@ void PressureOptions::declare(Declaration& d) {
              "source that makes the system's solution that of the Neumann problem.");
     d.number("amplification_limit", amplification_limit, unit::none, range_at_least(1),
              "Largest amplification of the source near solids (gamma of Eq. 3.3).");
+    d.choice("body_coupling", body_coupling,
+             {{"implicit", BodyCoupling::implicit}, {"explicit", BodyCoupling::one_step_late}},
+             "Whether the pressures know that dynamic bodies give way to them, or these feel the pressures that stop "
+             "the liquid at a body at rest; bodies not much denser than the liquid fly off then.");
     d.choice("preconditioner", preconditioner,
              {{"none", PressurePreconditioner::none},
               {"jacobi", PressurePreconditioner::jacobi},

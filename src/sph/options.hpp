@@ -10,6 +10,7 @@ namespace treacle::sph {
 enum class DensityKind { blended, smooth, spiky };
 enum class DirichletRule { predicted, source };
 enum class SolidTerm { none, decomposed, unified, amplified, exact };
+enum class BodyCoupling { implicit, one_step_late };
 enum class StoppingRule { density_error, residual };
 enum class PressurePreconditioner {
     none,
@@ -56,6 +57,7 @@ struct PressureOptions {
     double prediction = 1;          // gamma of Eq. 2.6; the dissertation's 0.5 is noisier (README)
     SolidTerm solid_term = SolidTerm::exact;
     double amplification_limit = 2; // gamma of Eq. 3.3; the dissertation's 5 ejects lone particles (README)
+    BodyCoupling body_coupling = BodyCoupling::implicit;
     PressurePreconditioner preconditioner = PressurePreconditioner::multilevel;
     MultilevelOptions multilevel;
     StoppingRule stop = StoppingRule::density_error;

@@ -24,12 +24,19 @@ public:
           source_(store.add<Array<double>>("source", "kg/m3/s2", FieldRole::work)),
           diagonal_(store.add<Array<double>>("diagonal", "1/m2", FieldRole::work)),
           wall_term_(store.add<Array<double>>("wall_term", "1/m2", FieldRole::work)),
+          response_(store.add<Array<double>>("response", "Pa/m2", FieldRole::work)),
           acceleration_(store.add<Array3>("acceleration", "m/s2", FieldRole::work)),
           role_(store.add<Array<int>>("role", "", FieldRole::work, true)),
           row_(store.add<Array<int>>("row", "", FieldRole::work)),
           component_(store.add<Array<int>>("component", "", FieldRole::work)) {}
 
     ParticleStore store;
+    // Copies of what pair sums read of a neighbour, one load each; of owned and ghost particles. Each loop over pairs
+    // writes anew what it reads.
+    Array4 place{"treacle::place", 0};   // x, y, z, and a number that is the loop's: volume or load
+    Array4 motion{"treacle::motion", 0}; // ux, uy, uz, p
+    std::size_t bytes() const { return store.bytes() + 8 * (place.span() + motion.span()); }
+
     const Array3& position() const { return store.position(); }
     const Array<std::int64_t>& id() const { return store.id(); }
     const Array3& velocity() const { return store.get<Array3>(velocity_); }
@@ -42,6 +49,7 @@ public:
     const Array<double>& source() const { return store.get<Array<double>>(source_); }
     const Array<double>& diagonal() const { return store.get<Array<double>>(diagonal_); }
     const Array<double>& wall_term() const { return store.get<Array<double>>(wall_term_); }
+    const Array<double>& response() const { return store.get<Array<double>>(response_); } // bodies.hpp
     const Array3& acceleration() const { return store.get<Array3>(acceleration_); }
     const Array<int>& role() const { return store.get<Array<int>>(role_); }
     const Array<int>& row() const { return store.get<Array<int>>(row_); }
@@ -58,7 +66,7 @@ public:
 
 private:
     int velocity_, pressure_, liquid_, density_, volume_, load_, blended_, source_, diagonal_, wall_term_,
-        acceleration_, role_, row_, component_;
+        response_, acceleration_, role_, row_, component_;
 };
 
 // One layer of particles on each solid's surface and on the walls of the domain.
@@ -67,7 +75,8 @@ public:
     SolidParticles()
         : velocity_(store.add<Array3>("velocity", "m/s", FieldRole::state)),
           volume_(store.add<Array<double>>("volume", "m3", FieldRole::state)),
-          body_(store.add<Array<int>>("body", "", FieldRole::state, true)) {}
+          body_(store.add<Array<int>>("body", "", FieldRole::state, true)),
+          reference_(store.add<Array3>("reference", "m", FieldRole::state)) {}
 
     ParticleStore store;
     const Array3& position() const { return store.position(); }
@@ -76,12 +85,14 @@ public:
     const Array<double>& volume() const { return store.get<Array<double>>(volume_); } // V_s [m^D]
     const Array<int>& body() const { return store.get<Array<int>>(body_); }           // 0: the domain's walls
 
+    const Array3& reference() const { return store.get<Array3>(reference_); }         // position at the start
+
     int volume_field() const { return volume_; }
     int body_field() const { return body_; }
     int velocity_field() const { return velocity_; }
 
 private:
-    int velocity_, volume_, body_;
+    int velocity_, volume_, body_, reference_;
 };
 
 } // namespace treacle::sph

@@ -36,6 +36,8 @@ struct PredictionLoop {
     PressureOptions options;
     LastPressures pressures;
     double dt;
+    Answer answer;
+    Array<double> response;
     Array<double> blended, source, diagonal, wall_term;
     Array<int> role;
 
@@ -47,22 +49,22 @@ struct PredictionLoop {
         const double ux = u(i, 0), uy = u(i, 1), uz = u(i, 2);
         const bool decomposed = options.solid_term == SolidTerm::decomposed && fluid.solid.count(i) > 0;
         RowSums out;
-        double divergence = 0, weights = 0, weighted = 0;
-        const auto row = fluid.liquid.row(i);
-        TREACLE_SIMD_SUM(divergence, weights, weighted)
-        for (int k = 0; k < row.count; ++k) {
-            const int j = row.index[k];
-            const auto d = row.separation(j);
-            const double r = math::sqrt(d.r2);
-            const double a = laplacian.weight(volume + laplacian.volume(j), d.r2, r);
-            divergence += laplacian.kernel.gradient(r) *
-                          ((ux - u(j, 0)) * d.x + (uy - u(j, 1)) * d.y + (uz - u(j, 2)) * d.z);
-            weights += a;
-            weighted += a * fluid.pressure(j);
+        Lanes divergence = 0.0, weights = 0.0, weighted = 0.0;
+        const Row row = fluid.row(i);
+        for (int k = 0; k < row.count; k += lanes) {
+            const auto d = row.near(k);
+            const auto m = fluid.motions(row, k);
+            const auto along = distance(d.r2);
+            // W' r is grad r^2 here; the matrix computes its a_ij without the division.
+            const Lanes gradient = row.within(k, laplacian.kernel.gradient(along.r, along.inverse));
+            const Lanes a = laplacian.weight_of(volume + d.number, d.r2, gradient * d.r2);
+            divergence = divergence + gradient * ((ux - m.x) * d.x + (uy - m.y) * d.y + (uz - m.z) * d.z);
+            weights = weights + a;
+            weighted = weighted + a * m.w;
         }
-        out.divergence = c.mass * divergence;
-        out.weights = weights;
-        out.weighted = weighted;
+        out.divergence = c.mass * sum_lanes(divergence);
+        out.weights = sum_lanes(weights);
+        out.weighted = sum_lanes(weighted);
         if (decomposed) {
             fluid.liquid.each(i, [&](int j, double dx, double dy, double dz, double r2) {
                 const double half = 0.5 * (volume + laplacian.volume(j)) * laplacian.kernel.gradient(math::sqrt(r2));
@@ -96,12 +98,13 @@ struct PredictionLoop {
         return ratio * ratio * sum.wall_square(); // alpha_i of Eq. 3.2
     }
 
-    KOKKOS_INLINE_FUNCTION double right_hand_side(int i, const RowSums& sum, double b, double alpha) const {
+    KOKKOS_INLINE_FUNCTION double right_hand_side(int i, const RowSums& sum, double b, double alpha,
+                                                  double answered) const {
         if (alpha == 0 || sum.weights == 0) return b;
         const double amplified = math::min(options.amplification_limit, 1 + alpha / sum.weights) * b;
         if (options.solid_term == SolidTerm::amplified) return amplified + alpha * fluid.pressure(i); // (3.3)
         // Without p_i = p_j: the fixed point is that of the system without alpha.
-        if (options.solid_term == SolidTerm::exact) return amplified + alpha * sum.weighted / sum.weights;
+        if (options.solid_term == SolidTerm::exact) return amplified + alpha * (sum.weighted - answered) / sum.weights;
         return b;
     }
 
@@ -111,15 +114,16 @@ struct PredictionLoop {
         const double predicted = blended(i) + dt * sum.divergence; // (2.4)
         const double b = (predicted - rest) / (dt * dt);
         const double alpha = solid_term(i, sum);
+        const double answered = answer == Answer::bodies ? response(i) : 0;
         double numerator = b; // (2.6), times the positive denominator
         if (pressures == LastPressures::none) {
             numerator += start_slack * rest / (dt * dt);
         } else if (options.dirichlet == DirichletRule::predicted) {
-            numerator += options.prediction * (sum.weighted + fluid.pressure(i) * sum.solid_weights);
+            numerator += options.prediction * (sum.weighted + fluid.pressure(i) * sum.solid_weights - answered);
         }
         wall_term(i) = alpha;
         diagonal(i) = sum.weights + alpha;
-        source(i) = right_hand_side(i, sum, b, alpha);
+        source(i) = right_hand_side(i, sum, b, alpha, answered);
         if (sum.weights > 0) {
             role(i) = numerator > 0 ? Role::poisson : Role::dirichlet;
         } else {
@@ -133,14 +137,17 @@ struct PredictionLoop {
 
 RoleCounts predict(const SphOptions& options, const Constants& constants, LiquidParticles& liquid,
                    const SolidParticles& solid, const Neighbourhood& neighbours, LastPressures pressures,
-                   double dt) {
+                   double dt, Answer answer) {
+    write_places(liquid, liquid.volume());
+    write_motions(liquid);
     const auto fluid = gather_fluid(constants, liquid, solid, neighbours);
     int poissons = 0, separates = 0;
     with_kernel(options.kernel, constants.dimensions, constants.support, [&](const auto& kernel) {
         using Kernel = std::decay_t<decltype(kernel)>;
         Kokkos::parallel_reduce("treacle::predict", fluid.count,
                                 PredictionLoop<Kernel>{laplacian_weight(kernel, constants, liquid), fluid,
-                                                       options.pressure, pressures, dt, liquid.blended_density(),
+                                                       options.pressure, pressures, dt, answer, liquid.response(),
+                                                       liquid.blended_density(),
                                                        liquid.source(), liquid.diagonal(), liquid.wall_term(),
                                                        liquid.role()},
                                 poissons, separates);

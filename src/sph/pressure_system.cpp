@@ -31,15 +31,17 @@ struct CountLoop {
 
     KOKKOS_INLINE_FUNCTION void operator()(int i) const {
         if (row(i) < 0) return;
-        int here = 1, there = 0; // the diagonal
-        for (std::int64_t k = offset(i); k < offset(i + 1); ++k) {
-            const int column = row(index(k)) - first;
-            const bool inside = column >= 0 && column < rows;
-            here += static_cast<int>(inside);
-            there += static_cast<int>(!inside && row(index(k)) >= 0);
+        int here = 1, unknowns = 0; // the diagonal
+        const int count = static_cast<int>(offset(i + 1) - offset(i));
+        const int* around = index.data() + offset(i);
+        for (int k = 0; k < count; k += lanes) {
+            const IntLanes column = gather_ints(row.data(), load_ints(around + k));
+            const unsigned unknown = first_bits(count - k) & ~bits_below(column, 0);
+            here += count_bits(unknown & bits_below(column, first + rows) & ~bits_below(column, first));
+            unknowns += count_bits(unknown);
         }
         own(row(i) - first) = here;
-        other(row(i) - first) = there;
+        other(row(i) - first) = unknowns + 1 - here;
     }
 };
 
@@ -53,8 +55,8 @@ std::int64_t counts_to_offsets(const Array<int>& offset, int rows) {
     return total;
 }
 
-// Writes one row entry by entry and keeps its columns rising. Neighbours come in the order of their rows
-// except at borders, so that an entry hardly ever moves.
+// Writes one row and keeps its columns rising. Neighbours come in the order of their rows except at borders, so that
+// an entry hardly ever moves.
 struct RowWriter {
     int* column;
     double* value;
@@ -69,19 +71,28 @@ struct RowWriter {
         column[k] = c;
         value[k] = v;
     }
+    KOKKOS_INLINE_FUNCTION void add_each(unsigned bits, IntLanes columns, Lanes values) {
+        int c[lanes];
+        double v[lanes];
+        store_ints(columns, c);
+        store_lanes(values, v);
+        for (; bits != 0; bits &= bits - 1) add(c[lowest_bit(bits)], v[lowest_bit(bits)]);
+    }
+    // The columns rise and lie behind those that are there.
+    KOKKOS_INLINE_FUNCTION void append(unsigned bits, IntLanes columns, Lanes values) {
+        size += write_lanes(bits, columns, values, column + size, value + size);
+    }
 };
-
-// Entries of a row are computed this many at a time, in vector registers, and then put in their places.
-constexpr int batch = 32;
 
 template <class Kernel>
 struct FillLoop {
     LaplacianWeight<Kernel> laplacian;
     Pairs pairs;
+    Array4 place;
     PressureSystem::Block own, other;
     Array<int> row;
     Array<double> diagonal, source, pressure, right_hand_side, solution;
-    int first, rows;
+    int first, rows, owned;
 
     KOKKOS_INLINE_FUNCTION void operator()(int i) const {
         if (row(i) < 0) return;
@@ -89,30 +100,29 @@ struct FillLoop {
         RowWriter here{own.column.data() + own.offset(r), own.value.data() + own.offset(r)};
         RowWriter there{other.column.data() + other.offset(r), other.value.data() + other.offset(r)};
         const double volume = laplacian.volume(i);
-        const auto around = pairs.row(i);
-        bool diagonal_written = false;
-        double weight[batch];
-        for (int start = 0; start < around.count; start += batch) {
-            const int size = math::min(batch, around.count - start);
-            for (int k = 0; k < size; ++k) {
-                const int j = around.index[start + k];
-                const double r2 = around.separation(j).r2;
-                weight[k] = laplacian.weight(volume + laplacian.volume(j), r2, math::sqrt(r2));
-            }
-            for (int k = 0; k < size; ++k) {
-                const int global = row(around.index[start + k]);
-                if (global < 0) continue;
-                const int c = global - first;
-                if (c >= 0 && c < rows) {
-                    if (!diagonal_written && c > r) {
-                        here.add(r, diagonal(i));
-                        diagonal_written = true;
-                    }
-                    here.add(c, -weight[k]);
-                } else {
-                    there.add(global, -weight[k]);
+        const Row around = pairs.row(i, place);
+        bool diagonal_written = false, rising = true;
+        for (int k = 0; k < around.count; k += lanes) {
+            const auto d = around.near(k);
+            const Lanes value = -laplacian.weight(volume + d.number, d.r2, distance(d.r2).r);
+            const IntLanes index = load_ints(around.index + k), global = gather_ints(row.data(), index);
+            const IntLanes column = shift_ints(global, -first);
+            const unsigned unknown = first_bits(around.count - k) & ~bits_below(global, 0);
+            const unsigned inside = unknown & bits_below(column, rows) & ~bits_below(column, 0);
+            // A periodic image of a particle of this rank has a row anywhere in the block.
+            rising = rising && (inside & ~bits_below(index, owned)) == 0;
+            if (rising) {
+                const unsigned below = inside & bits_below(column, r);
+                here.append(below, column, value);
+                if (!diagonal_written && below != inside) {
+                    here.add(r, diagonal(i));
+                    diagonal_written = true;
                 }
+                if (below != inside) here.append(inside & ~below, column, value);
+            } else {
+                here.add_each(inside, column, value);
             }
+            if (inside != unknown) there.add_each(unknown & ~inside, global, value);
         }
         if (!diagonal_written) here.add(r, diagonal(i));
         right_hand_side(r) = source(i);
@@ -136,6 +146,7 @@ void PressureSystem::assemble(const SphOptions& options, const Constants& consta
                               LiquidParticles& liquid, const Neighbourhood& neighbours, Halo& halo) {
     number_rows(comm, liquid, halo);
     count_entries(liquid, neighbours);
+    write_places(liquid, liquid.volume());
     for (const auto& [block, entries] : {std::pair(&own_, own_entries_), std::pair(&other_, other_entries_)}) {
         reserve(block->column, static_cast<std::size_t>(entries));
         reserve(block->value, static_cast<std::size_t>(entries));
@@ -147,9 +158,9 @@ void PressureSystem::assemble(const SphOptions& options, const Constants& consta
         Kokkos::parallel_for(
             "treacle::fill_matrix", liquid.store.owned(),
             FillLoop<Kernel>{laplacian_weight(kernel, constants, liquid),
-                             pairs(neighbours.liquid, liquid.store, liquid.store), own_, other_, liquid.row(),
-                             liquid.diagonal(), liquid.source(), liquid.pressure(), right_hand_side_, solution_,
-                             static_cast<int>(first_row_), rows_});
+                             pairs(neighbours.liquid, liquid.store, liquid.store), liquid.place, own_, other_,
+                             liquid.row(), liquid.diagonal(), liquid.source(), liquid.pressure(), right_hand_side_,
+                             solution_, static_cast<int>(first_row_), rows_, liquid.store.owned()});
     });
 }
 

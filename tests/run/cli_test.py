@@ -3,6 +3,7 @@
 
 usage: cli_test.py PROGRAM MPIEXEC GROUP RANKS
 """
+import csv
 import json
 import os
 import re
@@ -34,7 +35,12 @@ BAD_SCENES = {
     "too_much_memory": ["memory", "domain.spacing"],
     "not_yaml": ["is not YAML"],
     "several_problems": ["domain.spacing", "liquids.water.viscosity", "liquids.water.colour"],
-    "moving_body": ["bodies.raft", "moves", "static"],
+    "massless_body": ["bodies.raft.density", "unless its mass is given"],
+    "thin_body": ["bodies.raft", "thinner than domain.spacing"],
+    "body_in_body": ["bodies.post overlaps bodies.raft", "0.02 m"],
+    "body_in_wall": ["bodies.raft", "wall x_max"],
+    "moving_plane": ["bodies.slope", "no end"],
+    "keyframe_times": ["bodies.piston.keyframes", "increasing times"],
     "reserved_name": ["output.name = solid"],
     "unknown_field": ["presure", "velocity, pressure, liquid, density", "did you mean pressure"],
     "surface_tension": ["liquids.water.surface_tension", "not modelled"],
@@ -156,6 +162,12 @@ class Serial(Workplace):
             done = self.treacle(*command, COLUMN, "--set", "liquids.water.material=water")
             self.assertIn("does not model the surface tension of water", done.stdout + done.stderr)
 
+    def test_a_risky_density_is_told_with_its_number(self):
+        raft = os.path.join(SCENES, "raft.yaml")
+        self.assertIn("no warnings", self.treacle("check", raft).stdout)
+        light = self.treacle("check", raft, "--set", "bodies.raft.density=10").stdout
+        self.assertIn("warning: bodies.raft has 0.01 times the liquid's density", light)
+
     def test_thin_bodies_are_told(self):
         thin = ["--set", "bodies.post.shape.box.max=[0.281, 0.1]"]
         for command in [["check"], ["run", "--out", "told"]]:
@@ -234,6 +246,14 @@ class WithRun(Workplace):
             self.assertIn(os.path.join("column", name), files)
         self.assertEqual(len([name for name in files if re.search(r"frame_\d+\.hdf$", name)]), 5)
         self.assertFalse([name for name in files if name.endswith(".tmp")])
+
+    def test_measurements_start_with_what_the_scene_says(self):
+        with open(self.path("column", "measurements.csv")) as file:
+            first = next(csv.DictReader(file))
+        # The column is 0.16 x 0.2 m; particles fill a per mille less than their cubes, as the kernel sums have it.
+        self.assertAlmostEqual(float(first["front [m]"]), 0.16, delta=1e-9)
+        self.assertAlmostEqual(float(first["height [m]"]), 0.2, delta=5e-4)
+        self.assertEqual(float(first["dry [m]"]), 0)
 
     def test_an_existing_folder_is_refused_and_untouched(self):
         before = {name: os.stat(self.path(name)).st_mtime_ns for name in self.listing()}

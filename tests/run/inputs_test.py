@@ -17,10 +17,14 @@ SHORTENED = {
     "cube_drop": {"domain.spacing": "0.02", "time.end": "0.1"},
     "dam_break": {"domain.spacing": "0.04", "time.end": "0.15"},
     "floating_body": {"domain.spacing": "0.02", "time.end": "0.07"},
+    "floating_cube": {"time.end": "0.04"},
+    "hanging_ball": {"domain.spacing": "0.02", "time.end": "0.07"},
     "hydrostatic_column": {"time.end": "0.02"},
     "koshizuka_oka": {"domain.spacing": "0.0146", "time.end": "0.08"},
     "martin_moyce": {"domain.spacing": "0.0057", "time.end": "0.06"},
+    "neutral_ball": {"time.end": "0.03"},
     "periodic_tank": {"domain.spacing": "0.02", "time.end": "0.12"},
+    "stirrer": {"time.end": "0.05"},
 }
 
 # Of the spacing, after at most 50 steps: the solver's 1e-10, amplified by the motion.

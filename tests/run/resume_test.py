@@ -12,6 +12,7 @@ import harness
 from harness import SCENES, TIGHT, Workplace
 
 DAM = os.path.join(SCENES, "dam.yaml")
+RAFT = os.path.join(SCENES, "raft.yaml")
 SPACING = 0.02
 # On the same ranks nothing but the checkpoint lies between the two; on others sums are in another order.
 SAME_RANKS = 1e-12
@@ -65,6 +66,24 @@ class Resume(Workplace):
         for written, read in [(2, 1), (1, 2), (2, 4)]:
             with self.subTest(written=written, read=read):
                 self.resume_from(written, read, OTHER_RANKS)
+                shutil.rmtree(self.path("run"))
+                shutil.rmtree(self.path("straight"))
+
+    def test_with_bodies_that_move(self):
+        for written, read, tolerance in [(2, 2, SAME_RANKS), (3, 1, OTHER_RANKS)]:
+            with self.subTest(written=written, read=read):
+                self.run_scene(RAFT, "run", written, TIGHT)
+                shutil.copytree(self.path("run"), self.path("straight"))
+                self.remove_newest(1)
+                self.treacle("resume", "run", ranks=read)
+                self.expect_the_same_end(tolerance)
+                one, other = self.columns("straight", "bodies.csv"), self.columns("run", "bodies.csv")
+                for title in one.dtype.names:
+                    if "raft position" in title or "raft rotation" in title or "paddle position" in title:
+                        self.assertLessEqual(abs(one[title][-1] - other[title][-1]), tolerance, title)
+                self.assertGreater(abs(one["raft velocity y [m/s]"][-1]), 1e-3, "it moves")
+                self.assertEqual(len(os.listdir(self.path("straight", "frames"))),
+                                 len(os.listdir(self.path("run", "frames"))), "solids of every frame")
                 shutil.rmtree(self.path("run"))
                 shutil.rmtree(self.path("straight"))
 

@@ -116,7 +116,7 @@ def pressure_matrix(context):
                for ranks in (1, 2, 3, 4)]
     ok = definite.ran == len(SYSTEMS) and all(report.ok for report in [definite, *several])
     runs = []
-    for name in ("blobs", "floating_body"):
+    for name in ("blobs", "hanging_ball"):
         with scratch(context, name) as folder:
             # Conjugate gradients that meet a direction of no or negative curvature end the run with exit code 3.
             run = run_scene(context, scene(context, name), folder / "run", expect=None,

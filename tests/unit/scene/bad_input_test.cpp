@@ -142,6 +142,17 @@ TEST(BadScene, AMotionFitsTheKindOfTheBody) {
     EXPECT_TRUE(is_problem(body("    keyframes: [{time: 0}]\n"), at + "keyframes: have no effect"));
     EXPECT_TRUE(is_problem(body("    keyframes: [{time: 1}, {time: 1}]\n    kind: kinematic\n"),
                            at + "keyframes: must have increasing times"));
+    EXPECT_TRUE(is_problem(body("    keyframes: [{time: 0, translation: [1, 0, 0]}]\n    kind: kinematic\n"),
+                           at + "keyframes: must leave the body in its place at time 0"));
+    EXPECT_TRUE(is_problem(body("    keyframes: [{time: 1}]\n    kind: kinematic\n    velocity: [1, 0, 0]\n"),
+                           at + "keyframes: must not be given beside velocities"));
+    EXPECT_TRUE(is_problem(body("    kind: dynamic\n    density: 5\n    mass: 3\n"),
+                           "scene.yaml:9: bodies.ship.mass = 3: must not be given beside the density"));
+    EXPECT_TRUE(is_problem(body("    locked: [x]\n"), at + "locked = [x]: has no effect"));
+    EXPECT_TRUE(is_problem(body("    kind: dynamic\n    density: 5\n    locked: [w]\n"),
+                           "scene.yaml:9: bodies.ship.locked.0 = w: must be one of x, y, z, rotation_x, rotation_y, rotation_z"));
+    EXPECT_TRUE(is_problem(body("    pivot: {point: [1, 0, 0]}\n"), at + "pivot: has no effect"));
+    EXPECT_TRUE(is_problem(body("    restitution: 2\n"), at + "restitution = 2: must be in [0, 1]"));
     EXPECT_TRUE(is_problem(body("    keyframes: [{time: -1}]\n    kind: kinematic\n"),
                            at + "keyframes.0.time = -1 s: must be >= 0"));
     EXPECT_TRUE(is_problem(body("    keyframes: [{translation: [0, 0, 0]}]\n    kind: kinematic\n"),

@@ -141,4 +141,31 @@ TEST(Anchoring, LeavesASystemWithoutUnknownsAlone) {
     EXPECT_EQ(parts->system.global_rows(), 0);
 }
 
+// A block of unknowns beside one particle of pressure 0, `distance` from the nearest of them.
+double least_eigenvalue_beside(double distance, std::int64_t anchored) {
+    Sample sample;
+    sample.setup = make_setup(make_domain(3, {0, 0, 0}, {20 * spacing, 10 * spacing, 10 * spacing}));
+    add_block(sample, {{6 * spacing, 4 * spacing, 4 * spacing}, {4, 3, 3}});
+    sample.liquid.push_back({{9 * spacing + distance, 5 * spacing, 5 * spacing}});
+    const auto outside = id_of(sample.liquid.size() - 1);
+    Parts parts(Comm::world(), sample);
+    parts.predict_roles(LastPressures::none, 1e-3);
+    parts.set_by_id(parts.liquid.role(),
+                    [&](std::int64_t id) { return id == outside ? Role::dirichlet : Role::poisson; });
+    parts.halo.gather(parts.liquid.store, {parts.liquid.role_field()});
+    EXPECT_EQ(parts.anchor(), anchored);
+    parts.assemble();
+    Eigen::MatrixXd a = gather_system(parts).matrix;
+    const Eigen::VectorXd scale = a.diagonal().cwiseSqrt().cwiseInverse();
+    a = scale.asDiagonal() * a * scale.asDiagonal();
+    return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(a).eigenvalues()(0);
+}
+
+TEST(Anchoring, ADirichletNeighbourAtTheRimOfTheSupportIsNoAnchor) {
+    // An anchor at a lattice point holds 36 unknowns with a 270th of the diagonal or more: 0.05 / 36 is 0.0014.
+    EXPECT_GT(least_eigenvalue_beside(spacing, 0), 1e-3);
+    // a_ij falls with the square of the distance to the rim: 1e-6 of the diagonal.
+    EXPECT_GT(least_eigenvalue_beside(2.499 * spacing, 1), 1e-3);
+}
+
 } // namespace treacle::sph

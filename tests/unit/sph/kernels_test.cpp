@@ -60,7 +60,7 @@ TEST_P(Kernels, GradientIsTheSlopeOfTheValue) {
             return dimensions == 3 ? 15 / (math::pi * std::pow(h, 6)) * a * a * a
                                    : 10 / (math::pi * std::pow(h, 5)) * a * a * a;
         };
-        const double scale = kernel.value(0) / h, step = 1e-5 * h;
+        const double scale = kernel.value(0.0) / h, step = 1e-5 * h;
         for (const double q : {0.01, 0.2, 0.4999, 0.5001, 0.7, 0.99}) {
             const double r = q * h, slope = (value(r + step) - value(r - step)) / (2 * step);
             // Central differences: the third derivative times step^2, and the kink of the cubic's second one.
@@ -73,14 +73,14 @@ TEST_P(Kernels, RadialIsTheSlopeTimesTheDistance) {
     with_kernel(kind, dimensions, h, [&](const auto& kernel) {
         for (const double q : {0.0, 1e-3, 0.3, 0.5, 0.8, 1.0}) {
             const double r = q * h;
-            EXPECT_NEAR(kernel.radial(r), r > 0 ? kernel.gradient(r) * r * r : 0.0, 1e-14 * kernel.value(0));
+            EXPECT_NEAR(kernel.radial(r), r > 0 ? kernel.gradient(r) * r * r : 0.0, 1e-14 * kernel.value(0.0));
         }
     });
 }
 
 TEST_P(Kernels, EndAtTheSupportAndNeverRise) {
     with_kernel(kind, dimensions, h, [&](const auto& kernel) {
-        EXPECT_NEAR(kernel.value(h), 0, 1e-15 * kernel.value(0));
+        EXPECT_NEAR(kernel.value(h), 0, 1e-15 * kernel.value(0.0));
         EXPECT_NEAR(kernel.gradient(h), 0, 1e-15 * std::abs(kernel.gradient(h / 2)));
         for (int k = 1; k < 100; ++k) {
             EXPECT_LT(kernel.gradient(0.01 * k * h), 0);
@@ -95,8 +95,8 @@ TEST(NumberKernel, IsTheRatioOfSupportAndDistanceLessOneAndStaysFiniteAtZero) {
     const NumberKernel kernel(0.2, 0.1);
     EXPECT_DOUBLE_EQ(kernel.value(0.1), 1);
     EXPECT_DOUBLE_EQ(kernel.value(0.2), 0);
-    EXPECT_DOUBLE_EQ(kernel.value(0), kernel.value(0.01));
-    EXPECT_DOUBLE_EQ(kernel.value(0), 19);
+    EXPECT_DOUBLE_EQ(kernel.value(0.0), kernel.value(0.01));
+    EXPECT_DOUBLE_EQ(kernel.value(0.0), 19);
 }
 
 } // namespace treacle::sph

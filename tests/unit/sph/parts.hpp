@@ -50,7 +50,7 @@ struct Parts {
     }
     std::int64_t anchor() {
         Anchoring anchoring;
-        return comm.sum(anchoring.anchor(comm, liquid, neighbours, halo));
+        return comm.sum(anchoring.anchor(setup.options, setup.constants, comm, liquid, neighbours, halo));
     }
     void assemble() { system.assemble(setup.options, setup.constants, comm, liquid, neighbours, halo); }
     // The velocities change by the pressures that the liquid has.

@@ -43,7 +43,7 @@ TEST(SolidTerms, TwoParticlesOnASolidHaveTheirClosedFormPressures) {
         const double r = length(0.2 * spacing, 0, 0.9 * spacing),
                      rs = length(0, 0.1 * spacing, 0.8 * spacing);
         const double rs_j = length(0.2 * spacing, 0.1 * spacing, 1.7 * spacing);
-        const double vs = 1 / kernel.value(0); // alone in its layer
+        const double vs = 1 / kernel.value(0.0); // alone in its layer
         const double vi = c.mass / rho.at(i), vj = c.mass / rho.at(j);
         const double a = -(vi + vj) * r * r * kernel.gradient(r) / (r * r + 0.01 * h * h);
         // Eq. 2.10 and Eq. 3.2 from their definitions; the solid is within reach of both particles.
@@ -178,7 +178,7 @@ TEST(SolidVolumes, OfAPlaneAreThoseOfTheWallMeasurement) {
             ++seen;
         }
         if (id(i) == id_of(121)) {
-            EXPECT_NEAR(volume(i), 1 / CubicSpline<3>(h).value(0), 1e-12 * plane);
+            EXPECT_NEAR(volume(i), 1 / CubicSpline<3>(h).value(0.0), 1e-12 * plane);
             ++seen;
         }
     }

@@ -225,4 +225,23 @@ TEST(IsphStep, AnUnconvergedSolveEndsTheRunOnEveryRank) {
     EXPECT_EQ(code, 3);
 }
 
+TEST(Step, SolidsOutsideTheGridCountForItsNearestCell) {
+    const auto boxes = [](double below) {
+        auto sample = dam_break();
+        for (int k = 0; k < 2000; ++k) {
+            const double x = (17 + 0.5 * k / 2000) * spacing;
+            sample.solid.push_back({{x, 3.1 * spacing, -below}, 1});
+        }
+        const auto step = started(Comm::world(), sample);
+        EXPECT_EQ(step->comm().sum(std::int64_t(step->solid().store.owned())), std::int64_t(sample.solid.size()));
+        std::vector<int> out;
+        for (const auto& box : step->decomposition().boxes()) {
+            out.insert(out.end(), box.lo, box.lo + 3);
+            out.insert(out.end(), box.hi, box.hi + 3);
+        }
+        return out;
+    };
+    EXPECT_EQ(boxes(20 * spacing), boxes(0.5 * spacing));
+}
+
 } // namespace treacle::sph

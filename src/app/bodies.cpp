@@ -1,0 +1,256 @@
+#include "app/bodies.hpp"
+
+#include "app/table_text.hpp"
+#include "sph/solid_scale.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace treacle::app {
+
+namespace {
+// Densities, over the liquid's, below and above which a step is no longer sure to be calm (src/sph/README.md).
+constexpr double light = 0.05, heavy = 50;
+// Bodies may touch: overlaps below this share of the spacing do not count.
+constexpr double touching = 1e-3;
+
+bool dynamic(const scene::Body& body) { return body.kind == scene::BodyKind::dynamic; }
+
+double distance(const Vec3& a, const Vec3& b) { return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]); }
+
+const scene::Shape& shape_of(const scene::Body& body, const scene::SolidRegion& region) {
+    return region.used_fallback() ? body.shape.fallback.front() : body.shape;
+}
+
+scene::SurfaceSampling on_surface(const Geometry& geometry, const scene::SolidRegion& region) {
+    scene::SurfaceSampling sampling{geometry.lattice.spacing, 0, {}};
+    // Planes have points in the domain only.
+    if (!region.closed()) sampling.clip = {geometry.lattice.min, geometry.lattice.max};
+    return sampling;
+}
+
+std::vector<rigid::Probe> probes_of(const scene::Body& body, const scene::SolidRegion& region,
+                                    const Geometry& geometry) {
+    const auto& shape = shape_of(body, region);
+    if (shape.kind == scene::ShapeKind::sphere && !region.inverted()) {
+        const auto bounds = region.bounds(); // in the plane of the cut
+        rigid::Probe ball;
+        for (std::size_t k = 0; k < 3; ++k) ball.point[k] = (bounds.min[k] + bounds.max[k]) / 2;
+        if (region.dimensions() == 2) ball.point[2] = 0;
+        ball.radius = (bounds.max[0] - bounds.min[0]) / 2;
+        return {ball};
+    }
+    std::vector<rigid::Probe> probes;
+    for (const auto& x : scene::sample_surface(region, on_surface(geometry, region)).positions) probes.push_back({x, 0});
+    return probes;
+}
+
+rigid::BodySetup make_body(const scene::Body& body, const scene::SolidRegion& region, const Geometry& geometry) {
+    rigid::BodySetup out;
+    out.name = body.name;
+    out.kind = body.kind;
+    out.keyframes = body.keyframes;
+    out.velocity = body.velocity;
+    out.angular_velocity = body.angular_velocity;
+    out.locked = body.locked;
+    out.restitution = body.restitution;
+    out.friction = body.friction;
+    out.region = {region};
+    out.probes = probes_of(body, region, geometry);
+    if (region.closed()) {
+        const auto moments = region.moments();
+        out.centre = body.pivot.value_or(moments.centre);
+        if (dynamic(body)) {
+            const double density = density_of(body, region);
+            out.mass = density * moments.volume;
+            for (std::size_t i = 0; i < 3; ++i) {
+                for (std::size_t j = 0; j < 3; ++j) out.inertia[i][j] = density * moments.inertia[i][j];
+            }
+        }
+    }
+    for (const auto& probe : out.probes) {
+        out.reach = std::max(out.reach, distance(probe.point, out.centre) + probe.radius);
+    }
+    return out;
+}
+
+// Depth of the body below the deepest point that lies half a spacing below its surface, with it: its half thickness.
+bool thinner_than_spacing(const scene::SolidRegion& region, const Geometry& geometry) {
+    const double half = geometry.lattice.spacing / 2;
+    const auto samples = scene::sample_surface(region, on_surface(geometry, region));
+    for (std::size_t i = 0; i < samples.positions.size(); ++i) {
+        Vec3 x = samples.positions[i];
+        for (std::size_t k = 0; k < 3; ++k) x[k] -= half * samples.normals[i][k];
+        if (region.distance(x) <= -half * (1 - 1e-6)) return false;
+    }
+    return true;
+}
+
+// How deep the one's probes are inside the other, and the other way round [m].
+double overlap_of(const rigid::BodySetup& a, const rigid::BodySetup& b) {
+    double deepest = 0;
+    for (const auto& [one, other] : {std::pair(&a, &b), std::pair(&b, &a)}) {
+        for (const auto& probe : one->probes) {
+            deepest = std::max(deepest, probe.radius - other->region.front().distance(probe.point));
+        }
+    }
+    return deepest;
+}
+
+class Checker {
+public:
+    Checker(const Input& input, const Geometry& geometry) : input_(input), geometry_(geometry) {
+        for (std::size_t b = 0; b < geometry.bodies.size(); ++b) {
+            setups_.push_back(make_body(body(b), geometry.bodies[b], geometry));
+        }
+    }
+
+    void shapes(std::vector<Diagnostic>& problems) const {
+        for (std::size_t b = 0; b < setups_.size(); ++b) {
+            if (!moves(body(b))) continue;
+            const auto& region = geometry_.bodies[b];
+            const auto name = "bodies." + body(b).name;
+            if (!region.closed()) {
+                problems.push_back({body(b).where, name + " moves and has no end", "a plane cannot be carried along",
+                                    "take a box, or write kind: static"});
+            } else if (dynamic(body(b)) && region.inverted()) {
+                problems.push_back({body(b).where, name + " is dynamic and fills all space but a hole",
+                                    "its mass would be infinite", "take a shape that is not inverted"});
+            } else {
+                extent(b, problems);
+            }
+        }
+    }
+
+    void walls(std::vector<Diagnostic>& problems) const {
+        const auto& domain = input_.scene.domain;
+        for (std::size_t b = 0; b < setups_.size(); ++b) {
+            if (!dynamic(body(b))) continue;
+            const auto bounds = geometry_.bodies[b].bounds();
+            for (std::size_t k = 0; k < static_cast<std::size_t>(domain.dimensions); ++k) {
+                const double reach = touching * domain.spacing;
+                const bool below = domain.faces[2 * k].kind == scene::FaceKind::wall && bounds.min[k] < domain.min[k] - reach;
+                const bool above =
+                    domain.faces[2 * k + 1].kind == scene::FaceKind::wall && bounds.max[k] > domain.max[k] + reach;
+                if (!below && !above) continue;
+                problems.push_back({body(b).where,
+                                    "bodies." + body(b).name + " reaches through the wall " + "xyz"[k] +
+                                        (below ? "_min" : "_max"),
+                                    "a dynamic body cannot start inside of another solid", "move it into the domain"});
+            }
+        }
+    }
+
+    // Pairs of bodies that overlap, and by how much [m].
+    template <class Report>
+    void overlaps(const Report& report) const {
+        for (std::size_t a = 0; a < setups_.size(); ++a) {
+            for (std::size_t b = a + 1; b < setups_.size(); ++b) {
+                if (!moves(body(a)) && !moves(body(b))) continue;
+                const double depth = overlap_of(setups_[a], setups_[b]);
+                if (depth > touching * input_.scene.domain.spacing) report(body(a), body(b), depth);
+            }
+        }
+    }
+
+private:
+    const scene::Body& body(std::size_t b) const { return input_.scene.bodies[b]; }
+
+    void extent(std::size_t b, std::vector<Diagnostic>& problems) const {
+        const auto& domain = input_.scene.domain;
+        const auto name = "bodies." + body(b).name;
+        if (dynamic(body(b)) && thinner_than_spacing(geometry_.bodies[b], geometry_)) {
+            problems.push_back({body(b).where, name + " is thinner than domain.spacing",
+                                "liquid on one side would feel the liquid on the other, and it could not float",
+                                "thicken it, or refine domain.spacing"});
+        }
+        for (std::size_t k = 0; k < static_cast<std::size_t>(domain.dimensions); ++k) {
+            const bool periodic = domain.faces[2 * k].kind == scene::FaceKind::periodic;
+            if (!periodic || 2 * setups_[b].reach < domain.max[k] - domain.min[k]) continue;
+            problems.push_back({body(b).where, name + " moves and is longer than the period in " + "xyz"[k],
+                                "it could meet its own image", "shorten it, or lengthen the domain"});
+        }
+    }
+
+    const Input& input_;
+    const Geometry& geometry_;
+    std::vector<rigid::BodySetup> setups_;
+};
+} // namespace
+
+bool moves(const scene::Body& body) { return body.kind != scene::BodyKind::fixed; }
+
+bool any_moves(const Input& input) {
+    return std::any_of(input.scene.bodies.begin(), input.scene.bodies.end(), moves);
+}
+
+double density_of(const scene::Body& body, const scene::SolidRegion& region) {
+    return body.mass > 0 ? body.mass / region.volume() : body.density;
+}
+
+rigid::BodiesSetup make_bodies(const Input& input, const Geometry& geometry) {
+    rigid::BodiesSetup out;
+    const auto& domain = input.scene.domain;
+    out.spacing = domain.spacing;
+    out.gravity = domain.gravity;
+    out.dimensions = domain.dimensions;
+    for (std::size_t b = 0; b < geometry.bodies.size(); ++b) {
+        out.bodies.push_back(make_body(input.scene.bodies[b], geometry.bodies[b], geometry));
+    }
+    const auto box = sph::make_domain_box(domain, 0);
+    for (std::size_t k = 0; k < static_cast<std::size_t>(domain.dimensions); ++k) {
+        out.period[k] = box.period[k];
+        const int axis = static_cast<int>(k);
+        if (domain.faces[2 * k].kind == scene::FaceKind::wall) out.walls.push_back({axis, domain.min[k], 1});
+        if (domain.faces[2 * k + 1].kind == scene::FaceKind::wall) out.walls.push_back({axis, domain.max[k], -1});
+    }
+    return out;
+}
+
+std::vector<double> solid_scales(const Input& input, const Geometry& geometry) {
+    std::vector<double> out;
+    const auto wall = wall_setup(input);
+    const sph::ScaleSetup setup{wall, geometry.offset + wall.spacing / 2};
+    for (std::size_t b = 0; b < geometry.bodies.size(); ++b) {
+        const auto& region = geometry.bodies[b];
+        out.push_back(moves(input.scene.bodies[b])
+                          ? sph::solid_scale(setup, region, scene::sample_surface(region, body_sampling(geometry, b)).positions)
+                          : 1.0);
+    }
+    return out;
+}
+
+void check_bodies(const Input& input, const Geometry& geometry, std::vector<Diagnostic>& problems) {
+    if (!any_moves(input)) return;
+    const Checker checker(input, geometry);
+    checker.shapes(problems);
+    checker.walls(problems);
+    checker.overlaps([&](const scene::Body& a, const scene::Body& b, double depth) {
+        if (!dynamic(a) && !dynamic(b)) return;
+        problems.push_back({(dynamic(b) ? b : a).where,
+                            "bodies." + a.name + " overlaps bodies." + b.name + " by " + short_number(depth) + " m",
+                            "a dynamic body cannot start inside of another solid", "move one of the two"});
+    });
+}
+
+std::vector<std::string> body_notes(const Input& input, const Geometry& geometry) {
+    std::vector<std::string> notes;
+    if (!any_moves(input)) return notes;
+    Checker(input, geometry).overlaps([&](const scene::Body& a, const scene::Body& b, double depth) {
+        if (dynamic(a) || dynamic(b)) return;
+        notes.push_back("bodies." + a.name + " overlaps bodies." + b.name + " by " + short_number(depth) +
+                        " m at the start: nothing keeps them apart, and liquid between them is crushed");
+    });
+    for (std::size_t b = 0; b < geometry.bodies.size(); ++b) {
+        const auto& body = input.scene.bodies[b];
+        if (!dynamic(body)) continue;
+        const double ratio = density_of(body, geometry.bodies[b]) / input.scene.liquids.front().density;
+        if (ratio >= light && ratio <= heavy) continue;
+        notes.push_back("bodies." + body.name + " has " + short_number(ratio) +
+                        " times the liquid's density: its motion is sure from " + short_number(light) + " to " +
+                        short_number(heavy) + " times, beyond that take smaller steps and compare");
+    }
+    return notes;
+}
+
+} // namespace treacle::app

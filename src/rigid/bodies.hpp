@@ -1,0 +1,122 @@
+#pragma once
+#include "rigid/keyframes.hpp"
+#include "scene/signed_distance.hpp"
+
+#include <array>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace treacle::rigid {
+
+// A ball about a point of a body's surface, of radius 0, or the body itself when it is a ball.
+struct Probe {
+    Vec3 point{0, 0, 0}; // [m] at the start
+    double radius = 0;   // [m]
+};
+
+// What stays the same of a body. Places are those at the start of the run.
+struct BodySetup {
+    std::string name;
+    scene::BodyKind kind = scene::BodyKind::fixed;
+    double mass = 0;                // [kg], [kg/m] in the plane; dynamic
+    Matrix3 inertia{};              // about the centre, in the axes of space [kg m2]; dynamic
+    Vec3 centre{0, 0, 0};           // [m] centre of mass; of a kinematic body what it turns about
+    Vec3 velocity{0, 0, 0};         // [m/s] dynamic: at the start; kinematic: all the time
+    Vec3 angular_velocity{0, 0, 0}; // [rad/s]
+    std::vector<scene::Keyframe> keyframes;
+    std::array<bool, 6> locked{};
+    double restitution = 0, friction = 0;
+    std::vector<scene::SolidRegion> region; // one: the solid at the start
+    std::vector<Probe> probes;              // that touch other bodies and walls
+    double reach = 0;                       // [m] from the centre to the farthest point of the surface
+};
+
+// A side of the domain that stops bodies, at right angles to an axis.
+struct Wall {
+    int axis = 0;
+    double at = 0;     // [m]
+    double inwards = 1; // +1: the domain is above
+};
+
+struct BodiesSetup {
+    std::vector<BodySetup> bodies;
+    std::vector<Wall> walls;
+    std::array<double, 3> period{0, 0, 0}; // [m], 0: not periodic
+    double spacing = 0;                    // [m] scale of what counts as close
+    Vec3 gravity{0, 0, 0};                 // [m/s2]
+    int dimensions = 3;
+};
+
+// Body k responds to an impulse P and an angular impulse T about its centre with the velocity linear P and the
+// angular velocity angular T.
+struct Response {
+    Matrix3 linear{};  // [1/kg]
+    Matrix3 angular{}; // [1/kg/m2]
+};
+
+// The bodies of a run. Every rank holds all of them and does the same arithmetic on loads summed over the ranks.
+// One step: begin(), accelerate() and push() in any order, move().
+class RigidBodies {
+public:
+    RigidBodies() = default;
+    explicit RigidBodies(BodiesSetup setup);
+
+    std::size_t size() const { return setup_.bodies.size(); }
+    const BodiesSetup& setup() const { return setup_; }
+    bool moves(std::size_t body) const { return setup_.bodies[body].kind != scene::BodyKind::fixed; }
+    bool dynamic(std::size_t body) const { return setup_.bodies[body].kind == scene::BodyKind::dynamic; }
+    bool any_moves() const { return any_moves_; }
+    bool any_dynamic() const { return any_dynamic_; }
+
+    // Kinematic bodies take the velocity that carries them along their motion in the next step of dt [s].
+    void begin(double dt);
+    // Velocity of dynamic bodies by gravity.
+    void fall(double dt);
+    // By force [N] and torque about their centres [N m], 6 numbers a body; those of bodies that are not dynamic
+    // do not count.
+    void push(std::span<const double> loads, double dt);
+    // Contact impulses, then the motion by dt: kinematic bodies to their next place, dynamic ones by their
+    // velocities, the rotation such that the angular momentum is kept exactly.
+    void move(double dt);
+
+    double time() const { return time_; } // [s]
+    const Pose& pose(std::size_t body) const { return states_[body].pose; }
+    const Vec3& velocity(std::size_t body) const { return states_[body].velocity; } // of the centre [m/s]
+    Vec3 spin(std::size_t body) const;                                              // [rad/s]
+    // About the centre [kg m2/s]; of dynamic bodies.
+    const Vec3& angular_momentum(std::size_t body) const { return states_[body].angular_momentum; }
+    Response response(std::size_t body) const;
+    // Bound of the speed of any point of a body that moves [m/s].
+    double max_speed() const;
+    int contacts() const { return contacts_; } // of the last step
+
+    // Linear momentum [kg m/s] and angular momentum about the origin [kg m2/s] of the dynamic bodies.
+    std::array<double, 6> momentum() const;
+    // Kinetic, and potential of gravity, zero at the origin, of the dynamic bodies [J].
+    std::array<double, 2> energy() const;
+
+    // All that changes: the time, then 13 numbers a body.
+    std::vector<double> state() const;
+    void restore(std::span<const double> state);
+
+private:
+    struct State {
+        Pose pose;
+        Vec3 velocity{0, 0, 0};
+        Vec3 angular_momentum{0, 0, 0}; // of a kinematic body in its place: the spin
+    };
+    Matrix3 inverse_inertia(std::size_t body, const Quaternion& turn) const;
+    Vec3 spin_at(std::size_t body, const Quaternion& turn) const;
+    Pose pose_at(std::size_t body, double time) const;
+    void meet(double dt);
+    void turn(std::size_t body, double dt);
+
+    BodiesSetup setup_;
+    std::vector<State> states_;
+    double time_ = 0;
+    bool any_moves_ = false, any_dynamic_ = false;
+    int contacts_ = 0;
+};
+
+} // namespace treacle::rigid

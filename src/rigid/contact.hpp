@@ -1,0 +1,40 @@
+#pragma once
+#include "rigid/bodies.hpp"
+
+namespace treacle::rigid {
+
+// Two bodies close to each other, or a body and a wall of the domain.
+struct Contact {
+    std::size_t body = 0;
+    int other = -1;          // -1: a wall
+    Vec3 arm{0, 0, 0};       // from the body's centre to the point [m]
+    Vec3 other_arm{0, 0, 0}; // from the other's
+    Vec3 normal{0, 0, 0};    // unit, towards `body`
+    double gap = 0;          // [m], negative where they overlap
+    double restitution = 0, friction = 0;
+};
+
+// Contacts that a step of dt [s] may close, in a fixed order; of each pair of bodies those that hold it best.
+std::vector<Contact> find_contacts(const RigidBodies& bodies, double dt);
+
+// A body while contacts are solved.
+struct Movable {
+    Vec3 centre{0, 0, 0};
+    Vec3 velocity{0, 0, 0}, spin{0, 0, 0};
+    Response response;
+    Vec3 impulse{0, 0, 0}; // angular, about the centre, received [kg m2/s]
+    Vec3 shift{0, 0, 0};   // out of an overlap [m]
+    Vec3 twist{0, 0, 0};   // [rad]
+};
+struct ContactStep {
+    double dt = 0;      // [s]
+    double gravity = 0; // [m/s2]
+    double spacing = 0; // [m]
+};
+
+// Impulses by projected Gauss-Seidel, such that no pair closes its gap within the step, with Newton's restitution
+// and Coulomb's friction; then shifts that take back a share of each overlap. They change neither momentum nor,
+// but for the lever arms that a shift changes, angular momentum.
+void solve_contacts(const std::vector<Contact>& contacts, std::vector<Movable>& bodies, const ContactStep& step);
+
+} // namespace treacle::rigid

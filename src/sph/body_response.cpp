@@ -1,0 +1,198 @@
+#include "sph/body_response.hpp"
+
+#include "sph/pressure_system.hpp"
+
+namespace treacle::sph {
+
+namespace {
+// Whether neighbour k of a particle is the first one of its body.
+KOKKOS_INLINE_FUNCTION bool is_first(const Pairs& solid, const Array<int>& body, std::int64_t begin, std::int64_t k) {
+    for (std::int64_t l = begin; l < k; ++l) {
+        if (body(solid.index(l)) == body(solid.index(k))) return false;
+    }
+    return true;
+}
+
+template <class Kernel>
+struct ResponseLoop {
+    Kernel kernel;
+    Fluid fluid;
+    LoadPoints points;
+    Array<int> dynamic, offset, entry_body;
+    Array<double> row;
+
+    KOKKOS_INLINE_FUNCTION void operator()(int i) const {
+        const auto& list = fluid.solid;
+        int entry = offset(i);
+        if (entry == offset(i + 1)) return;
+        for (std::int64_t k = list.offset(i); k < list.offset(i + 1); ++k) {
+            const int body = fluid.solid_body(list.index(k));
+            if (dynamic(body) == 0 || !is_first(list, fluid.solid_body, list.offset(i), k)) continue;
+            entry_body(entry) = body;
+            fill(i, body, &row(6 * static_cast<std::size_t>(entry)));
+            ++entry;
+        }
+    }
+
+    KOKKOS_INLINE_FUNCTION void fill(int i, int body, double* u) const {
+        const Constants& c = fluid.constants;
+        const auto& x = fluid.solid.among;
+        const double scale = fluid.volume(i) / math::sqrt(c.mass) * c.rest_density;
+        for (int k = 0; k < 6; ++k) u[k] = 0;
+        fluid.solid.each(i, [&](int s, double dx, double dy, double dz, double r2) {
+            if (fluid.solid_body(s) != body) return;
+            const double f = scale * fluid.solid_volume(s) * kernel.gradient(math::sqrt(r2));
+            const double g[3] = {f * dx, f * dy, f * dz};
+            const double place[3] = {x(s, 0), x(s, 1), x(s, 2)};
+            double arm[3];
+            points.arm(body, place, arm);
+            for (int k = 0; k < 3; ++k) u[k] += g[k];
+            u[3] += arm[1] * g[2] - arm[2] * g[1];
+            u[4] += arm[2] * g[0] - arm[0] * g[2];
+            u[5] += arm[0] * g[1] - arm[1] * g[0];
+        });
+    }
+};
+
+// sum_i U_i^T p_i, 6 numbers a load.
+struct ImpulseLoop {
+    using value_type = double[];
+    using size_type = std::size_t;
+    Array<int> offset, body;
+    Array<double> row, pressure;
+    size_type value_count;
+
+    KOKKOS_INLINE_FUNCTION void init(value_type sum) const {
+        for (size_type k = 0; k < value_count; ++k) sum[k] = 0;
+    }
+    KOKKOS_INLINE_FUNCTION void join(value_type sum, const value_type other) const {
+        for (size_type k = 0; k < value_count; ++k) sum[k] += other[k];
+    }
+    KOKKOS_INLINE_FUNCTION void operator()(int i, value_type sum) const {
+        for (int e = offset(i); e < offset(i + 1); ++e) {
+            for (int k = 0; k < 6; ++k) sum[6 * body(e) + k] += row(6 * e + k) * pressure(i);
+        }
+    }
+};
+
+using HostSums = Kokkos::View<double*, Kokkos::HostSpace, Kokkos::MemoryTraits<Kokkos::Unmanaged>>;
+} // namespace
+
+void BodyResponse::count(const LiquidParticles& liquid, const SolidParticles& solid,
+                         const Neighbourhood& neighbours) {
+    const int n = liquid.store.owned();
+    reserve(offset_, static_cast<std::size_t>(n + 1));
+    const auto list = pairs(neighbours.solid, liquid.store, solid.store);
+    const auto body = solid.body(), dynamic = dynamic_, offset = offset_;
+    int total = 0;
+    Kokkos::parallel_scan("treacle::count_responses", n + 1, KOKKOS_LAMBDA(int i, int& sum, bool last) {
+        int here = 0;
+        if (i < n) {
+            for (std::int64_t k = list.offset(i); k < list.offset(i + 1); ++k) {
+                const int b = body(list.index(k));
+                here += static_cast<int>(dynamic(b) != 0 && is_first(list, body, list.offset(i), k));
+            }
+        }
+        if (last) offset(i) = sum;
+        sum += here;
+    }, total);
+    entries_ = total;
+}
+
+void BodyResponse::build(const SphOptions& options, const Constants& constants, const LiquidParticles& liquid,
+                         const SolidParticles& solid, const Neighbourhood& neighbours, const Bodies& bodies) {
+    const auto loads = static_cast<std::size_t>(bodies.load_points().count);
+    responses_.assign(loads, {});
+    reserve(dynamic_, loads);
+    auto flags = Kokkos::create_mirror_view(dynamic_);
+    for (std::size_t k = 0; k < loads; ++k) flags(k) = 0;
+    for (std::size_t b = 0; b < bodies.rigid.size(); ++b) {
+        const auto load = static_cast<std::size_t>(bodies.first()) + b;
+        responses_[load] = bodies.rigid.response(b);
+        flags(load) = static_cast<int>(bodies.rigid.dynamic(b));
+    }
+    Kokkos::deep_copy(dynamic_, flags);
+    count(liquid, solid, neighbours);
+    reserve(body_, static_cast<std::size_t>(entries_));
+    reserve(row_, static_cast<std::size_t>(6 * entries_));
+    const auto fluid = gather_fluid(constants, liquid, solid, neighbours);
+    with_kernel(options.kernel, constants.dimensions, constants.support, [&](const auto& kernel) {
+        using Kernel = std::decay_t<decltype(kernel)>;
+        Kokkos::parallel_for("treacle::responses", fluid.count,
+                             ResponseLoop<Kernel>{kernel, fluid, bodies.load_points(), dynamic_, offset_, body_, row_});
+    });
+}
+
+// Velocities that impulses on the bodies give, 6 numbers a load.
+std::vector<double> BodyResponse::respond(std::span<const double> impulses) const {
+    using rigid::operator*;
+    std::vector<double> out(impulses.size());
+    for (std::size_t b = 0; b < responses_.size(); ++b) {
+        const double* p = &impulses[6 * b];
+        const Vec3 v = responses_[b].linear * Vec3{p[0], p[1], p[2]};
+        const Vec3 w = responses_[b].angular * Vec3{p[3], p[4], p[5]};
+        for (std::size_t k = 0; k < 3; ++k) {
+            out[6 * b + k] = v[k];
+            out[6 * b + 3 + k] = w[k];
+        }
+    }
+    return out;
+}
+
+void BodyResponse::apply_to_pressure(const Comm& comm, LiquidParticles& liquid) const {
+    std::vector<double> sums(6 * responses_.size(), 0.0);
+    const int n = liquid.store.owned();
+    Kokkos::parallel_reduce("treacle::body_impulses", n,
+                            ImpulseLoop{offset_, body_, row_, liquid.pressure(), sums.size()},
+                            HostSums(sums.data(), sums.size()));
+    comm.sum(std::span(sums));
+    const auto velocities = respond(sums);
+    const Array<double> moved("treacle::moved", velocities.size());
+    auto host = Kokkos::create_mirror_view(moved);
+    for (std::size_t k = 0; k < velocities.size(); ++k) host(k) = velocities[k];
+    Kokkos::deep_copy(moved, host);
+    const auto offset = offset_, body = body_;
+    const auto row = row_, response = liquid.response();
+    Kokkos::parallel_for("treacle::body_response", n, KOKKOS_LAMBDA(int i) {
+        double sum = 0;
+        for (int e = offset(i); e < offset(i + 1); ++e) {
+            for (int k = 0; k < 6; ++k) sum += row(6 * e + k) * moved(6 * body(e) + k);
+        }
+        response(i) = sum;
+    });
+}
+
+BodyResponse::Addition BodyResponse::addition(const Comm& comm, const LiquidParticles& liquid,
+                                              const PressureSystem& system) const {
+    struct Entry {
+        std::size_t row, body;
+        double u[6];
+    };
+    const auto mirror = [](const auto& view) { return Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), view); };
+    const auto offset = mirror(offset_), body = mirror(body_), number = mirror(liquid.row());
+    const auto row = mirror(row_);
+    std::vector<Entry> entries;
+    for (int i = 0; i < liquid.store.owned(); ++i) {
+        if (number(i) < 0) continue;
+        for (int e = offset(i); e < offset(i + 1); ++e) {
+            Entry entry{static_cast<std::size_t>(number(i) - system.first_row()), static_cast<std::size_t>(body(e)), {}};
+            for (int k = 0; k < 6; ++k) entry.u[k] = row(6 * e + k);
+            entries.push_back(entry);
+        }
+    }
+    return [this, comm, entries = std::move(entries)](std::span<const double> x, std::span<double> y) {
+        std::vector<double> sums(6 * responses_.size(), 0.0);
+        for (const auto& [r, b, u] : entries) {
+            for (std::size_t k = 0; k < 6; ++k) sums[6 * b + k] += u[k] * x[r];
+        }
+        comm.sum(std::span(sums));
+        const auto v = respond(sums);
+        for (const auto& [r, b, u] : entries) {
+            double sum = 0;
+            for (std::size_t k = 0; k < 6; ++k) sum += u[k] * v[6 * b + k];
+            y[r] += sum;
+        }
+    };
+}
+
+} // namespace treacle::sph

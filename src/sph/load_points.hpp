@@ -1,0 +1,40 @@
+#pragma once
+#include "kokkos/types.hpp"
+
+namespace treacle::sph {
+
+// Where the torque on each body is taken about: its centre for bodies that move, otherwise the origin.
+struct LoadPoints {
+    int count = 0;
+    bool moving = false;   // any of them is not the origin
+    Array<double> centre;  // [count][4]: the point [m] and 1, or 0 for the origin; when moving
+    double period[3] = {0, 0, 0};
+    Array<double> scale;   // [count] factor on the volumes of the solid's particles, when moving
+
+    LoadPoints(int bodies = 0) : count(bodies) {}
+
+    KOKKOS_INLINE_FUNCTION bool moves(int body) const { return moving && centre(4 * body + 3) != 0; }
+
+    // The lever arm of a point that belongs to a body.
+    KOKKOS_INLINE_FUNCTION void arm(int body, const double x[3], double out[3]) const {
+        for (int k = 0; k < 3; ++k) {
+            out[k] = x[k];
+            if (!moves(body)) continue;
+            out[k] -= centre(4 * body + k);
+            if (period[k] > 0) out[k] -= period[k] * math::floor(out[k] / period[k] + 0.5);
+        }
+    }
+
+    // Adds a force [N] at a point of a body to the loads, 6 numbers a body.
+    KOKKOS_INLINE_FUNCTION void add(double loads[], int body, const double x[3], const double force[3]) const {
+        double lever[3];
+        arm(body, x, lever);
+        double* load = loads + 6 * body;
+        for (int k = 0; k < 3; ++k) load[k] += force[k];
+        load[3] += lever[1] * force[2] - lever[2] * force[1];
+        load[4] += lever[2] * force[0] - lever[0] * force[2];
+        load[5] += lever[0] * force[1] - lever[1] * force[0];
+    }
+};
+
+} // namespace treacle::sph
