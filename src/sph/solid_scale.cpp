@@ -7,9 +7,9 @@ namespace treacle::sph {
 
 namespace {
 constexpr std::size_t most_places = 60; // on the surface, of which the mean is taken
-// Liquid that has moved stands closer to a layer than the lattice does: with these factors balls and discs of the
+// Liquid that has moved stands closer to a layer than the lattice does: with this factor balls and discs of the
 // liquid's density, of 8 and 12 spacings, stay where they are (README).
-constexpr double stirred_in_space = 1.38, stirred_in_plane = 1.15;
+constexpr double stirred = 1.15;
 constexpr int cells_per_spacing = 4;    // of the integrals over the liquid
 
 double apart(const Vec3& a, const Vec3& b) { return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]); }
@@ -83,7 +83,7 @@ double solid_scale(const ScaleSetup& setup, const scene::SolidRegion& region, co
             given += sums.solid(places[k]);
         }
     });
-    return (setup.wall.dimensions == 3 ? stirred_in_space : stirred_in_plane) * wanted / given;
+    return stirred * wanted / given;
 }
 
 } // namespace treacle::sph
