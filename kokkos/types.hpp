@@ -45,7 +45,7 @@ KOKKOS_INLINE_FUNCTION constexpr T max(T a, T b) {
 template <class View>
 void reserve(View& view, std::size_t n) {
     if (view.extent(0) >= n) return;
-    const std::size_t capacity = n + n / 16 + 16;
+    const std::size_t capacity = n + n / 32 + 16;
     const auto label = view.label();
     view = View(); // frees before it allocates: the peak is one array, not two
     view = View(Kokkos::view_alloc(Kokkos::WithoutInitializing, label), capacity);
@@ -55,7 +55,7 @@ void reserve(View& view, std::size_t n) {
 template <class View>
 void reserve_keep(View& view, std::size_t n, std::size_t used) {
     if (view.extent(0) >= n) return;
-    View larger(Kokkos::view_alloc(Kokkos::WithoutInitializing, view.label()), n + n / 16 + 16);
+    View larger(Kokkos::view_alloc(Kokkos::WithoutInitializing, view.label()), n + n / 32 + 16);
     if (used > 0) {
         const auto rows = Kokkos::make_pair(std::size_t(0), used);
         if constexpr (View::rank == 1) {
