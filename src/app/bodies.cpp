@@ -159,6 +159,11 @@ private:
     void extent(std::size_t b, std::vector<Diagnostic>& problems) const {
         const auto& domain = input_.scene.domain;
         const auto name = "bodies." + body(b).name;
+        if (dynamic(body(b)) && input_.method.pressure.solver != sph::PressureSolver::isph) {
+            problems.push_back({body(b).where, name + " is dynamic, with an IISPH solver",
+                                "IISPH is there to compare with and knows no bodies that give way",
+                                "write kind: kinematic, or method.pressure.solver: isph"});
+        }
         if (dynamic(body(b)) && thinner_than_spacing(geometry_.bodies[b], geometry_)) {
             problems.push_back({body(b).where, name + " is thinner than domain.spacing",
                                 "liquid on one side would feel the liquid on the other, and it could not float",

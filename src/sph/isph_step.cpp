@@ -163,6 +163,15 @@ solve::Matrix IsphStep::wrap_matrix(const PressureSystem::HostSystem& host) {
     return {comm_, blocks};
 }
 
+namespace {
+[[noreturn]] void fail(const solve::SolveReport& report, std::int64_t unknowns, const std::string& instead) {
+    throw SimulationError({"pressure solve", report.reason,
+                           "after " + std::to_string(report.iterations) + " iterations on " +
+                               std::to_string(unknowns) + " unknowns",
+                           "take a smaller time step, or " + instead});
+}
+} // namespace
+
 void IsphStep::solve_pressure(solve::Matrix& matrix, const PressureSystem::HostSystem& host, double dt,
                               StepReport& report) {
     const auto rows = static_cast<std::size_t>(system_.rows());
@@ -184,10 +193,7 @@ void IsphStep::solve_pressure(solve::Matrix& matrix, const PressureSystem::HostS
         solver_.solve(matrix, {host.right_hand_side.data(), rows}, {host.solution.data(), rows}, test);
     system_.take_solution(host);
     if (!report.pressure.converged()) {
-        throw SimulationError({"pressure solve", report.pressure.reason,
-                               "after " + std::to_string(report.pressure.iterations) + " iterations on " +
-                                   std::to_string(system_.global_rows()) + " unknowns",
-                               "take a smaller time step, or another method.pressure.preconditioner"});
+        fail(report.pressure, system_.global_rows(), "another method.pressure.preconditioner");
     }
 }
 
@@ -213,9 +219,48 @@ void IsphStep::accelerate(StepReport& report, double dt) {
     bodies_.set_velocities(solid_);
 }
 
+void IsphStep::find_pressures(StepReport& report, double dt) {
+    const auto& options = setup_.options;
+    const auto& constants = setup_.constants;
+    const bool answering = implicit_bodies(options, bodies_);
+    {
+        const auto phase = timers_.scope("predict");
+        if (answering) {
+            response_.build(options, constants, liquid_, solid_, neighbours_, bodies_);
+            response_.apply_to_pressure(comm_, liquid_);
+        }
+        report.roles = predict(options, constants, liquid_, solid_, neighbours_, last_pressures_, dt,
+                               answering ? Answer::bodies : Answer::none); // (S5), (S6)
+        last_pressures_ = LastPressures::known;
+        halo_.gather(liquid_.store, {liquid_.role_field()});
+        report.anchored = anchoring_.anchor(options, constants, comm_, liquid_, neighbours_, halo_);
+    }
+    {
+        const auto phase = timers_.scope("assemble");
+        system_.assemble(options, constants, comm_, liquid_, neighbours_, halo_);
+    }
+    {
+        const auto host = hand_over();
+        auto matrix = wrap_matrix(host);
+        if (answering) matrix.set_addition(response_.addition(comm_, liquid_, system_));
+        if (matrix_observer_) matrix_observer_(matrix);
+        const auto phase = timers_.scope("solve");
+        solve_pressure(matrix, host, dt, report); // (S7)
+        system_.store_pressure(liquid_);
+    }
+}
+
+void IsphStep::find_pressures_by_iisph(StepReport& report, double dt) {
+    const auto phase = timers_.scope("solve");
+    report.pressure = iisph_.solve({setup_.options, setup_.constants, comm_, liquid_, solid_, neighbours_, halo_}, dt,
+                                   report.roles);
+    last_pressures_ = LastPressures::known;
+    if (report.pressure.converged()) return;
+    fail(report.pressure, comm_.sum(static_cast<std::int64_t>(liquid_.store.owned())), "method.pressure.solver: isph");
+}
+
 // (S8)
 void IsphStep::push_by_pressure(StepReport& report, double dt) {
-    system_.store_pressure(liquid_);
     compute_loads(setup_.constants, liquid_);
     halo_.gather(liquid_.store, {liquid_.load_field()});
     report.loads = apply_pressure(setup_.options, setup_.constants, liquid_, solid_, neighbours_,
@@ -246,9 +291,6 @@ void IsphStep::move(StepReport& report, double dt) {
 StepReport IsphStep::advance(double dt) {
     StepReport report;
     report.dt = dt;
-    const auto& options = setup_.options;
-    const auto& constants = setup_.constants;
-    const bool answering = implicit_bodies(options, bodies_);
     {
         const auto phase = timers_.scope("sort");
         rebalance();
@@ -267,29 +309,10 @@ StepReport IsphStep::advance(double dt) {
         const auto phase = timers_.scope("forces");
         accelerate(report, dt);
     }
-    {
-        const auto phase = timers_.scope("predict");
-        if (answering) {
-            response_.build(options, constants, liquid_, solid_, neighbours_, bodies_);
-            response_.apply_to_pressure(comm_, liquid_);
-        }
-        report.roles = predict(options, constants, liquid_, solid_, neighbours_, last_pressures_, dt,
-                               answering ? Answer::bodies : Answer::none); // (S5), (S6)
-        last_pressures_ = LastPressures::known;
-        halo_.gather(liquid_.store, {liquid_.role_field()});
-        report.anchored = anchoring_.anchor(options, constants, comm_, liquid_, neighbours_, halo_);
-    }
-    {
-        const auto phase = timers_.scope("assemble");
-        system_.assemble(options, constants, comm_, liquid_, neighbours_, halo_);
-    }
-    {
-        const auto host = hand_over();
-        auto matrix = wrap_matrix(host);
-        if (answering) matrix.set_addition(response_.addition(comm_, liquid_, system_));
-        if (matrix_observer_) matrix_observer_(matrix);
-        const auto phase = timers_.scope("solve");
-        solve_pressure(matrix, host, dt, report); // (S7)
+    if (setup_.options.pressure.solver == PressureSolver::isph) {
+        find_pressures(report, dt); // (S5)-(S7)
+    } else {
+        find_pressures_by_iisph(report, dt); // (I)
     }
     {
         const auto phase = timers_.scope("pressure force");
@@ -354,7 +377,7 @@ double IsphStep::stable_step(double cfl) const {
 
 std::size_t IsphStep::bytes() const {
     return liquid_.bytes() + solid_.store.bytes() + neighbours_.liquid.bytes() + neighbours_.solid.bytes() +
-           system_.bytes() + (hierarchy_ ? hierarchy_->bytes() : 0);
+           system_.bytes() + iisph_.bytes() + (hierarchy_ ? hierarchy_->bytes() : 0);
 }
 
 } // namespace treacle::sph

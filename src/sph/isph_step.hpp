@@ -6,6 +6,7 @@
 #include "sph/body_response.hpp"
 #include "sph/components.hpp"
 #include "sph/forces.hpp"
+#include "sph/iisph.hpp"
 #include "sph/motion.hpp"
 #include "sph/prediction.hpp"
 #include "sph/pressure_hierarchy.hpp"
@@ -82,7 +83,8 @@ public:
     // bounds what the pressure must hold up, no body that moves does either, and the limit of the explicit viscosity [s].
     double stable_step(double cfl) const;
 
-    // Called with the pressure matrix of every step before its solve, outside of all phases: for measurements.
+    // Called with the pressure matrix of every step before its solve, outside of all phases: for measurements. IISPH
+    // has none.
     using MatrixObserver = std::function<void(solve::Matrix&)>;
     void observe_matrix(MatrixObserver observer) { matrix_observer_ = std::move(observer); }
 
@@ -98,6 +100,8 @@ private:
     void update_density(StepReport& report);
     PressureSystem::HostSystem hand_over();
     void accelerate(StepReport& report, double dt);
+    void find_pressures(StepReport& report, double dt);
+    void find_pressures_by_iisph(StepReport& report, double dt);
     void push_by_pressure(StepReport& report, double dt);
     void move(StepReport& report, double dt);
     solve::Matrix wrap_matrix(const PressureSystem::HostSystem& host);
@@ -117,6 +121,7 @@ private:
     Neighbourhood neighbours_;
     Anchoring anchoring_;
     PressureSystem system_;
+    Iisph iisph_;
     Bodies bodies_;
     BodyResponse response_;
     std::unique_ptr<PressureHierarchy> hierarchy_; // of the multilevel preconditioners

@@ -36,6 +36,13 @@ void MultilevelOptions::declare(Declaration& d) {
 }
 
 void PressureOptions::declare(Declaration& d) {
+    d.choice("solver", solver,
+             {{"isph", PressureSolver::isph},
+              {"iisph_jacobi", PressureSolver::iisph_jacobi},
+              {"iisph_cg", PressureSolver::iisph_cg}},
+             "Pressures by incompressible SPH with an assembled Laplacian; or, to compare with, by implicit "
+             "incompressible SPH (Ihmsen et al. 2014) with relaxed Jacobi, as published, or with conjugate gradients. "
+             "Those two take of this block only `stop` and what it needs, and no dynamic bodies.");
     d.choice("dirichlet", dirichlet, {{"predicted", DirichletRule::predicted}, {"source", DirichletRule::source}},
              "Which particles keep zero pressure: those that one Jacobi step from the last pressures predicts to "
              "have none (Eq. 2.6), or those with a negative source.");
@@ -77,7 +84,7 @@ void PressureOptions::declare(Declaration& d) {
     d.number("residual", residual, unit::none, range_above_to(0, 1),
              "Relative residual at which iterating ends, with `stop: residual`.");
     d.integer("max_iterations", max_iterations, range_at_least(1),
-              "Iterations after which the run ends as failed.");
+              "Iterations after which the run ends as failed; 20 times as many with `solver: iisph_jacobi`.");
 }
 
 void ViscosityOptions::declare(Declaration& d) {

@@ -12,6 +12,7 @@ enum class DirichletRule { predicted, source };
 enum class SolidTerm { none, decomposed, unified, amplified, exact };
 enum class BodyCoupling { implicit, one_step_late };
 enum class StoppingRule { density_error, residual };
+enum class PressureSolver { isph, iisph_jacobi, iisph_cg };
 enum class PressurePreconditioner {
     none,
     jacobi,
@@ -53,6 +54,7 @@ struct MultilevelOptions {
 };
 
 struct PressureOptions {
+    PressureSolver solver = PressureSolver::isph;
     DirichletRule dirichlet = DirichletRule::predicted;
     double prediction = 1;          // gamma of Eq. 2.6; the dissertation's 0.5 is noisier (README)
     SolidTerm solid_term = SolidTerm::exact;

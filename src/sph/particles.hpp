@@ -60,6 +60,7 @@ public:
     int pressure_field() const { return pressure_; }
     int volume_field() const { return volume_; }
     int load_field() const { return load_; }
+    int acceleration_field() const { return acceleration_; }
     int role_field() const { return role_; }
     int row_field() const { return row_; }
     int component_field() const { return component_; }

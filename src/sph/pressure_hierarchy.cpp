@@ -153,6 +153,7 @@ solve::Preconditioner translate(PressurePreconditioner kind) {
 std::unique_ptr<PressureHierarchy> make_hierarchy(const Comm& comm, const SphOptions& options,
                                                   const Constants& constants, const DomainBox& domain,
                                                   const CellGrid& grid) {
+    if (options.pressure.solver != PressureSolver::isph) return nullptr;
     const auto kind = options.pressure.preconditioner;
     if (kind != PressurePreconditioner::multilevel && kind != PressurePreconditioner::multilevel_grids) return nullptr;
     return std::make_unique<PressureHierarchy>(comm, options, constants, domain, grid);

@@ -45,7 +45,7 @@ private:
     std::vector<int> dirichlet_;                    // [n][3]
 };
 
-// The one that the options ask for; null for other preconditioners.
+// The one that the options ask for; null for other preconditioners and other solvers.
 std::unique_ptr<PressureHierarchy> make_hierarchy(const Comm& comm, const SphOptions& options,
                                                   const Constants& constants, const DomainBox& domain,
                                                   const CellGrid& grid);

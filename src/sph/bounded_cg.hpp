@@ -1,0 +1,58 @@
+#pragma once
+#include "kokkos/types.hpp"
+#include "mpi/comm.hpp"
+#include "solve/krylov.hpp"
+
+#include <functional>
+
+namespace treacle::sph {
+
+// min q.Aq/2 - b.q over q >= 0, A symmetric and positive semidefinite, on the owned rows.
+struct BoundedProblem {
+    int rows = 0;
+    // Collective: product = A vector.
+    std::function<void(const Array<double>& vector)> multiply;
+    Array<double> product;
+    Array<double> diagonal; // > 0, or 0 in rows that stay 0
+    Array<double> right_hand_side;
+    Array<double> q;        // in: guess >= 0, out: solution
+};
+
+// How far q is from the solution; sums over the ranks. A row's residual b - A q counts where q > 0, and where it
+// would raise q.
+struct BoundedResidual {
+    double excess = 0; // sum of the positive residuals
+    double count = 0;  // rows that count
+    double square = 0; // sum of squares
+};
+
+struct BoundedGoal {
+    std::function<bool(const BoundedResidual&)> met;
+    int least_iterations = 0;
+    int max_iterations = 0;
+};
+
+// What both leave: outcome, reason, iterations, products; and the last residual.
+struct BoundedReport {
+    solve::SolveReport solve;
+    BoundedResidual residual;
+};
+
+// q <- max(0, q + omega (b - A q) / diagonal), one product an iteration (Ihmsen et al. 2014). The residual is that
+// before the last change. Collective.
+BoundedReport bounded_jacobi(const Comm& comm, const BoundedProblem& problem, double omega, const BoundedGoal& goal);
+
+// Conjugate gradients with Jacobi scaling on the rows with q > 0; where a step would make some negative, it ends there
+// and a projected gradient step of this length, in units of the inverse diagonal, follows; rows come back in when their
+// residual asks for it (MPRGP: Dostal & Schoeberl 2005). Iterations are steps of either kind. Collective.
+class BoundedCg {
+public:
+    BoundedReport solve(const Comm& comm, const BoundedProblem& problem, double length, const BoundedGoal& goal);
+    std::size_t bytes() const { return 8 * (gradient_.span() + direction_.span()); }
+
+private:
+    Array<double> gradient_{"treacle::gradient", 0};
+    Array<double> direction_{"treacle::direction", 0};
+};
+
+} // namespace treacle::sph

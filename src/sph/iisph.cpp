@@ -1,0 +1,247 @@
+#include "sph/iisph.hpp"
+
+#include <chrono>
+#include <cmath>
+
+namespace treacle::sph {
+
+namespace {
+// Weight of the Jacobi iteration, and share of the last pressures that it starts from (Ihmsen et al. 2014). The
+// largest eigenvalue of the scaled matrix is about 3: a weight from 2/3 on diverges.
+constexpr double omega = 0.5;
+constexpr double warm_start = 0.5;
+// As published: without them a step may end before a pressure wave has started.
+constexpr int least_iterations = 2;
+// Jacobi takes that many times the iterations of conjugate gradients.
+constexpr int jacobi_patience = 20;
+
+template <class Kernel>
+struct PrepareLoop {
+    Kernel kernel;
+    Fluid fluid;
+    double dt;
+    Array<double> density, source, diagonal;
+    Array3 own;
+
+    KOKKOS_INLINE_FUNCTION void operator()(int i) const {
+        const Constants& c = fluid.constants;
+        const auto &u = fluid.velocity, &v = fluid.solid_velocity;
+        const double ux = u(i, 0), uy = u(i, 1), uz = u(i, 2);
+        const Row row = fluid.row(i);
+        Lanes divergence = 0.0, square = 0.0, gx = 0.0, gy = 0.0, gz = 0.0;
+        for (int k = 0; k < row.count; k += lanes) {
+            const auto d = row.near(k);
+            const auto w = fluid.motions(row, k);
+            const auto along = distance(d.r2);
+            const Lanes gradient = row.within(k, c.mass * kernel.gradient(along.r, along.inverse));
+            divergence = divergence + gradient * ((ux - w.x) * d.x + (uy - w.y) * d.y + (uz - w.z) * d.z);
+            square = square + gradient * gradient * d.r2;
+            gx = gx + gradient * d.x;
+            gy = gy + gradient * d.y;
+            gz = gz + gradient * d.z;
+        }
+        double change = sum_lanes(divergence);
+        double g[3] = {sum_lanes(gx), sum_lanes(gy), sum_lanes(gz)};
+        fluid.solid.each(i, [&](int s, double dx, double dy, double dz, double r2) {
+            const double gradient = c.rest_density * fluid.solid_volume(s) * kernel.gradient(math::sqrt(r2));
+            change += gradient * ((ux - v(s, 0)) * dx + (uy - v(s, 1)) * dy + (uz - v(s, 2)) * dz);
+            g[0] += gradient * dx;
+            g[1] += gradient * dy;
+            g[2] += gradient * dz;
+        });
+        for (int k = 0; k < 3; ++k) own(i, k) = g[k];
+        diagonal(i) = sum_lanes(square) + g[0] * g[0] + g[1] * g[1] + g[2] * g[2];
+        source(i) = (density(i) + dt * change - c.rest_density) / (dt * dt); // (2.4)
+    }
+};
+
+// q -> a; q_j is the fourth number of `place`.
+template <class Kernel>
+struct AccelerationLoop {
+    Kernel kernel;
+    Fluid fluid;
+    Array3 own, acceleration;
+
+    KOKKOS_INLINE_FUNCTION void operator()(int i) const {
+        const Constants& c = fluid.constants;
+        const Row row = fluid.row(i);
+        Lanes fx = 0.0, fy = 0.0, fz = 0.0;
+        for (int k = 0; k < row.count; k += lanes) {
+            const auto d = row.near(k);
+            const auto along = distance(d.r2);
+            const Lanes f = row.within(k, d.number * kernel.gradient(along.r, along.inverse));
+            fx = fx + f * d.x;
+            fy = fy + f * d.y;
+            fz = fz + f * d.z;
+        }
+        const double q = fluid.load(i);
+        const double sum[3] = {sum_lanes(fx), sum_lanes(fy), sum_lanes(fz)};
+        for (int k = 0; k < 3; ++k) {
+            const double a = -q * own(i, k) - c.mass * sum[k];
+            acceleration(i, k) = a;
+            fluid.motion(i, k) = a;
+        }
+    }
+};
+
+// a -> A q; a_j is `motion`.
+template <class Kernel>
+struct DensityChangeLoop {
+    Kernel kernel;
+    Fluid fluid;
+    Array3 own;
+    Array<double> product;
+
+    KOKKOS_INLINE_FUNCTION void operator()(int i) const {
+        const Row row = fluid.row(i);
+        Lanes sum = 0.0;
+        for (int k = 0; k < row.count; k += lanes) {
+            const auto d = row.near(k);
+            const auto a = fluid.motions(row, k);
+            const auto along = distance(d.r2);
+            sum = sum + row.within(k, kernel.gradient(along.r, along.inverse) * (a.x * d.x + a.y * d.y + a.z * d.z));
+        }
+        double out = fluid.constants.mass * sum_lanes(sum);
+        for (int k = 0; k < 3; ++k) out -= fluid.motion(i, k) * own(i, k);
+        product(i) = out;
+    }
+};
+
+void write_loads(LiquidParticles& liquid, const Array<double>& q) {
+    const auto load = liquid.load();
+    Kokkos::parallel_for("treacle::iisph_loads", liquid.store.owned(), KOKKOS_LAMBDA(int i) { load(i) = q(i); });
+}
+
+void write_place_loads(LiquidParticles& liquid) {
+    const auto load = liquid.load();
+    const auto to = liquid.place;
+    Kokkos::parallel_for("treacle::iisph_places", liquid.store.total(), KOKKOS_LAMBDA(int i) { to(i, 3) = load(i); });
+}
+
+void write_ghost_accelerations(LiquidParticles& liquid) {
+    const auto a = liquid.acceleration();
+    const auto to = liquid.motion;
+    using Range = Kokkos::RangePolicy<Execution>;
+    Kokkos::parallel_for("treacle::iisph_ghosts", Range(liquid.store.owned(), liquid.store.total()),
+                         KOKKOS_LAMBDA(int i) {
+                             for (int k = 0; k < 3; ++k) to(i, k) = a(i, k);
+                         });
+}
+
+// Half the last pressures as q; returns the sum of the squares of b where q > 0 or b > 0, and how many b > 0.
+std::array<double, 2> start_from_last(const Comm& comm, const LiquidParticles& liquid, double share,
+                                      const Array<double>& q, const Array<double>& diagonal) {
+    const auto p = liquid.pressure(), rho = liquid.density(), b = liquid.source();
+    std::array<double, 2> sums{};
+    Kokkos::parallel_reduce("treacle::iisph_start", liquid.store.owned(),
+        KOKKOS_LAMBDA(int i, double& square, double& compressed) {
+            q(i) = diagonal(i) > 0 ? share * math::max(0.0, p(i)) / (rho(i) * rho(i)) : 0;
+            if (q(i) > 0 || b(i) > 0) square += b(i) * b(i);
+            if (b(i) > 0 && diagonal(i) > 0) compressed += 1;
+        }, sums[0], sums[1]);
+    if (liquid.store.owned() == 0) sums = {};
+    comm.sum(std::span(sums));
+    return sums;
+}
+
+RoleCounts write_pressures(LiquidParticles& liquid, const Array<double>& q) {
+    const auto p = liquid.pressure(), rho = liquid.density();
+    const auto role = liquid.role();
+    int pressed = 0;
+    Kokkos::parallel_reduce("treacle::iisph_pressures", liquid.store.owned(), KOKKOS_LAMBDA(int i, int& count) {
+        p(i) = q(i) * rho(i) * rho(i);
+        role(i) = q(i) > 0 ? Role::poisson : Role::dirichlet;
+        count += static_cast<int>(q(i) > 0);
+    }, pressed);
+    return {pressed, liquid.store.owned() - pressed, 0};
+}
+
+// The stopping rules of the pressure solve; the reference is the norm of b.
+BoundedGoal goal_of(const SphOptions& options, const Constants& constants, double dt, double reference) {
+    const auto& pressure = options.pressure;
+    BoundedGoal goal;
+    const bool jacobi = pressure.solver == PressureSolver::iisph_jacobi;
+    goal.least_iterations = jacobi ? least_iterations : 0;
+    goal.max_iterations = (jacobi ? jacobi_patience : 1) * pressure.max_iterations;
+    if (pressure.stop == StoppingRule::residual) {
+        goal.met = [=, to = pressure.residual](const BoundedResidual& r) {
+            return std::sqrt(r.square) <= to * reference;
+        };
+    } else {
+        const double scale = dt * dt / constants.rest_density;
+        goal.met = [=, to = pressure.density_error, largest = pressure.largest_residual](const BoundedResidual& r) {
+            return r.excess * scale < to * std::max(1.0, r.count) && std::sqrt(r.square) <= largest * reference;
+        };
+    }
+    return goal;
+}
+} // namespace
+
+void Iisph::prepare(const IisphParts& parts, double dt) {
+    auto& liquid = parts.liquid;
+    const auto n = static_cast<std::size_t>(liquid.store.owned());
+    reserve(q_, n);
+    reserve(product_, n);
+    reserve(diagonal_, n);
+    reserve(own_, n);
+    write_places(liquid, liquid.volume());
+    write_motions(liquid);
+    const auto fluid = gather_fluid(parts.constants, liquid, parts.solid, parts.neighbours);
+    with_kernel(parts.options.kernel, parts.constants.dimensions, parts.constants.support, [&](const auto& kernel) {
+        using Kernel = std::decay_t<decltype(kernel)>;
+        Kokkos::parallel_for("treacle::iisph_prepare", fluid.count,
+                             PrepareLoop<Kernel>{kernel, fluid, dt, liquid.density(), liquid.source(), diagonal_, own_});
+    });
+}
+
+void Iisph::multiply(const IisphParts& parts, const Array<double>& q) {
+    auto& liquid = parts.liquid;
+    write_loads(liquid, q);
+    parts.halo.gather(liquid.store, {liquid.load_field()});
+    write_place_loads(liquid);
+    const auto fluid = gather_fluid(parts.constants, liquid, parts.solid, parts.neighbours);
+    const auto& c = parts.constants;
+    with_kernel(parts.options.kernel, c.dimensions, c.support, [&](const auto& kernel) {
+        using Kernel = std::decay_t<decltype(kernel)>;
+        Kokkos::parallel_for("treacle::iisph_accelerations", fluid.count,
+                             AccelerationLoop<Kernel>{kernel, fluid, own_, liquid.acceleration()});
+        parts.halo.gather(liquid.store, {liquid.acceleration_field()});
+        write_ghost_accelerations(liquid);
+        Kokkos::parallel_for("treacle::iisph_density_changes", fluid.count,
+                             DensityChangeLoop<Kernel>{kernel, fluid, own_, product_});
+    });
+}
+
+solve::SolveReport Iisph::solve(const IisphParts& parts, double dt, RoleCounts& roles) {
+    const auto start = std::chrono::steady_clock::now();
+    prepare(parts, dt);
+    auto& liquid = parts.liquid;
+    const auto [square, compressed] = start_from_last(parts.comm, liquid, warm_start, q_, diagonal_);
+    solve::SolveReport out;
+    if (compressed == 0) { // q = 0 is the solution
+        Kokkos::deep_copy(q_, 0.0);
+    } else {
+        const double reference = std::sqrt(square);
+        const auto goal = goal_of(parts.options, parts.constants, dt, reference);
+        const BoundedProblem problem{liquid.store.owned(), [&](const Array<double>& q) { multiply(parts, q); },
+                                     product_, diagonal_, liquid.source(), q_};
+        const bool jacobi = parts.options.pressure.solver == PressureSolver::iisph_jacobi;
+        const auto report = jacobi ? bounded_jacobi(parts.comm, problem, omega, goal)
+                                   : cg_.solve(parts.comm, problem, omega, goal);
+        out = report.solve;
+        out.relative_residual = std::sqrt(report.residual.square) / reference;
+        out.error_measure = parts.options.pressure.stop == StoppingRule::residual
+                                ? std::sqrt(report.residual.square)
+                                : report.residual.excess * dt * dt / parts.constants.rest_density /
+                                      std::max(1.0, report.residual.count);
+    }
+    roles = write_pressures(liquid, q_);
+    out.iteration_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    return out;
+}
+
+std::size_t Iisph::bytes() const {
+    return 8 * (q_.span() + product_.span() + diagonal_.span() + own_.span()) + cg_.bytes();
+}
+
+} // namespace treacle::sph

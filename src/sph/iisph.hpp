@@ -1,0 +1,52 @@
+#pragma once
+#include "mpi/halo.hpp"
+#include "sph/bounded_cg.hpp"
+#include "sph/neighbourhood.hpp"
+#include "sph/prediction.hpp"
+
+namespace treacle::sph {
+
+// What the pressure solve reads and writes of a step.
+struct IisphParts {
+    const SphOptions& options;
+    const Constants& constants;
+    const Comm& comm;
+    LiquidParticles& liquid;
+    const SolidParticles& solid;
+    const Neighbourhood& neighbours;
+    Halo& halo;
+};
+
+// Implicit incompressible SPH (Ihmsen et al. 2014) without a matrix, in q = p / rho^2:
+//     g_i = sum_j m grad W_ij + rho0 sum_s V_s grad W_is
+//     a_i = -q_i g_i - sum_j m q_j grad W_ij                    (S8)
+//     (A q)_i = sum_j m a_j.grad W_ij - a_i.g_i                 minus the density's change by a_i, over dt^2
+//     b_i = (rho*_i - rho0) / dt^2
+// A is G^T G with the q -> a of S8 as G: symmetric and positive semidefinite for any densities, solids included.
+// Wanted: q >= 0, A q - b >= 0, one of the two zero.
+class Iisph {
+public:
+    // (S5) b, g, the diagonal of A. Ghosts' velocities must be current. Writes the fields source, place, motion.
+    void prepare(const IisphParts& parts, double dt);
+
+    // Collective: product() = A q, on owned rows, with q of the owned particles. Writes the fields load, acceleration,
+    // place, motion.
+    void multiply(const IisphParts& parts, const Array<double>& q);
+
+    // Collective: prepares and solves, starting from half the last pressures. Writes pressure and role: Poisson where
+    // the pressure is positive, Dirichlet elsewhere.
+    solve::SolveReport solve(const IisphParts& parts, double dt, RoleCounts& roles);
+
+    const Array<double>& product() const { return product_; }
+    const Array<double>& diagonal() const { return diagonal_; }
+    std::size_t bytes() const;
+
+private:
+    Array<double> q_{"treacle::iisph_q", 0};
+    Array<double> product_{"treacle::iisph_product", 0};
+    Array<double> diagonal_{"treacle::iisph_diagonal", 0};
+    Array3 own_{"treacle::iisph_own", 0}; // g
+    BoundedCg cg_;
+};
+
+} // namespace treacle::sph

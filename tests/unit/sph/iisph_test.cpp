@@ -1,0 +1,259 @@
+#include "parts.hpp"
+
+#include "base/error.hpp"
+
+namespace treacle::sph {
+namespace {
+
+constexpr double dt = 1e-3; // [s]
+
+struct Case {
+    const char* name;
+    int dimensions;
+    std::array<bool, 3> periodic;
+    KernelKind kernel;
+};
+const Case cases[] = {
+    {"open", 3, {false, false, false}, KernelKind::cubic_spline},
+    {"periodic", 3, {true, true, true}, KernelKind::wendland_c2},
+    {"plane", 2, {true, false, false}, KernelKind::mueller},
+};
+
+// A block out of order, with a body in it, in random motion under random pressures.
+Sample make_sample(const Case& c) {
+    SphOptions options;
+    options.kernel = c.kernel;
+    const int nz = c.dimensions == 3 ? 6 : 1;
+    const Vec3 size{8 * spacing, 6 * spacing, nz * spacing};
+    Sample sample{
+        make_setup(make_domain(c.dimensions, {0, 0, 0}, size, {scene::FaceKind::open, c.periodic}), options), {}, {}};
+    add_block(sample, {{spacing / 2, spacing / 2, spacing / 2}, {8, 6, nz}, spacing, 0.25});
+    std::erase_if(sample.liquid, [](const auto& point) {
+        return point.x[0] > 3.9 * spacing && point.x[0] < 6.1 * spacing && point.x[1] < 2.1 * spacing;
+    });
+    add_shell(sample, {4.5 * spacing, 0.8 * spacing, c.dimensions == 3 ? 2 * spacing : 0},
+              {2, 2, c.dimensions == 3 ? 3 : 1}, 1);
+    test::Random random(9);
+    for (auto& point : sample.liquid) {
+        for (int k = 0; k < c.dimensions; ++k) point.u[std::size_t(k)] = 8 * random.unit() - 4;
+        point.p = 500 * random.unit();
+    }
+    return sample;
+}
+
+// The operator of a sample, for numbers by the particles' ids.
+struct Operator {
+    Parts parts;
+    Iisph iisph;
+    Array<double> q{"q", 0};
+
+    Operator(const Comm& comm, const Sample& sample) : parts(comm, sample) {
+        reserve(q, std::size_t(parts.liquid.store.owned()));
+        iisph.prepare(views(), dt);
+    }
+    IisphParts views() {
+        return {parts.setup.options, parts.setup.constants, parts.comm, parts.liquid, parts.solid, parts.neighbours,
+                parts.halo};
+    }
+    std::map<std::int64_t, double> product(const std::map<std::int64_t, double>& vector) {
+        parts.set_by_id(q, [&](std::int64_t id) { return vector.at(id); });
+        iisph.multiply(views(), q);
+        return by_id(parts.comm, parts.liquid, iisph.product());
+    }
+};
+
+std::map<std::int64_t, double> random_numbers(const Sample& sample, std::uint64_t seed) {
+    std::map<std::int64_t, double> out;
+    test::Random random(seed);
+    for (std::size_t k = 0; k < sample.liquid.size(); ++k) out[id_of(k)] = 2 * random.unit() - 1;
+    return out;
+}
+
+double dot(const std::map<std::int64_t, double>& a, const std::map<std::int64_t, double>& b) {
+    double sum = 0;
+    for (const auto& [id, value] : a) sum += value * b.at(id);
+    return sum;
+}
+
+class IisphCase : public testing::TestWithParam<Case> {
+protected:
+    Sample sample = make_sample(GetParam());
+};
+INSTANTIATE_TEST_SUITE_P(All, IisphCase, testing::ValuesIn(cases), [](const auto& one) {
+    return std::string(one.param.name);
+});
+
+// Round-off of sums of about a hundred terms.
+constexpr double rounding = 1e-13;
+
+} // namespace
+
+TEST_P(IisphCase, TheOperatorIsSymmetricAndPositiveSemidefiniteAndItsDiagonalIsKnown) {
+    Operator op(Comm::self(), sample);
+    const auto n = static_cast<Eigen::Index>(sample.liquid.size());
+    Eigen::MatrixXd matrix(n, n);
+    for (Eigen::Index column = 0; column < n; ++column) {
+        std::map<std::int64_t, double> unit;
+        for (Eigen::Index row = 0; row < n; ++row) unit[id_of(std::size_t(row))] = row == column ? 1 : 0;
+        const auto product = op.product(unit);
+        for (Eigen::Index row = 0; row < n; ++row) matrix(row, column) = product.at(id_of(std::size_t(row)));
+    }
+    const double scale = matrix.cwiseAbs().maxCoeff();
+    EXPECT_LT((matrix - matrix.transpose()).cwiseAbs().maxCoeff(), rounding * scale);
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> modes(0.5 * (matrix + matrix.transpose()));
+    EXPECT_GT(modes.eigenvalues().minCoeff(), -rounding * modes.eigenvalues().maxCoeff());
+    const auto diagonal = by_id(op.parts.comm, op.parts.liquid, op.iisph.diagonal());
+    for (Eigen::Index row = 0; row < n; ++row) {
+        EXPECT_NEAR(matrix(row, row), diagonal.at(id_of(std::size_t(row))), rounding * scale);
+    }
+}
+
+TEST_P(IisphCase, ProductsAreTheSameOnAnyNumberOfRanks) {
+    Operator many(Comm::world(), sample), one(Comm::self(), sample);
+    const auto x = random_numbers(sample, 1), y = random_numbers(sample, 2);
+    const auto ax = many.product(x), ay = many.product(y), alone = one.product(x);
+    double scale = 0;
+    for (const auto& [id, value] : alone) scale = std::max(scale, std::abs(value));
+    for (const auto& [id, value] : alone) EXPECT_NEAR(ax.at(id), value, rounding * scale);
+    EXPECT_NEAR(dot(ax, y), dot(x, ay), rounding * std::sqrt(dot(ax, ax) * dot(y, y)));
+}
+
+// The operator is the step's own pressure force, seen by the step's own prediction of the density.
+TEST_P(IisphCase, ThePressureForceTakesTheProductOffTheSource) {
+    Operator op(Comm::world(), sample);
+    auto& parts = op.parts;
+    const auto before = by_id(parts.comm, parts.liquid, parts.liquid.source());
+    compute_loads(parts.setup.constants, parts.liquid);
+    const auto product = op.product(by_id(parts.comm, parts.liquid, parts.liquid.load()));
+    parts.push(dt);
+    parts.halo.gather(parts.liquid.store, {parts.liquid.velocity_field()});
+    op.iisph.prepare(op.views(), dt);
+    const auto after = by_id(parts.comm, parts.liquid, parts.liquid.source());
+    double scale = 0;
+    for (const auto& [id, value] : before) scale = std::max({scale, std::abs(value), std::abs(product.at(id))});
+    for (const auto& [id, value] : before) EXPECT_NEAR(value - after.at(id), product.at(id), 10 * rounding * scale);
+}
+
+namespace {
+SphOptions with(PressureSolver solver, double residual) {
+    SphOptions options;
+    options.pressure.solver = solver;
+    options.pressure.stop = StoppingRule::residual;
+    options.pressure.residual = residual;
+    return options;
+}
+
+// A block that a flow presses together, out of order, between walls across.
+Sample pressed(const SphOptions& options, double rate) {
+    const Vec3 size{8 * spacing, 6 * spacing, 6 * spacing};
+    Sample sample{make_setup(make_domain(3, {0, 0, 0}, size, {scene::FaceKind::open, {false, true, true}}), options),
+                  {}, {}};
+    add_block(sample, {{spacing / 2, spacing / 2, spacing / 2}, {8, 6, 6}, spacing, 0.2});
+    converge(sample, {4 * spacing, 3 * spacing, 3 * spacing}, rate);
+    for (auto& point : sample.liquid) point.u[1] = point.u[2] = 0;
+    return sample;
+}
+
+struct Solved {
+    std::map<std::int64_t, State> states;
+    StepReport report;
+};
+Solved step_once(const Comm& comm, const Sample& sample, double time_step) {
+    IsphStep step(comm, sample.setup);
+    put(comm, sample, step.liquid(), step.solid());
+    step.start();
+    Solved out;
+    out.report = step.advance(time_step);
+    out.states = all_states(comm, step.liquid());
+    return out;
+}
+
+// Largest difference of the velocities over the largest velocity.
+double velocity_difference(const Solved& a, const Solved& b) {
+    double most = 0, scale = 0;
+    for (const auto& [id, state] : a.states) {
+        for (std::size_t k = 0; k < 3; ++k) {
+            most = std::max(most, std::abs(state.u[k] - b.states.at(id).u[k]));
+            scale = std::max(scale, std::abs(state.u[k]));
+        }
+    }
+    return most / scale;
+}
+
+// A column on a floor, periodic across, at the distance at which it rests.
+Sample column(const SphOptions& options, int height) {
+    const auto domain = make_domain(3, {0, 0, 0}, {5 * spacing, 5 * spacing, (height + 4) * spacing},
+                                    {.periodic = {true, true, false}});
+    Sample sample{make_setup(domain, options), {}, {}};
+    const auto& c = sample.setup.constants;
+    sample.setup.forces.gravity = {0, 0, -9.81};
+    sample.setup.reference_speed = std::sqrt(9.81 * height * spacing);
+    sample.setup.forces.artificial = 0.2 * c.support * sample.setup.reference_speed;
+    add_block(sample, {{spacing / 2, spacing / 2, spacing / 2}, {5, 5, height}});
+    const double gap = rest_gap({options.kernel, 3, c.support, spacing, spacing}, options.density);
+    for (int j = 0; j < 5; ++j) {
+        for (int i = 0; i < 5; ++i) sample.solid.push_back({{(i + 0.5) * spacing, (j + 0.5) * spacing, spacing / 2 - gap}, 0});
+    }
+    return sample;
+}
+
+class EachIisph : public testing::TestWithParam<PressureSolver> {};
+INSTANTIATE_TEST_SUITE_P(All, EachIisph, testing::Values(PressureSolver::iisph_jacobi, PressureSolver::iisph_cg),
+                         [](const auto& one) {
+                             return std::string(one.param == PressureSolver::iisph_cg ? "cg" : "jacobi");
+                         });
+} // namespace
+
+TEST(Iisph, JacobiAndConjugateGradientsAgree) {
+    for (const double rate : {20.0, -20.0}) { // towards the middle, and away: clamps act on all but the jittered pairs
+        const auto one = step_once(Comm::world(), pressed(with(PressureSolver::iisph_jacobi, 1e-8), rate), dt);
+        const auto other = step_once(Comm::world(), pressed(with(PressureSolver::iisph_cg, 1e-8), rate), dt);
+        // The residual is 1e-8 of the source; what acts on velocities is amplified by the condition, some hundred.
+        EXPECT_LT(velocity_difference(one, other), 1e-5);
+        EXPECT_GT(one.report.roles.poisson, 20);
+        EXPECT_LT(other.report.pressure.iterations, one.report.pressure.iterations / 3);
+    }
+}
+
+TEST_P(EachIisph, PressuresAreTheSameOnAnyNumberOfRanks) {
+    const auto sample = pressed(with(GetParam(), 1e-10), 20);
+    const auto many = step_once(Comm::world(), sample, dt), one = step_once(Comm::self(), sample, dt);
+    EXPECT_LT(velocity_difference(many, one), 1e-7); // as above
+    EXPECT_EQ(many.report.roles.poisson, one.report.roles.poisson);
+}
+
+TEST_P(EachIisph, AColumnStandsForFiftySteps) {
+    SphOptions options;
+    options.pressure.solver = GetParam();
+    const auto comm = Comm::world();
+    const auto sample = column(options, 10);
+    IsphStep step(comm, sample.setup);
+    put(comm, sample, step.liquid(), step.solid());
+    step.start();
+    double push = 0;
+    for (int k = 0; k < 50; ++k) {
+        const auto report = step.advance(4e-3);
+        EXPECT_TRUE(report.lost.empty());
+        if (k >= 25) push -= report.loads[2] / 25;
+    }
+    const double weight = 9.81 * sample.setup.constants.mass * double(sample.liquid.size());
+    EXPECT_NEAR(push / weight, 1, 0.05) << "what the floor carries on average";
+    double fastest = 0;
+    for (const auto& [id, state] : all_states(comm, step.liquid())) fastest = std::max(fastest, std::abs(state.u[2]));
+    EXPECT_LT(fastest, 0.05 * sample.setup.reference_speed);
+}
+
+TEST_P(EachIisph, NotConvergingEndsTheRun) {
+    auto sample = pressed(with(GetParam(), 1e-12), 20);
+    sample.setup.options.pressure.max_iterations = 1;
+    EXPECT_THROW(step_once(Comm::world(), sample, dt), SimulationError);
+}
+
+TEST_P(EachIisph, LiquidThatIsPulledApartFarEnoughHasNoPressure) {
+    auto sample = pressed(with(GetParam(), 1e-8), -2000);
+    const auto solved = step_once(Comm::world(), sample, dt);
+    EXPECT_EQ(solved.report.pressure.iterations, 0);
+    for (const auto& [id, state] : solved.states) EXPECT_EQ(state.p, 0);
+}
+
+} // namespace treacle::sph
