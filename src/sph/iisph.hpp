@@ -47,6 +47,10 @@ private:
     Array<double> diagonal_{"treacle::iisph_diagonal", 0};
     Array3 own_{"treacle::iisph_own", 0}; // g
     BoundedCg cg_;
+    double weight_ = 0; // of Jacobi; 0: not known yet
 };
+
+// omega: the option's, or 0.5 where an endless lattice lets it converge with a margin for disorder, or less.
+double iisph_weight(const SphOptions& options, const Constants& constants);
 
 } // namespace treacle::sph

@@ -43,6 +43,9 @@ void PressureOptions::declare(Declaration& d) {
              "Pressures by incompressible SPH with an assembled Laplacian; or, to compare with, by implicit "
              "incompressible SPH (Ihmsen et al. 2014) with relaxed Jacobi, as published, or with conjugate gradients. "
              "Those two take of this block only `stop` and what it needs, and no dynamic bodies.");
+    d.number("jacobi_weight", jacobi_weight, unit::none, range_between(0, 1),
+             "Weight of the Jacobi iteration of `iisph_jacobi`, and of the gradient steps of `iisph_cg`; 0: the published "
+             "0.5, or less for kernels wide enough that it would diverge.");
     d.choice("dirichlet", dirichlet, {{"predicted", DirichletRule::predicted}, {"source", DirichletRule::source}},
              "Which particles keep zero pressure: those that one Jacobi step from the last pressures predicts to "
              "have none (Eq. 2.6), or those with a negative source.");

@@ -55,6 +55,7 @@ struct MultilevelOptions {
 
 struct PressureOptions {
     PressureSolver solver = PressureSolver::isph;
+    double jacobi_weight = 0;       // omega of IISPH; 0: the published 0.5, or less where that diverges (README)
     DirichletRule dirichlet = DirichletRule::predicted;
     double prediction = 1;          // gamma of Eq. 2.6; the dissertation's 0.5 is noisier (README)
     SolidTerm solid_term = SolidTerm::exact;

@@ -36,6 +36,7 @@ BAD_SCENES = {
     "not_yaml": ["is not YAML"],
     "several_problems": ["domain.spacing", "liquids.water.viscosity", "liquids.water.colour"],
     "massless_body": ["bodies.raft.density", "unless its mass is given"],
+    "iisph_raft": ["bodies.raft", "IISPH"],
     "thin_body": ["bodies.raft", "thinner than domain.spacing"],
     "body_in_body": ["bodies.post overlaps bodies.raft", "0.02 m"],
     "body_in_wall": ["bodies.raft", "wall x_max"],

@@ -182,17 +182,19 @@ double velocity_difference(const Solved& a, const Solved& b) {
 
 // A column on a floor, periodic across, at the distance at which it rests.
 Sample column(const SphOptions& options, int height) {
-    const auto domain = make_domain(3, {0, 0, 0}, {5 * spacing, 5 * spacing, (height + 4) * spacing},
+    const auto domain = make_domain(3, {0, 0, 0}, {6 * spacing, 6 * spacing, (height + 4) * spacing},
                                     {.periodic = {true, true, false}});
     Sample sample{make_setup(domain, options), {}, {}};
     const auto& c = sample.setup.constants;
     sample.setup.forces.gravity = {0, 0, -9.81};
     sample.setup.reference_speed = std::sqrt(9.81 * height * spacing);
     sample.setup.forces.artificial = 0.2 * c.support * sample.setup.reference_speed;
-    add_block(sample, {{spacing / 2, spacing / 2, spacing / 2}, {5, 5, height}});
+    add_block(sample, {{spacing / 2, spacing / 2, spacing / 2}, {6, 6, height}});
     const double gap = rest_gap({options.kernel, 3, c.support, spacing, spacing}, options.density);
-    for (int j = 0; j < 5; ++j) {
-        for (int i = 0; i < 5; ++i) sample.solid.push_back({{(i + 0.5) * spacing, (j + 0.5) * spacing, spacing / 2 - gap}, 0});
+    for (int j = 0; j < 6; ++j) {
+        for (int i = 0; i < 6; ++i) {
+            sample.solid.push_back({{(i + 0.5) * spacing, (j + 0.5) * spacing, spacing / 2 - gap}, 0});
+        }
     }
     return sample;
 }
@@ -205,21 +207,23 @@ INSTANTIATE_TEST_SUITE_P(All, EachIisph, testing::Values(PressureSolver::iisph_j
 } // namespace
 
 TEST(Iisph, JacobiAndConjugateGradientsAgree) {
-    for (const double rate : {20.0, -20.0}) { // towards the middle, and away: clamps act on all but the jittered pairs
-        const auto one = step_once(Comm::world(), pressed(with(PressureSolver::iisph_jacobi, 1e-8), rate), dt);
-        const auto other = step_once(Comm::world(), pressed(with(PressureSolver::iisph_cg, 1e-8), rate), dt);
-        // The residual is 1e-8 of the source; what acts on velocities is amplified by the condition, some hundred.
-        EXPECT_LT(velocity_difference(one, other), 1e-5);
+    for (const double rate : {20.0, 0.0}) { // all are pressed, or only those that stand too close: clamps act
+        const auto one = step_once(Comm::world(), pressed(with(PressureSolver::iisph_jacobi, 1e-5), rate), dt);
+        const auto other = step_once(Comm::world(), pressed(with(PressureSolver::iisph_cg, 1e-5), rate), dt);
+        // Residuals are 1e-5 of the source; they leave about ten times as much of the velocities.
+        EXPECT_LT(velocity_difference(one, other), 1e-3);
         EXPECT_GT(one.report.roles.poisson, 20);
         EXPECT_LT(other.report.pressure.iterations, one.report.pressure.iterations / 3);
     }
 }
 
 TEST_P(EachIisph, PressuresAreTheSameOnAnyNumberOfRanks) {
-    const auto sample = pressed(with(GetParam(), 1e-10), 20);
+    const auto sample = pressed(with(GetParam(), 1e-4), 20);
     const auto many = step_once(Comm::world(), sample, dt), one = step_once(Comm::self(), sample, dt);
-    EXPECT_LT(velocity_difference(many, one), 1e-7); // as above
+    // Both stop at the same iteration, save for rounding in the sums over ranks.
+    EXPECT_LT(velocity_difference(many, one), 1e-9);
     EXPECT_EQ(many.report.roles.poisson, one.report.roles.poisson);
+    EXPECT_EQ(many.report.pressure.iterations, one.report.pressure.iterations);
 }
 
 TEST_P(EachIisph, AColumnStandsForFiftySteps) {
