@@ -72,6 +72,28 @@ void ParticleStore::permute(const Array<int>& order, int n) {
     ghosts_ = 0;
 }
 
+namespace {
+template <class View>
+void copy_rows(const View& view, const Array<int>& from, const Array<int>& to, int n) {
+    if constexpr (View::rank == 1) {
+        Kokkos::parallel_for("treacle::fill_holes", n, KOKKOS_LAMBDA(int k) { view(to(k)) = view(from(k)); });
+    } else {
+        Kokkos::parallel_for("treacle::fill_holes", n, KOKKOS_LAMBDA(int k) {
+            for (int c = 0; c < 3; ++c) view(to(k), c) = view(from(k), c);
+        });
+    }
+}
+} // namespace
+
+void ParticleStore::fill_holes(const Array<int>& holes, const Array<int>& from, int n, int owned) {
+    for (auto& field : fields_) {
+        if (field.role != FieldRole::state) continue;
+        std::visit([&](auto& view) { copy_rows(view, from, holes, n); }, field.array);
+    }
+    owned_ = owned;
+    ghosts_ = 0;
+}
+
 std::size_t ParticleStore::bytes() const {
     std::size_t total = 0;
     const auto count = [&](const auto& view) { total += view.span() * sizeof(*view.data()); };

@@ -57,6 +57,8 @@ public:
 
     // Keeps the rows order[0..n) of the state fields, in that order: sorting and deletion in one.
     void permute(const Array<int>& order, int n);
+    // Keeps the first `owned` rows of the state fields, of which holes[0..n) take the values of the rows from[0..n).
+    void fill_holes(const Array<int>& holes, const Array<int>& from, int n, int owned);
 
     // Bytes of all arrays.
     std::size_t bytes() const;

@@ -37,12 +37,21 @@ void unpack_state(const ParticleStore& store, int first, int n, const Array<doub
 }
 
 namespace {
-// Writes the rows whose flag matches to a list, in order; returns how many.
-int select_rows(const Array<int>& destination, int n, int self, bool staying, const Array<int>& list) {
+struct Destinations {
+    const Array<int>& rank;
+    int first, last; // the rows looked at, half-open
+};
+enum class Chosen { staying, leaving };
+
+// Writes the chosen rows to a list, in order; returns how many.
+int select_rows(const Destinations& of, int self, Chosen which, const Array<int>& list) {
+    const auto rank = of.rank;
+    const int first = of.first;
+    const bool staying = which == Chosen::staying;
     int count = 0;
-    Kokkos::parallel_scan("treacle::select_rows", n, KOKKOS_LAMBDA(int i, int& sum, bool last) {
-        const bool chosen = (destination(i) == self) == staying;
-        if (last && chosen) list(sum) = i;
+    Kokkos::parallel_scan("treacle::select_rows", of.last - of.first, KOKKOS_LAMBDA(int k, int& sum, bool last) {
+        const bool chosen = (rank(first + k) == self) == staying;
+        if (last && chosen) list(sum) = first + k;
         sum += static_cast<int>(chosen);
     }, count);
     return count;
@@ -71,14 +80,14 @@ std::int64_t Migration::to_owner(ParticleStore& store, const Decomposition& deco
     if (comm.size() == 1) return 0;
     const int n = store.owned();
     reserve(destination_, static_cast<std::size_t>(n));
-    reserve(keep_, static_cast<std::size_t>(n));
     const int leaving = find_destinations(store, decomposition, destination_);
     const int width = state_width(store);
 
     std::vector<Message> outgoing;
     if (leaving > 0) {
         reserve(leave_, static_cast<std::size_t>(leaving));
-        select_rows(destination_, n, comm.rank(), false, leave_);
+        reserve(fill_, static_cast<std::size_t>(leaving));
+        select_rows({destination_, 0, n}, comm.rank(), Chosen::leaving, leave_);
         // The migrants alone pass through the host, to be dealt out by receiver.
         const Array<double> packed("treacle::migrants", static_cast<std::size_t>(leaving) * width);
         pack_state(store, leave_, leaving, packed);
@@ -97,8 +106,9 @@ std::int64_t Migration::to_owner(ParticleStore& store, const Decomposition& deco
             bytes.resize(bytes.size() + row_bytes);
             std::memcpy(bytes.data() + bytes.size() - row_bytes, host.data() + std::size_t(k) * width, row_bytes);
         }
-        const int staying = select_rows(destination_, n, comm.rank(), true, keep_);
-        store.permute(keep_, staying);
+        const int staying = n - leaving;
+        const int moving = select_rows({destination_, staying, n}, comm.rank(), Chosen::staying, fill_);
+        store.fill_holes(leave_, fill_, moving, staying); // the holes are the first of those that leave
     }
 
     const auto incoming = exchange_sparse(comm, outgoing);

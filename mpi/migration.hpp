@@ -14,7 +14,7 @@ public:
 
 private:
     Array<int> destination_{"treacle::destination", 0};
-    Array<int> keep_{"treacle::keep", 0};
+    Array<int> fill_{"treacle::fill", 0};
     Array<int> leave_{"treacle::leave", 0};
 };
 

@@ -103,11 +103,13 @@ StepSample Measurement::measured_step() {
     });
     const double dt = time_step();
     solver_.timers().reset();
+    solver_.timers().wait_before([this] { comm_.barrier(); });
     comm_.barrier();
     const auto start = Clock::now();
     const auto report = solver_.advance(dt);
     std::vector<double> slowest{seconds_since(start) - aside, report.pressure.set_up_seconds};
     solver_.observe_matrix(nullptr);
+    solver_.timers().wait_before(nullptr);
     for (const auto& phase : solver_.timers().phases()) slowest.push_back(phase.seconds);
     comm_.max(std::span(slowest));
     sample.step = slowest[0];

@@ -1,6 +1,7 @@
 #pragma once
 #include <chrono>
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -31,7 +32,14 @@ public:
         std::chrono::steady_clock::time_point start_;
     };
 
-    [[nodiscard]] Scope scope(std::string_view name) { return Scope(*this, index(name)); }
+    [[nodiscard]] Scope scope(std::string_view name) {
+        if (wait_) wait_();
+        return Scope(*this, index(name));
+    }
+
+    // Called before the clock of each phase starts: with a barrier, a phase no longer counts the time in which its rank
+    // waits for slower ones to end the phase before.
+    void wait_before(std::function<void()> wait) { wait_ = std::move(wait); }
 
     // In the order of first use.
     const std::vector<Phase>& phases() const { return phases_; }
@@ -48,6 +56,7 @@ private:
     const Phase* find(std::string_view name) const;
 
     std::vector<Phase> phases_;
+    std::function<void()> wait_;
 };
 
 } // namespace treacle

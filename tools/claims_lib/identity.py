@@ -2,7 +2,7 @@
 
 import numpy
 
-STEPS, STEP = 50, 0.002  # [s]
+STEPS, STEP = 50, 0.001  # [s]
 
 
 def spacing(context):
@@ -16,7 +16,7 @@ def overrides(context, **more):
         "domain.spacing": spacing(context),
         "bodies.post.shape.box.min": "[0.4, 0.15, 0]",
         "bodies.post.shape.box.max": "[0.5, 0.25, 0.35]",
-        "liquids.water.velocity": "[1, 0, 0]",
+        "liquids.water.velocity": "[2, 0, 0]",
         "time.end": STEPS * STEP,
         "time.rule": "fixed",
         "time.step": STEP,

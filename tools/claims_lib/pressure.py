@@ -1,5 +1,6 @@
 """Rows of `pressure`: the multilevel pressure solve beside what it replaces."""
 
+from . import bodies
 from .bench import pressure_bench
 from .gtest import run_gtest
 from .table import Figure, Table
@@ -86,3 +87,6 @@ def work(context):
     set_up = min(least("set-up [WU]", 1e-3), least("set-up [WU]", 1e-6))
     return Figure(f"{size} particles: {coarse:.1f} WU to 1e-3, {fine:.1f} WU to 1e-6, of which set-up {set_up:.1f} "
                   "(the better of two runs)", coarse <= 30 and fine <= 50 and set_up <= 8)
+
+
+bodies.add_rows(TABLE)
