@@ -1,5 +1,6 @@
 #include "sph/bounded_cg.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -11,7 +12,8 @@ struct Standing {
     BoundedResidual residual;
     double chopped = 0; // beta.D^-1 beta: rows with q = 0 that want to rise
     double reduced = 0; // phi~.phi: rows with q > 0, as far as the bound lets them fall
-    double turn = 0;    // phi.D^-1 A d
+    double turn = 0;    // phi.D^-1 A d after a step along d, phi.D^-1 (g - last g) after a cut one
+    double free = 0;    // phi.D^-1 phi
 };
 
 struct Views {
@@ -19,7 +21,7 @@ struct Views {
 };
 
 // One row's share; the gradient of rows without a diagonal is 0.
-KOKKOS_INLINE_FUNCTION void add_row(double q, double g, double inverse, double product, double length, double sums[6]) {
+KOKKOS_INLINE_FUNCTION void add_row(double q, double g, double inverse, double product, double length, double sums[7]) {
     const bool counts = q > 0 || g < 0;
     if (!counts) return;
     sums[0] += math::max(0.0, -g);
@@ -28,18 +30,19 @@ KOKKOS_INLINE_FUNCTION void add_row(double q, double g, double inverse, double p
     if (q > 0) {
         sums[4] += math::min(q / length, g * inverse) * g;
         sums[5] += g * inverse * product;
+        sums[6] += g * g * inverse;
     } else {
         sums[3] += g * g * inverse;
     }
 }
 
-// Calls row(i, sums) for every row and adds the six sums over the rows and ranks.
+// Calls row(i, sums) for every row and adds the seven sums over the rows and ranks.
 template <class Row>
 Standing sum_rows(const Comm& comm, int rows, const Row& row) {
-    std::array<double, 6> s{};
+    std::array<double, 7> s{};
     Kokkos::parallel_reduce("treacle::bounded_rows", rows,
-        KOKKOS_LAMBDA(int i, double& a, double& b, double& c, double& d, double& e, double& f) {
-            double own[6] = {0, 0, 0, 0, 0, 0};
+        KOKKOS_LAMBDA(int i, double& a, double& b, double& c, double& d, double& e, double& f, double& h) {
+            double own[7] = {0, 0, 0, 0, 0, 0, 0};
             row(i, own);
             a += own[0];
             b += own[1];
@@ -47,10 +50,11 @@ Standing sum_rows(const Comm& comm, int rows, const Row& row) {
             d += own[3];
             e += own[4];
             f += own[5];
-        }, s[0], s[1], s[2], s[3], s[4], s[5]);
+            h += own[6];
+        }, s[0], s[1], s[2], s[3], s[4], s[5], s[6]);
     if (rows == 0) s = {};
     comm.sum(std::span(s));
-    return {{s[0], s[1], s[2]}, s[3], s[4], s[5]};
+    return {{s[0], s[1], s[2]}, s[3], s[4], s[5], s[6]};
 }
 
 // g = product - b, the product being A q.
@@ -58,8 +62,9 @@ Standing take_gradient(const Comm& comm, int rows, const Views& v, double length
     return sum_rows(comm, rows, KOKKOS_LAMBDA(int i, double* sums) {
         const double diagonal = v.diagonal(i);
         const double g = diagonal > 0 ? v.product(i) - v.right_hand_side(i) : 0;
+        const double last = v.gradient(i);
         v.gradient(i) = g;
-        add_row(v.q(i), g, diagonal > 0 ? 1 / diagonal : 0, 0, length, sums);
+        add_row(v.q(i), g, diagonal > 0 ? 1 / diagonal : 0, g - last, length, sums);
     });
 }
 
@@ -75,13 +80,10 @@ Standing step_along(const Comm& comm, int rows, const Views& v, double step, dou
     });
 }
 
-// To the bound along d, then a projected step along the free gradient; g is left stale.
-void expand(int rows, const Views& v, double step, double length) {
-    Kokkos::parallel_for("treacle::bounded_expand", rows, KOKKOS_LAMBDA(int i) {
-        const double diagonal = v.diagonal(i);
-        const double q = v.q(i) - step * v.direction(i);
-        const double g = diagonal > 0 ? v.gradient(i) - step * v.product(i) : 0;
-        v.q(i) = q > 0 && diagonal > 0 ? math::max(0.0, q - length * g / diagonal) : 0;
+// q -= step d, cut at 0; g is left stale.
+void step_and_cut(int rows, const Views& v, double step) {
+    Kokkos::parallel_for("treacle::bounded_cut", rows, KOKKOS_LAMBDA(int i) {
+        v.q(i) = math::max(0.0, v.q(i) - step * v.direction(i));
     });
 }
 
@@ -172,6 +174,7 @@ BoundedReport BoundedCg::solve(const Comm& comm, const BoundedProblem& problem, 
         multiply(v.q);
         return take_gradient(comm, n, v, length);
     };
+    Kokkos::deep_copy(gradient_, 0.0);
     auto now = restart();
     turn_direction(n, v, 0);
     for (report.residual = now.residual; !ended(goal, report); report.residual = now.residual) {
@@ -179,7 +182,12 @@ BoundedReport BoundedCg::solve(const Comm& comm, const BoundedProblem& problem, 
         const bool proportional = now.chopped <= now.reduced;
         if (!proportional) release_rows(n, v);
         multiply(v.direction);
-        const auto along = measure_lengths(comm, n, v);
+        auto along = measure_lengths(comm, n, v);
+        if (along.curvature > 0 && along.minimum <= 0) { // uphill, after a cut
+            turn_direction(n, v, 0);
+            multiply(v.direction);
+            along = measure_lengths(comm, n, v);
+        }
         if (!(along.curvature > 0)) {
             report.solve.outcome = solve::Outcome::indefinite_matrix;
             report.solve.reason = "the matrix is singular along a direction that the residual needs";
@@ -189,9 +197,11 @@ BoundedReport BoundedCg::solve(const Comm& comm, const BoundedProblem& problem, 
             now = step_along(comm, n, v, along.minimum, length);
             turn_direction(n, v, proportional ? now.turn / along.curvature : 0);
         } else {
-            expand(n, v, along.bound, length);
+            // Conjugate as far as the cut leaves it (Polak & Ribiere 1969).
+            step_and_cut(n, v, along.minimum);
+            const double before = now.free;
             now = restart();
-            turn_direction(n, v, 0);
+            turn_direction(n, v, before > 0 ? -std::max(0.0, now.turn / before) : 0);
         }
     }
     return report;

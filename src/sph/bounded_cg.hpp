@@ -42,9 +42,10 @@ struct BoundedReport {
 // before the last change. Collective.
 BoundedReport bounded_jacobi(const Comm& comm, const BoundedProblem& problem, double omega, const BoundedGoal& goal);
 
-// Conjugate gradients with Jacobi scaling on the rows with q > 0; where a step would make some negative, it ends there
-// and a projected gradient step of this length, in units of the inverse diagonal, follows; rows come back in when their
-// residual asks for it (MPRGP: Dostal & Schoeberl 2005). Iterations are steps of either kind. Collective.
+// Conjugate gradients with Jacobi scaling on the rows with q > 0. Where a step would make some negative, it is cut at 0,
+// and the next direction is as conjugate as that leaves it; rows at 0 come back in when their residuals outweigh the
+// others' (proportioning, Dostal 1997; `length` is its measure, in units of the inverse diagonal). Nothing proves that
+// it ends, as it would with a gradient step after each cut: that took four times the iterations (README). Collective.
 class BoundedCg {
 public:
     BoundedReport solve(const Comm& comm, const BoundedProblem& problem, double length, const BoundedGoal& goal);
