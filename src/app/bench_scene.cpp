@@ -1,5 +1,6 @@
 #include "app/bench_scene.hpp"
 
+#include "base/error.hpp"
 #include "base/options.hpp"
 #include "base/text.hpp"
 
@@ -34,6 +35,10 @@ Input bench_scene(std::int64_t particles, int sections, const std::vector<std::s
     for (const auto& assignment : overrides) document.set(assignment);
     Input input;
     parse(document, input);
+    if (input.method.pressure.solver != sph::PressureSolver::isph) {
+        throw InputError({"method.pressure.solver", "has no matrix", "treacle bench measures the assembled system",
+                          "leave it at isph, and compare steps.csv of runs for the others"});
+    }
     return input;
 }
 

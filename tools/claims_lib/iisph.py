@@ -7,9 +7,12 @@ from .run import run_scene, scratch
 from .table import Figure
 
 RANKS = 2
-SPACING = 0.05                 # at which the largest step is one that the particles bear [m]
 PARTICLES, QUICK_PARTICLES = 435_000, 30_000
+GRAVITY = 9.81                 # [m/s2]
 STEPS = (2.08e-3, 8.32e-3)     # of the dissertation's table 3.1 [s]
+# The spacing is such that the largest step is this share of the time that sqrt(g H) takes for it: twice as much
+# and particles of a collapsing column go through walls.
+COURANT = 0.6
 START, END = 16.64e-3, 83.2e-3 # the first steps find their pressures from nothing and do not count [s]
 DENSITY_ERROR = 1e-4           # of all solvers
 RESIDUAL = 1e-4
@@ -54,10 +57,11 @@ def particles_of(context):
 @contextlib.contextmanager
 def dam_break(context, step):
     count = round(particles_of(context) ** (1 / 3))
-    edge = count * SPACING
+    spacing = GRAVITY * count * (max(STEPS) / COURANT) ** 2
+    edge = count * spacing
     with scratch(context, "iisph") as folder:
         scene = folder / "scene.yaml"
-        scene.write_text(SCENE.format(length=2 * edge, edge=edge, height=1.25 * edge, spacing=SPACING,
+        scene.write_text(SCENE.format(length=2 * edge, edge=edge, height=1.25 * edge, spacing=spacing,
                                       end=END, step=step))
         yield count**3, folder, scene
 
