@@ -1,6 +1,7 @@
 #include "kokkos/neighbour_list.hpp"
 
 #include "kokkos/lanes.hpp"
+#include "kokkos/scan.hpp"
 
 #include <type_traits>
 
@@ -127,17 +128,6 @@ struct Search {
         });
     }
 };
-
-std::int64_t counts_to_offsets(const Array<std::int64_t>& offset, int n) {
-    std::int64_t total = 0;
-    Kokkos::parallel_scan("treacle::scan_neighbours", n + 1,
-        KOKKOS_LAMBDA(int i, std::int64_t& sum, bool last) {
-            const std::int64_t count = i < n ? offset(i) : 0;
-            if (last) offset(i) = sum;
-            sum += count;
-        }, total);
-    return total;
-}
 } // namespace
 
 void NeighbourList::build(const ParticleStore& of, const ParticleStore& among, const CellGrid& grid,

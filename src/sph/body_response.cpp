@@ -44,38 +44,22 @@ struct ResponseLoop {
             const double f = scale * fluid.solid_volume(s) * kernel.gradient(math::sqrt(r2));
             const double g[3] = {f * dx, f * dy, f * dz};
             const double place[3] = {x(s, 0), x(s, 1), x(s, 2)};
-            double arm[3];
-            points.arm(body, place, arm);
-            for (int k = 0; k < 3; ++k) u[k] += g[k];
-            u[3] += arm[1] * g[2] - arm[2] * g[1];
-            u[4] += arm[2] * g[0] - arm[0] * g[2];
-            u[5] += arm[0] * g[1] - arm[1] * g[0];
+            points.add(u, body, place, g);
         });
     }
 };
 
 // sum_i U_i^T p_i, 6 numbers a load.
-struct ImpulseLoop {
-    using value_type = double[];
-    using size_type = std::size_t;
+struct ImpulseLoop : LoadReduction {
     Array<int> offset, body;
     Array<double> row, pressure;
-    size_type value_count;
 
-    KOKKOS_INLINE_FUNCTION void init(value_type sum) const {
-        for (size_type k = 0; k < value_count; ++k) sum[k] = 0;
-    }
-    KOKKOS_INLINE_FUNCTION void join(value_type sum, const value_type other) const {
-        for (size_type k = 0; k < value_count; ++k) sum[k] += other[k];
-    }
     KOKKOS_INLINE_FUNCTION void operator()(int i, value_type sum) const {
         for (int e = offset(i); e < offset(i + 1); ++e) {
             for (int k = 0; k < 6; ++k) sum[6 * body(e) + k] += row(6 * e + k) * pressure(i);
         }
     }
 };
-
-using HostSums = Kokkos::View<double*, Kokkos::HostSpace, Kokkos::MemoryTraits<Kokkos::Unmanaged>>;
 } // namespace
 
 void BodyResponse::count(const LiquidParticles& liquid, const SolidParticles& solid,
@@ -143,14 +127,9 @@ void BodyResponse::apply_to_pressure(const Comm& comm, LiquidParticles& liquid) 
     std::vector<double> sums(6 * responses_.size(), 0.0);
     const int n = liquid.store.owned();
     Kokkos::parallel_reduce("treacle::body_impulses", n,
-                            ImpulseLoop{offset_, body_, row_, liquid.pressure(), sums.size()},
-                            HostSums(sums.data(), sums.size()));
+                            ImpulseLoop{{sums.size()}, offset_, body_, row_, liquid.pressure()}, host_sums(sums));
     comm.sum(std::span(sums));
-    const auto velocities = respond(sums);
-    const Array<double> moved("treacle::moved", velocities.size());
-    auto host = Kokkos::create_mirror_view(moved);
-    for (std::size_t k = 0; k < velocities.size(); ++k) host(k) = velocities[k];
-    Kokkos::deep_copy(moved, host);
+    const auto moved = upload(respond(sums));
     const auto offset = offset_, body = body_;
     const auto row = row_, response = liquid.response();
     Kokkos::parallel_for("treacle::body_response", n, KOKKOS_LAMBDA(int i) {

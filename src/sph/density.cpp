@@ -13,7 +13,6 @@ struct DensityLoop {
 
     KOKKOS_INLINE_FUNCTION void operator()(int i) const {
         const Constants& c = fluid.constants;
-        const bool smooth_only = options.kind == DensityKind::smooth;
         double rho = c.mass * kernel.value(0.0);
         const Row row = fluid.row(i);
         Lanes around = 0.0;
@@ -21,7 +20,6 @@ struct DensityLoop {
             around = around + row.within(k, kernel.value(distance(row.near(k).r2).r)); // (2.1)
         }
         rho += c.mass * sum_lanes(around);
-        const int wall_neighbours = fluid.solid.count(i);
         double wall = 0, wall_number = 0;
         fluid.solid.each(i, [&](int s, double, double, double, double r2) {
             const double r = math::sqrt(r2);
@@ -31,12 +29,8 @@ struct DensityLoop {
         rho += c.rest_density * wall;
         density(i) = rho;
         volume(i) = c.mass / rho;
-        double zeta = options.kind == DensityKind::spiky ? 1.0 : 0.0; // (2.3)
-        if (options.kind == DensityKind::blended) {
-            const double share = (wall_neighbours - options.blend_from) / (options.blend_to - options.blend_from);
-            zeta = math::min(math::max(share, 0.0), 1.0);
-        }
-        if (smooth_only || zeta == 0) {
+        const double zeta = options.spiky_share(fluid.solid.count(i)); // (2.3)
+        if (zeta == 0) {
             blended(i) = rho;
             return;
         }

@@ -96,28 +96,17 @@ struct PressureForceLoop {
     }
 };
 
-// Sums the reaction of the pressure force over the pairs, per body: an array reduction, whose order is fixed.
-using HostLoads = Kokkos::View<double*, Kokkos::HostSpace, Kokkos::MemoryTraits<Kokkos::Unmanaged>>;
-
+// Sums the reaction of the pressure force over the pairs, per body.
 template <class Kernel>
-struct BodyLoadLoop {
-    using value_type = double[];
-    using size_type = std::size_t;
+struct BodyLoadLoop : LoadReduction {
     Kernel kernel;
     Fluid fluid;
     LoadPoints points;
-    size_type value_count; // 6 per body
 
-    KOKKOS_INLINE_FUNCTION void init(value_type sum) const {
-        for (size_type k = 0; k < value_count; ++k) sum[k] = 0;
-    }
-    KOKKOS_INLINE_FUNCTION void join(value_type sum, const value_type other) const {
-        for (size_type k = 0; k < value_count; ++k) sum[k] += other[k];
-    }
     KOKKOS_INLINE_FUNCTION void add(value_type sum, int s, const double force[3]) const {
         const auto& x = fluid.solid.among;
         const double place[3] = {x(s, 0), x(s, 1), x(s, 2)};
-        points.add(sum, fluid.solid_body(s), place, force);
+        points.add(sum + 6 * fluid.solid_body(s), fluid.solid_body(s), place, force);
     }
     KOKKOS_INLINE_FUNCTION void operator()(int i, value_type sum) const {
         const Constants& c = fluid.constants;
@@ -190,14 +179,6 @@ void accelerate(const LiquidParticles& liquid, double dt) {
         for (int k = 0; k < 3; ++k) u(i, k) += dt * a(i, k);
     });
 }
-
-Array<double> upload(const std::vector<double>& values) {
-    Array<double> out("treacle::upload", values.size());
-    auto host = Kokkos::create_mirror_view(out);
-    for (std::size_t k = 0; k < values.size(); ++k) host(k) = values[k];
-    Kokkos::deep_copy(out, host);
-    return out;
-}
 } // namespace
 
 BodyLoads apply_forces(const SphOptions& options, const ForceOptions& forces, const Constants& constants,
@@ -218,9 +199,9 @@ BodyLoads apply_forces(const SphOptions& options, const ForceOptions& forces, co
                                                forces.viscosity, friction, liquid.acceleration()});
         if (grips) {
             Kokkos::parallel_reduce("treacle::viscous_loads", fluid.count,
-                                    ViscousLoadLoop<Kernel>{{kernel, fluid, points, loads.size()},
+                                    ViscousLoadLoop<Kernel>{{{loads.size()}, kernel, fluid, points},
                                                             forces.artificial, forces.viscosity, friction},
-                                    HostLoads(loads.data(), loads.size()));
+                                    host_sums(loads));
         }
     });
     accelerate(liquid, dt);
@@ -253,8 +234,8 @@ BodyLoads apply_pressure(const SphOptions& options, const Constants& constants, 
                              PressureForceLoop<Kernel>{kernel, fluid, liquid.velocity(), dt});
         if (neighbours.solid.size > 0) {
             Kokkos::parallel_reduce("treacle::body_loads", fluid.count,
-                                    BodyLoadLoop<Kernel>{kernel, fluid, points, loads.size()},
-                                    HostLoads(loads.data(), loads.size()));
+                                    BodyLoadLoop<Kernel>{{loads.size()}, kernel, fluid, points},
+                                    host_sums(loads));
         }
     });
     return loads;

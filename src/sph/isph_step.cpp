@@ -150,17 +150,7 @@ PressureSystem::HostSystem IsphStep::hand_over() {
 
 solve::Matrix IsphStep::wrap_matrix(const PressureSystem::HostSystem& host) {
     const auto phase = timers_.scope("hand over");
-    solve::CsrBlocks blocks;
-    blocks.diagonal_offsets = host.own.offset.data();
-    blocks.diagonal_columns = host.own.column.data();
-    blocks.diagonal_values = host.own.value.data();
-    blocks.off_offsets = host.other.offset.data();
-    blocks.off_columns = host.other.column.data();
-    blocks.off_values = host.other.value.data();
-    blocks.first_row = static_cast<int>(system_.first_row());
-    blocks.rows = system_.rows();
-    blocks.global_rows = static_cast<int>(system_.global_rows());
-    return {comm_, blocks};
+    return {comm_, system_.blocks(host)};
 }
 
 namespace {

@@ -1,6 +1,8 @@
 #pragma once
 #include "kokkos/types.hpp"
 
+#include <vector>
+
 namespace treacle::sph {
 
 // Where the torque on each body is taken about: its centre for bodies that move, otherwise the origin.
@@ -25,16 +27,44 @@ struct LoadPoints {
         }
     }
 
-    // Adds a force [N] at a point of a body to the loads, 6 numbers a body.
-    KOKKOS_INLINE_FUNCTION void add(double loads[], int body, const double x[3], const double force[3]) const {
+    // Adds a force [N] at a point of a body to its load, 6 numbers.
+    KOKKOS_INLINE_FUNCTION void add(double load[], int body, const double x[3], const double force[3]) const {
         double lever[3];
         arm(body, x, lever);
-        double* load = loads + 6 * body;
         for (int k = 0; k < 3; ++k) load[k] += force[k];
         load[3] += lever[1] * force[2] - lever[2] * force[1];
         load[4] += lever[2] * force[0] - lever[0] * force[2];
         load[5] += lever[0] * force[1] - lever[1] * force[0];
     }
 };
+
+// What reductions to 6 numbers per body have in common. The order of the sums is fixed.
+struct LoadReduction {
+    using value_type = double[];
+    using size_type = std::size_t;
+    size_type value_count; // 6 per body
+
+    KOKKOS_INLINE_FUNCTION void init(value_type sum) const {
+        for (size_type k = 0; k < value_count; ++k) sum[k] = 0;
+    }
+    KOKKOS_INLINE_FUNCTION void join(value_type sum, const value_type other) const {
+        for (size_type k = 0; k < value_count; ++k) sum[k] += other[k];
+    }
+};
+
+// Where such a reduction leaves its sums.
+inline auto host_sums(std::vector<double>& sums) {
+    using View = Kokkos::View<double*, Kokkos::HostSpace, Kokkos::MemoryTraits<Kokkos::Unmanaged>>;
+    return View(sums.data(), sums.size());
+}
+
+// Numbers per body, for kernels.
+inline Array<double> upload(const std::vector<double>& values) {
+    Array<double> out("treacle::upload", values.size());
+    auto host = Kokkos::create_mirror_view(out);
+    for (std::size_t k = 0; k < values.size(); ++k) host(k) = values[k];
+    Kokkos::deep_copy(out, host);
+    return out;
+}
 
 } // namespace treacle::sph

@@ -1,5 +1,6 @@
 #include "sph/pressure_system.hpp"
 
+#include "kokkos/scan.hpp"
 #include "sph/laplacian.hpp"
 
 namespace treacle::sph {
@@ -44,16 +45,6 @@ struct CountLoop {
         other(row(i) - first) = unknowns + 1 - here;
     }
 };
-
-std::int64_t counts_to_offsets(const Array<int>& offset, int rows) {
-    std::int64_t total = 0;
-    Kokkos::parallel_scan("treacle::scan_rows", rows + 1, KOKKOS_LAMBDA(int r, std::int64_t& sum, bool last) {
-        const int count = r < rows ? offset(r) : 0;
-        if (last) offset(r) = static_cast<int>(sum);
-        sum += count;
-    }, total);
-    return total;
-}
 
 // Writes one row and keeps its columns rising. Neighbours come in the order of their rows except at borders, so that
 // an entry hardly ever moves.
@@ -170,6 +161,20 @@ PressureSystem::HostSystem PressureSystem::to_host() const {
             {mirror(other_.offset), mirror(other_.column), mirror(other_.value)},
             mirror(right_hand_side_),
             mirror(solution_)};
+}
+
+solve::CsrBlocks PressureSystem::blocks(const HostSystem& host) const {
+    solve::CsrBlocks blocks;
+    blocks.diagonal_offsets = host.own.offset.data();
+    blocks.diagonal_columns = host.own.column.data();
+    blocks.diagonal_values = host.own.value.data();
+    blocks.off_offsets = host.other.offset.data();
+    blocks.off_columns = host.other.column.data();
+    blocks.off_values = host.other.value.data();
+    blocks.first_row = static_cast<int>(first_row_);
+    blocks.rows = rows_;
+    blocks.global_rows = static_cast<int>(global_rows_);
+    return blocks;
 }
 
 void PressureSystem::take_solution(const HostSystem& host) const { Kokkos::deep_copy(solution_, host.solution); }

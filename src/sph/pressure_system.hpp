@@ -1,5 +1,6 @@
 #pragma once
 #include "mpi/halo.hpp"
+#include "solve/matrix.hpp"
 #include "sph/neighbourhood.hpp"
 
 namespace treacle::sph {
@@ -43,6 +44,8 @@ public:
     };
     HostSystem to_host() const;
     void take_solution(const HostSystem& host) const;
+    // Its matrix as a solver takes it; of the arrays of `host`.
+    solve::CsrBlocks blocks(const HostSystem& host) const;
 
     const Block& own() const { return own_; }
     const Block& other() const { return other_; }

@@ -6,15 +6,12 @@ namespace treacle::sph {
 
 namespace {
 template <class Kernel>
-struct SkinFrictionLoop {
-    using value_type = double[];
-    using size_type = std::size_t;
+struct SkinFrictionLoop : LoadReduction {
     Kernel kernel;
     Fluid fluid;
     LoadPoints points;
     Array<double> coefficient;
     double dt;
-    size_type value_count; // 6 per body
 
     // What a particle sees of the walls around it.
     struct Wall {
@@ -47,12 +44,6 @@ struct SkinFrictionLoop {
         return wall;
     }
 
-    KOKKOS_INLINE_FUNCTION void init(value_type sum) const {
-        for (size_type k = 0; k < value_count; ++k) sum[k] = 0;
-    }
-    KOKKOS_INLINE_FUNCTION void join(value_type sum, const value_type other) const {
-        for (size_type k = 0; k < value_count; ++k) sum[k] += other[k];
-    }
     KOKKOS_INLINE_FUNCTION void operator()(int i, value_type sum) const {
         if (fluid.solid.count(i) == 0) return;
         const Wall wall = look(i);
@@ -80,12 +71,10 @@ struct SkinFrictionLoop {
             const double share = weight(s, r2) * coefficient(fluid.solid_body(s)) / shares;
             const double place[3] = {x(s, 0), x(s, 1), x(s, 2)};
             const double part[3] = {share * force[0], share * force[1], share * force[2]};
-            points.add(sum, fluid.solid_body(s), place, part);
+            points.add(sum + 6 * fluid.solid_body(s), fluid.solid_body(s), place, part);
         });
     }
 };
-
-using HostLoads = Kokkos::View<double*, Kokkos::HostSpace, Kokkos::MemoryTraits<Kokkos::Unmanaged>>;
 } // namespace
 
 void apply_skin_friction(const SphOptions& options, const Constants& constants, LiquidParticles& liquid,
@@ -94,15 +83,12 @@ void apply_skin_friction(const SphOptions& options, const Constants& constants, 
     const auto& coefficients = friction.coefficients;
     if (std::ranges::all_of(coefficients, [](double c) { return c == 0; })) return;
     const auto fluid = gather_fluid(constants, liquid, solid, neighbours);
-    const Array<double> coefficient("treacle::skin_friction", coefficients.size());
-    const auto host = Kokkos::create_mirror_view(coefficient);
-    for (std::size_t k = 0; k < coefficients.size(); ++k) host(k) = coefficients[k];
-    Kokkos::deep_copy(coefficient, host);
+    const auto coefficient = upload(coefficients);
     BodyLoads own(loads.size(), 0.0);
     with_kernel(options.kernel, constants.dimensions, constants.support, [&](const auto& kernel) {
         using Kernel = std::decay_t<decltype(kernel)>;
-        const SkinFrictionLoop<Kernel> loop{kernel, fluid, friction.points, coefficient, friction.dt, own.size()};
-        Kokkos::parallel_reduce("treacle::skin_friction", fluid.count, loop, HostLoads(own.data(), own.size()));
+        const SkinFrictionLoop<Kernel> loop{{own.size()}, kernel, fluid, friction.points, coefficient, friction.dt};
+        Kokkos::parallel_reduce("treacle::skin_friction", fluid.count, loop, host_sums(own));
     });
     for (std::size_t k = 0; k < loads.size(); ++k) loads[k] += own[k];
 }

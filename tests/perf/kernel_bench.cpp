@@ -91,16 +91,7 @@ void product(benchmark::State& state) {
     sph::PressureSystem system;
     assemble(system, at);
     const auto host = system.to_host();
-    solve::CsrBlocks blocks;
-    blocks.diagonal_offsets = host.own.offset.data();
-    blocks.diagonal_columns = host.own.column.data();
-    blocks.diagonal_values = host.own.value.data();
-    blocks.off_offsets = host.other.offset.data();
-    blocks.off_columns = host.other.column.data();
-    blocks.off_values = host.other.value.data();
-    blocks.rows = system.rows();
-    blocks.global_rows = system.rows();
-    const solve::Matrix matrix(Comm::self(), blocks);
+    const solve::Matrix matrix(Comm::self(), system.blocks(host));
     const std::vector<double> given(static_cast<std::size_t>(system.rows()), 1.0);
     std::vector<double> result(given.size());
     for (auto _ : state) {

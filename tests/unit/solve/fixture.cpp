@@ -103,4 +103,25 @@ double distance(const Comm& comm, const std::vector<double>& a, const std::vecto
     return std::sqrt(comm.sum(sum));
 }
 
+void expect_symmetric_and_positive(const Comm& comm, const TestSystem& system,
+                                   const std::function<void(std::span<const double>, std::span<double>)>& apply) {
+    const auto u = system.values(noise);
+    const auto v = system.values([](Index i) { return noise(7 * i + 3); });
+    std::vector<double> mu(u.size()), mv(u.size());
+    apply(u, mu);
+    apply(v, mv);
+    double sums[4] = {};
+    for (std::size_t i = 0; i < u.size(); ++i) {
+        sums[0] += u[i] * mv[i];
+        sums[1] += v[i] * mu[i];
+        sums[2] += u[i] * mu[i];
+        sums[3] += v[i] * mv[i];
+    }
+    comm.sum(sums);
+    EXPECT_GT(sums[2], 0);
+    EXPECT_GT(sums[3], 0);
+    // Round-off of a few thousand terms.
+    EXPECT_NEAR(sums[0], sums[1], 1e-12 * std::sqrt(sums[2] * sums[3]));
+}
+
 } // namespace treacle::solve

@@ -4,6 +4,7 @@
 #include "solve/runtime.hpp"
 
 #include <functional>
+#include <span>
 #include <vector>
 
 namespace treacle::solve {
@@ -41,5 +42,9 @@ double noise(Index row);
 
 // sqrt of the sum of squares over all ranks of a - b.
 double distance(const Comm& comm, const std::vector<double>& a, const std::vector<double>& b);
+
+// That z = M r, by apply(r, z), is symmetric and positive for two vectors of this rank's rows.
+void expect_symmetric_and_positive(const Comm& comm, const TestSystem& system,
+                                   const std::function<void(std::span<const double>, std::span<double>)>& apply);
 
 } // namespace treacle::solve

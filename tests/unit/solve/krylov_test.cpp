@@ -67,23 +67,7 @@ TEST_P(EachPreconditioner, is_symmetric_and_positive) {
     auto system = poisson(comm, 10, Border::dirichlet);
     Matrix matrix(comm, system.blocks());
     solver.set_up(matrix);
-    const auto u = system.values(noise);
-    const auto v = system.values([](Index i) { return noise(7 * i + 3); });
-    std::vector<double> mu(u.size()), mv(u.size());
-    solver.precondition(u, mu);
-    solver.precondition(v, mv);
-    double sums[4] = {};
-    for (std::size_t i = 0; i < u.size(); ++i) {
-        sums[0] += u[i] * mv[i];
-        sums[1] += v[i] * mu[i];
-        sums[2] += u[i] * mu[i];
-        sums[3] += v[i] * mv[i];
-    }
-    comm.sum(sums);
-    EXPECT_GT(sums[2], 0);
-    EXPECT_GT(sums[3], 0);
-    // Round-off of sums of 1000 terms.
-    EXPECT_NEAR(sums[0], sums[1], 1e-12 * std::sqrt(sums[2] * sums[3]));
+    expect_symmetric_and_positive(comm, system, [this](auto r, auto z) { solver.precondition(r, z); });
 }
 
 TEST_P(EachPreconditioner, copes_with_ranks_without_rows_and_with_tiny_systems) {

@@ -115,23 +115,8 @@ TEST_P(EachMultilevel, is_symmetric_and_positive) {
         auto matrix = sample.matrix();
         sample.multilevel.set_up(matrix, {sample.cells, sample.dirichlet, sample.walls});
         EXPECT_GE(sample.multilevel.sizes().size(), 3u);
-        const auto u = sample.system.values(noise);
-        const auto v = sample.system.values([](Index i) { return noise(7 * i + 3); });
-        std::vector<double> mu(u.size()), mv(u.size());
-        sample.multilevel.apply(u, mu);
-        sample.multilevel.apply(v, mv);
-        double sums[4] = {};
-        for (std::size_t i = 0; i < u.size(); ++i) {
-            sums[0] += u[i] * mv[i];
-            sums[1] += v[i] * mu[i];
-            sums[2] += u[i] * mu[i];
-            sums[3] += v[i] * mv[i];
-        }
-        comm.sum(sums);
-        EXPECT_GT(sums[2], 0);
-        EXPECT_GT(sums[3], 0);
-        // Round-off of a few thousand terms.
-        EXPECT_NEAR(sums[0], sums[1], 1e-12 * std::sqrt(sums[2] * sums[3]));
+        expect_symmetric_and_positive(comm, sample.system,
+                                      [&](auto r, auto z) { sample.multilevel.apply(r, z); });
     }
 }
 
