@@ -130,6 +130,10 @@ void Level::sweep_down_from_zero(std::span<const double> r_, std::span<double> z
     const double* const values = own_.values;
     for (Index i = 0; i < rows; ++i) {
         const auto at = static_cast<std::size_t>(i);
+        if (is_fixed(at)) {
+            z_[at] = 0;
+            continue;
+        }
         const Index begin = own_.offsets[i], diagonal = diagonal_[at];
         // Hardware that fetches ahead along the arrays would go on into the half that is not read.
         if (i + ahead < rows) fetch(columns, values, own_.offsets[i + ahead], diagonal_[at + ahead]);
@@ -155,7 +159,7 @@ double Level::product(std::span<const double> z_, std::span<const double> around
 void Level::sweep_down(std::span<const double> r_, std::span<double> z_) {
     const auto around = halo_.gather(z_);
     for (std::size_t i = 0; i < static_cast<std::size_t>(rows); ++i) {
-        z_[i] += divide(r_[i] - product(z_, around, i), own_.values[diagonal_[i]]);
+        if (!is_fixed(i)) z_[i] += divide(r_[i] - product(z_, around, i), own_.values[diagonal_[i]]);
     }
 }
 
@@ -163,6 +167,7 @@ void Level::sweep_up(std::span<const double> r_, std::span<double> z_) {
     const auto around = halo_.gather(z_);
     for (std::size_t i = static_cast<std::size_t>(rows); i-- > 0;) {
         // Rows fall while each row's entries rise, which hardware does not foresee.
+        if (is_fixed(i)) continue;
         if (i >= ahead) fetch(own_.columns, own_.values, own_.offsets[i - ahead], own_.offsets[i - ahead + 1]);
         z_[i] += divide(r_[i] - product(z_, around, i), own_.values[diagonal_[i]]);
     }
@@ -178,7 +183,7 @@ void Level::residual(std::span<const double> r_, std::span<const double> z_, std
 std::size_t Level::bytes() const {
     return own_store_.bytes() + other_store_.bytes() + halo_.bytes() + 16 * runs.capacity() +
            8 * (keys.capacity() + walls.capacity() + r.capacity() + z.capacity() + t.capacity()) +
-           4 * (halo_columns_.capacity() + diagonal_.capacity() + aggregate.capacity() + group.capacity());
+           fixed.capacity() + 4 * (halo_columns_.capacity() + diagonal_.capacity() + aggregate.capacity() + group.capacity());
 }
 
 } // namespace treacle::solve

@@ -68,6 +68,7 @@ public:
     // t = r - A z
     void residual(std::span<const double> r, std::span<const double> z, std::span<double> t);
 
+    bool is_fixed(std::size_t row) const { return !fixed.empty() && fixed[row] != 0; }
     double diagonal(Index row) const { return own_.values[diagonal_[static_cast<std::size_t>(row)]]; }
     std::int64_t entries() const { return std::int64_t{own_.offsets[rows]} + other_.offsets[rows]; }
     std::size_t bytes() const;
@@ -75,6 +76,7 @@ public:
     Index rows = 0, first_row = 0, global_rows = 0;
     std::vector<CellKey> keys;  // [rows]; of the matrix itself, those of the finest cells
     std::vector<double> walls;  // [rows], for grids
+    std::vector<unsigned char> fixed; // [rows] of the matrix itself, 1 where z stays 0; or empty
     std::vector<double> r, z, t; // of coarse levels; t of the matrix too
     std::pair<std::vector<double>, std::vector<double>> second; // of coarse levels, for a W-cycle
 

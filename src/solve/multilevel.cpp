@@ -17,6 +17,8 @@ constexpr int gathered_ranks = 8;
 constexpr double least_shrinkage = 0.7;
 // Finite differences on cells of twice the width: half of what P^T A P gives where all eight cells are liquid.
 constexpr double grid_divisor = 2;
+// Of rows that no coarse matrix has; larger than all keys of cells, also after their halvings.
+constexpr CellKey no_cell = ~CellKey{0};
 
 // A level, and the way from its aggregates to the next one.
 struct Stage {
@@ -137,7 +139,7 @@ void Multilevel::State::cycle(std::size_t depth, std::span<const double> r, std:
     if (jacobi(depth)) {
         const double weight = options->jacobi_weight;
         const auto step = [&](std::size_t i, double residual) {
-            return weight * residual / level.diagonal(static_cast<Index>(i));
+            return level.is_fixed(i) ? 0.0 : weight * residual / level.diagonal(static_cast<Index>(i));
         };
         for (std::size_t i = 0; i < n; ++i) z[i] = step(i, r[i]);
         level.residual(r, z, level.t);
@@ -182,6 +184,11 @@ void Multilevel::set_up(Matrix& matrix, const MultilevelCells& cells) {
     finest.keys.resize(rows);
     for (std::size_t i = 0; i < rows; ++i) finest.keys[i] = cell_key(&cells.cells[3 * i]);
     state.dirichlet.clear();
+    finest.fixed.assign(cells.fixed.begin(), cells.fixed.end());
+    for (std::size_t i = 0; i < finest.fixed.size(); ++i) {
+        if (finest.fixed[i] != 0) finest.keys[i] = no_cell;
+    }
+    if (!finest.fixed.empty()) state.dirichlet = {no_cell};
     finest.walls.clear();
     if (options_.coarse == CoarseMatrices::grids) {
         finest.walls.assign(cells.walls.begin(), cells.walls.end());

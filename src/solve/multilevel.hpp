@@ -40,6 +40,8 @@ struct MultilevelCells {
     // For grids:
     std::span<const int> dirichlet; // [n][3], cells with p = 0: this rank's, and those beside its own
     std::span<const double> walls;  // [rows], what walls add to the diagonal
+    // Galerkin products only: [rows], 1 where z stays 0, as if the matrix did not have the row; or empty.
+    std::span<const unsigned char> fixed{};
 };
 
 // One level of the hierarchy, as a report.

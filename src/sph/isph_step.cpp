@@ -19,7 +19,12 @@ IsphStep::IsphStep(const Comm& comm, const IsphSetup& setup)
     : comm_(comm), setup_(setup), decomposition_(comm, setup.grid),
       bodies_(setup.rigid, setup.solid_scale, setup.first_body, setup.bodies, setup.domain),
       hierarchy_(make_hierarchy(comm, setup.options, setup.constants, setup.domain, setup.grid)),
-      solver_(comm, "pressure", krylov_options(setup.options, setup.constants.dimensions, hierarchy_.get())) {}
+      solver_(comm, "pressure", krylov_options(setup.options, setup.constants.dimensions, hierarchy_.get())),
+      complementarity_(comm, solver_.options()) {}
+
+ComplementarityParts IsphStep::complementarity_parts() {
+    return {setup_.options, setup_.constants, comm_, liquid_, neighbours_, halo_, anchoring_};
+}
 
 void IsphStep::start(SolidVolumes volumes) {
     recut();
@@ -154,6 +159,8 @@ solve::Matrix IsphStep::wrap_matrix(const PressureSystem::HostSystem& host) {
 }
 
 namespace {
+bool bounded(const SphOptions& options) { return options.pressure.dirichlet == DirichletRule::complementarity; }
+
 [[noreturn]] void fail(const solve::SolveReport& report, std::int64_t unknowns, const std::string& instead) {
     throw SimulationError({"pressure solve", report.reason,
                            "after " + std::to_string(report.iterations) + " iterations on " +
@@ -169,7 +176,9 @@ void IsphStep::solve_pressure(solve::Matrix& matrix, const PressureSystem::HostS
     auto test = solve::ConvergenceTest::residual(options.residual);
     if (options.stop == StoppingRule::density_error) {
         // Mean compression that the residual leaves: r dt^2 is what the predicted density still exceeds rho0 by.
-        const double scale = dt * dt / (setup_.constants.rest_density * std::max<double>(1, double(system_.global_rows())));
+        const double unknowns = bounded(setup_.options) ? double(comm_.sum(report.roles.poisson))
+                                                        : double(system_.global_rows());
+        const double scale = dt * dt / (setup_.constants.rest_density * std::max(1.0, unknowns));
         test = solve::ConvergenceTest::measure(
             [scale](std::span<const double> residual) {
                 double sum = 0;
@@ -179,8 +188,13 @@ void IsphStep::solve_pressure(solve::Matrix& matrix, const PressureSystem::HostS
             options.density_error, options.largest_residual);
     }
     if (hierarchy_) hierarchy_->refer_to(liquid_, solid_);
-    report.pressure =
-        solver_.solve(matrix, {host.right_hand_side.data(), rows}, {host.solution.data(), rows}, test);
+    if (bounded(setup_.options)) {
+        report.pressure = complementarity_.solve(complementarity_parts(), matrix, host, test, report.anchored);
+        report.misclassified = comm_.sum(complementarity_.misclassified());
+    } else {
+        report.pressure =
+            solver_.solve(matrix, {host.right_hand_side.data(), rows}, {host.solution.data(), rows}, test);
+    }
     system_.take_solution(host);
     if (!report.pressure.converged()) {
         fail(report.pressure, system_.global_rows(), "another method.pressure.preconditioner");
@@ -223,7 +237,8 @@ void IsphStep::find_pressures(StepReport& report, double dt) {
                                answering ? Answer::bodies : Answer::none); // (S5), (S6)
         last_pressures_ = LastPressures::known;
         halo_.gather(liquid_.store, {liquid_.role_field()});
-        report.anchored = anchoring_.anchor(options, constants, comm_, liquid_, neighbours_, halo_);
+        report.anchored = bounded(options) ? complementarity_.anchor(complementarity_parts())
+                                           : anchoring_.anchor(options, constants, comm_, liquid_, neighbours_, halo_);
     }
     {
         const auto phase = timers_.scope("assemble");
@@ -237,6 +252,7 @@ void IsphStep::find_pressures(StepReport& report, double dt) {
         const auto phase = timers_.scope("solve");
         solve_pressure(matrix, host, dt, report); // (S7)
         system_.store_pressure(liquid_);
+        if (bounded(options)) report.roles = count_roles(liquid_);
     }
 }
 

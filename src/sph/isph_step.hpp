@@ -4,7 +4,7 @@
 #include "solve/krylov.hpp"
 #include "sph/bodies.hpp"
 #include "sph/body_response.hpp"
-#include "sph/components.hpp"
+#include "sph/complementarity.hpp"
 #include "sph/forces.hpp"
 #include "sph/iisph.hpp"
 #include "sph/motion.hpp"
@@ -36,6 +36,7 @@ struct StepReport {
     solve::SolveReport pressure;
     RoleCounts roles;                  // over all ranks
     std::int64_t anchored = 0;         // Poisson particles made Dirichlet for solvability
+    std::int64_t misclassified = 0;    // that (S6) gave another role than the exact solution, over all ranks
     double mean_compression = 0;       // of the density at the start of the step, share of rho0
     double max_compression = 0;
     double imbalance = 1;              // largest over mean number of particles per rank
@@ -107,6 +108,7 @@ private:
     solve::Matrix wrap_matrix(const PressureSystem::HostSystem& host);
     void solve_pressure(solve::Matrix& matrix, const PressureSystem::HostSystem& host, double dt,
                         StepReport& report);
+    ComplementarityParts complementarity_parts();
     void collect(StepReport& report);
 
     Comm comm_;
@@ -126,6 +128,7 @@ private:
     BodyResponse response_;
     std::unique_ptr<PressureHierarchy> hierarchy_; // of the multilevel preconditioners
     solve::KrylovSolver solver_;
+    Complementarity complementarity_; // with `dirichlet: complementarity` in its place
     MatrixObserver matrix_observer_;
     PhaseTimers timers_;
     double imbalance_after_cut_ = 1;

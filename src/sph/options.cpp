@@ -46,9 +46,13 @@ void PressureOptions::declare(Declaration& d) {
     d.number("jacobi_weight", jacobi_weight, unit::none, range_between(0, 1),
              "Weight of the Jacobi iteration of `iisph_jacobi`, and of the gradient steps of `iisph_cg`; 0: the published "
              "0.5, or less for kernels wide enough that it would diverge.");
-    d.choice("dirichlet", dirichlet, {{"predicted", DirichletRule::predicted}, {"source", DirichletRule::source}},
+    d.choice("dirichlet", dirichlet,
+             {{"predicted", DirichletRule::predicted},
+              {"source", DirichletRule::source},
+              {"complementarity", DirichletRule::complementarity}},
              "Which particles keep zero pressure: those that one Jacobi step from the last pressures predicts to "
-             "have none (Eq. 2.6), or those with a negative source.");
+             "have none (Eq. 2.6); those with a negative source; or those that the exact solution without negative "
+             "pressures leaves at zero, which is searched for from the predicted ones.");
     d.number("prediction", prediction, unit::none, range_between(0, 1),
              "Share of the last step's pressures that the prediction starts from (gamma of Eq. 2.6).");
     d.choice("solid_term", solid_term,
@@ -88,6 +92,15 @@ void PressureOptions::declare(Declaration& d) {
              "Relative residual at which iterating ends, with `stop: residual`.");
     d.integer("max_iterations", max_iterations, range_at_least(1),
               "Iterations after which the run ends as failed; 20 times as many with `solver: iisph_jacobi`.");
+    const bool exact = dirichlet == DirichletRule::complementarity;
+    d.check(!exact || solver == PressureSolver::isph, "dirichlet",
+            {"complementarity needs solver: isph", "IISPH has no negative pressures anyway", "leave one of the two out"});
+    const bool cut = preconditioner != PressurePreconditioner::gamg &&
+                     preconditioner != PressurePreconditioner::boomeramg &&
+                     preconditioner != PressurePreconditioner::multilevel_grids;
+    d.check(!exact || cut, "preconditioner",
+            {"cannot serve dirichlet: complementarity", "the set of unknowns changes within a solve",
+             "choose multilevel, incomplete_cholesky, ssor, jacobi or none"});
 }
 
 void ViscosityOptions::declare(Declaration& d) {

@@ -8,7 +8,7 @@ class Declaration;
 namespace treacle::sph {
 
 enum class DensityKind { blended, smooth, spiky };
-enum class DirichletRule { predicted, source };
+enum class DirichletRule { predicted, source, complementarity };
 enum class SolidTerm { none, decomposed, unified, amplified, exact };
 enum class BodyCoupling { implicit, one_step_late };
 enum class StoppingRule { density_error, residual };

@@ -118,7 +118,7 @@ struct PredictionLoop {
         double numerator = b; // (2.6), times the positive denominator
         if (pressures == LastPressures::none) {
             numerator += start_slack * rest / (dt * dt);
-        } else if (options.dirichlet == DirichletRule::predicted) {
+        } else if (options.dirichlet != DirichletRule::source) {
             numerator += options.prediction * (sum.weighted + fluid.pressure(i) * sum.solid_weights - answered);
         }
         wall_term(i) = alpha;
@@ -153,6 +153,17 @@ RoleCounts predict(const SphOptions& options, const Constants& constants, Liquid
                                 poissons, separates);
     });
     return {poissons, fluid.count - poissons - separates, separates};
+}
+
+RoleCounts count_roles(const LiquidParticles& liquid) {
+    const auto role = liquid.role();
+    const int n = liquid.store.owned();
+    int poissons = 0, separates = 0;
+    Kokkos::parallel_reduce("treacle::count_roles", n, KOKKOS_LAMBDA(int i, int& poisson, int& separate) {
+        poisson += static_cast<int>(role(i) == Role::poisson);
+        separate += static_cast<int>(role(i) == Role::separated);
+    }, poissons, separates);
+    return {poissons, n - poissons - separates, separates};
 }
 
 } // namespace treacle::sph

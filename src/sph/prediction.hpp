@@ -25,4 +25,7 @@ RoleCounts predict(const SphOptions& options, const Constants& constants, Liquid
                    const SolidParticles& solid, const Neighbourhood& neighbours, LastPressures pressures,
                    double dt, Answer answer = Answer::none);
 
+// This rank's particles by their present roles.
+RoleCounts count_roles(const LiquidParticles& liquid);
+
 } // namespace treacle::sph

@@ -50,7 +50,8 @@ solve::MultilevelOptions algebra(const SphOptions& options, const Constants& con
 PressureHierarchy::PressureHierarchy(const Comm& comm, const SphOptions& options, const Constants& constants,
                                      const DomainBox& domain, const CellGrid& grid)
     : grid_(finest_grid(options, constants, grid)), domain_(domain),
-      multilevel_(comm, algebra(options, constants, grid)) {}
+      multilevel_(comm, algebra(options, constants, grid)),
+      bounded_(options.pressure.dirichlet == DirichletRule::complementarity) {}
 
 solve::UserPreconditioner PressureHierarchy::preconditioner() {
     return {[this](std::span<const double> r, std::span<double> z) { multilevel_.apply(r, z); },
@@ -61,10 +62,13 @@ void PressureHierarchy::locate_rows(int first_row, int rows) {
     reserve(cells_, 3 * static_cast<std::size_t>(rows));
     reserve(walls_, static_cast<std::size_t>(rows));
     const auto x = liquid_->position();
+    reserve(fixed_, static_cast<std::size_t>(rows));
     const auto row = liquid_->row();
+    const auto role = liquid_->role();
     const auto wall = liquid_->wall_term();
     const auto cells = cells_;
     const auto walls = walls_;
+    const auto fixed = fixed_;
     const auto grid = grid_;
     Kokkos::parallel_for("treacle::locate_rows", liquid_->store.owned(), KOKKOS_LAMBDA(int i) {
         if (row(i) < 0) return;
@@ -72,6 +76,7 @@ void PressureHierarchy::locate_rows(int first_row, int rows) {
         grid.locate(x(i, 0), x(i, 1), x(i, 2), c);
         for (int k = 0; k < 3; ++k) cells(3 * (row(i) - first_row) + k) = c[k];
         walls(row(i) - first_row) = wall(i);
+        fixed(row(i) - first_row) = role(i) == Role::poisson ? 0 : 1;
     });
 }
 
@@ -122,6 +127,8 @@ void PressureHierarchy::set_up(solve::Matrix& matrix) {
     const auto walls = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), walls_);
     solve::MultilevelCells where;
     where.cells = {cells.data(), 3 * rows};
+    const auto fixed = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), fixed_);
+    if (bounded_) where.fixed = {fixed.data(), rows};
     if (multilevel_.options().coarse == solve::CoarseMatrices::grids) {
         find_dirichlet_cells();
         where.dirichlet = dirichlet_;
@@ -131,7 +138,7 @@ void PressureHierarchy::set_up(solve::Matrix& matrix) {
 }
 
 std::size_t PressureHierarchy::bytes() const {
-    return multilevel_.bytes() + 4 * cells_.span() + 8 * walls_.span() + 4 * dirichlet_.capacity();
+    return multilevel_.bytes() + fixed_.span() + 4 * cells_.span() + 8 * walls_.span() + 4 * dirichlet_.capacity();
 }
 
 namespace {

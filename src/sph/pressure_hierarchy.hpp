@@ -42,6 +42,8 @@ private:
     solve::Multilevel multilevel_;
     Array<int> cells_{"treacle::row_cell", 0};      // [rows * 3]
     Array<double> walls_{"treacle::row_wall", 0};   // [rows]
+    bool bounded_;                                  // Dirichlet particles have rows too
+    Array<unsigned char> fixed_{"treacle::row_fixed", 0}; // [rows], 1: of a Dirichlet particle
     std::vector<int> dirichlet_;                    // [n][3]
 };
 

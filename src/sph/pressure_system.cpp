@@ -5,13 +5,16 @@
 
 namespace treacle::sph {
 
-void PressureSystem::number_rows(const Comm& comm, LiquidParticles& liquid, Halo& halo) {
+void PressureSystem::number_rows(const SphOptions& options, const Comm& comm, LiquidParticles& liquid, Halo& halo) {
     const auto role = liquid.role(), row = liquid.row();
+    const auto diagonal = liquid.diagonal(), wall = liquid.wall_term();
+    const bool bounded = options.pressure.dirichlet == DirichletRule::complementarity;
     const int n = liquid.store.owned();
     const auto count_rows = [&](int first) {
         int rows = 0;
         Kokkos::parallel_scan("treacle::number_rows", n, KOKKOS_LAMBDA(int i, int& sum, bool last) {
-            const bool unknown = role(i) == Role::poisson;
+            const bool unknown = role(i) == Role::poisson ||
+                                 (bounded && role(i) == Role::dirichlet && diagonal(i) > wall(i));
             if (last) row(i) = unknown ? first + sum : -1;
             sum += static_cast<int>(unknown);
         }, rows);
@@ -135,7 +138,7 @@ void PressureSystem::count_entries(const LiquidParticles& liquid, const Neighbou
 
 void PressureSystem::assemble(const SphOptions& options, const Constants& constants, const Comm& comm,
                               LiquidParticles& liquid, const Neighbourhood& neighbours, Halo& halo) {
-    number_rows(comm, liquid, halo);
+    number_rows(options, comm, liquid, halo);
     count_entries(liquid, neighbours);
     write_places(liquid, liquid.volume());
     for (const auto& [block, entries] : {std::pair(&own_, own_entries_), std::pair(&other_, other_entries_)}) {

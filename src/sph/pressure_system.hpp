@@ -12,7 +12,7 @@ namespace treacle::sph {
 class PressureSystem {
 public:
     // Collective. Numbers the rows, gathers the ghosts' numbers, and fills matrix, right-hand side and first
-    // guess p^t. Roles of owned and ghost particles must be current.
+    // guess p^t. With `dirichlet: complementarity`, Dirichlet particles with liquid neighbours have rows too. Roles of owned and ghost particles must be current.
     void assemble(const SphOptions& options, const Constants& constants, const Comm& comm,
                   LiquidParticles& liquid, const Neighbourhood& neighbours, Halo& halo);
 
@@ -53,7 +53,7 @@ public:
     const Array<double>& solution() const { return solution_; }               // [rows], in: guess, out: result
 
     // Parts of the above; not private, since nvcc takes no kernel in a private function.
-    void number_rows(const Comm& comm, LiquidParticles& liquid, Halo& halo);
+    void number_rows(const SphOptions& options, const Comm& comm, LiquidParticles& liquid, Halo& halo);
     void count_entries(const LiquidParticles& liquid, const Neighbourhood& neighbours);
 
 private:
