@@ -23,6 +23,31 @@ constexpr double jitter = 0.2;        // most displacement along each axis, in s
 constexpr double time_step = 4e-3;    // [s]; large, so that hardly a particle under the surface is let go
 constexpr int products_per_case = 5;
 
+// The residual and the time since the start of the solve, at every iteration of one.
+struct History {
+    std::vector<double> squares; // ||r||^2
+    std::vector<double> seconds;
+
+    void add(std::span<const double> residual, Clock::time_point start) {
+        double sum = 0;
+        for (const double r : residual) sum += r * r;
+        squares.push_back(sum);
+        seconds.push_back(seconds_since(start));
+    }
+    // ||r|| / ||b||. Collective.
+    void sum_over(const Comm& comm, double norm_b) {
+        comm.sum(std::span(squares));
+        comm.max(std::span(seconds));
+        for (double& square : squares) square = std::sqrt(square) / norm_b;
+    }
+    io::Value values() const {
+        auto residuals = io::Value::list({}), times = io::Value::list({});
+        for (const double r : squares) residuals.add(r);
+        for (const double t : seconds) times.add(t);
+        return io::Value::object({{"residuals", residuals}, {"seconds", times}});
+    }
+};
+
 struct Case {
     std::string preconditioner;
     double residual = 0;
@@ -30,6 +55,7 @@ struct Case {
     double seconds = 0; // set-up and iterations, of the slowest rank
     double set_up = 0;  // [s]
     double product = 0; // one WU measured beside it [s]
+    History history;
     double work() const { return seconds / product; }
     double set_up_work() const { return set_up / product; }
 };
@@ -40,6 +66,7 @@ struct Form {
     bool positive = false;
     double complexity = 1; // stored entries of all levels over those of the matrix
     std::vector<solve::LevelSize> levels;
+    History sweeps;
 };
 
 // A number in [-1, 1) that depends on the particle and the seed alone.
@@ -68,6 +95,7 @@ public:
 private:
     void fill_vectors(solve::Matrix& matrix);
     double product_seconds(const solve::Matrix& matrix);
+    History sweep(const solve::Matrix& matrix, solve::KrylovSolver& solver);
     Form examine(solve::Matrix& matrix, const std::string& name, solve::KrylovSolver& solver,
                  const sph::PressureHierarchy* hierarchy);
 
@@ -149,6 +177,24 @@ Form PressureBench::examine(solve::Matrix& matrix, const std::string& name, solv
     return form;
 }
 
+// x += M (b - A x) from zero, M as it is set up.
+History PressureBench::sweep(const solve::Matrix& matrix, solve::KrylovSolver& solver) {
+    History out;
+    std::fill(x_.begin(), x_.end(), 0.0);
+    std::vector<double> r(b_.size()), z(b_.size());
+    const auto start = Clock::now();
+    for (int k = 0; k <= request_.sweeps; ++k) {
+        matrix.multiply(x_, r);
+        for (std::size_t i = 0; i < r.size(); ++i) r[i] = b_[i] - r[i];
+        out.add(r, start);
+        if (k == request_.sweeps) break;
+        solver.precondition(r, z);
+        for (std::size_t i = 0; i < r.size(); ++i) x_[i] += z[i];
+    }
+    out.sum_over(comm_, std::sqrt(dot(comm_, b_, b_)));
+    return out;
+}
+
 void PressureBench::measure(solve::Matrix& matrix) {
     fill_vectors(matrix);
     rows_ = matrix.global_rows();
@@ -168,15 +214,22 @@ void PressureBench::measure(solve::Matrix& matrix) {
         solve::KrylovSolver solver(comm_, "pressure",
                                    krylov_options(options, setup.constants.dimensions, hierarchy.get()));
         forms_.push_back(examine(matrix, name, solver, hierarchy.get()));
+        if (request_.sweeps > 0) forms_.back().sweeps = sweep(matrix, solver);
         for (const double residual : residuals) {
-            Case one{name, residual, {}, 0, 0, 0};
+            Case one{name, residual, {}, 0, 0, 0, {}};
             matrix.values_changed(); // so that the set-up is paid each time
             std::fill(x_.begin(), x_.end(), 0.0);
             const double before = product_seconds(matrix);
             comm_.barrier();
             const auto start = Clock::now();
-            one.report = solver.solve(matrix, b_, x_, solve::ConvergenceTest::residual(residual));
+            // Stops by the residual alone: the measure only listens.
+            const auto listen = [&one, start](std::span<const double> r) {
+                one.history.add(r, start);
+                return 0.0;
+            };
+            one.report = solver.solve(matrix, b_, x_, solve::ConvergenceTest::measure(listen, 1, residual));
             one.seconds = comm_.max(seconds_since(start));
+            one.history.sum_over(comm_, std::sqrt(dot(comm_, b_, b_)));
             one.set_up = comm_.max(one.report.set_up_seconds);
             one.product = 0.5 * (before + product_seconds(matrix));
             cases_.push_back(std::move(one));
@@ -223,14 +276,17 @@ io::Value PressureBench::values() const {
                                            {"set-up [WU]", one.set_up_work()},
                                            {"work [WU]", one.work()},
                                            {"seconds", one.seconds},
-                                           {"one WU [s]", one.product}}));
+                                           {"set-up [s]", one.set_up},
+                                           {"one WU [s]", one.product},
+                                           {"history", one.history.values()}}));
     }
     auto forms = io::Value::list({});
     for (const auto& form : forms_) {
         forms.add(io::Value::object({{"preconditioner", form.preconditioner},
                                            {"asymmetry", form.asymmetry},
                                            {"positive", form.positive},
-                                           {"operator complexity", form.complexity}}));
+                                           {"operator complexity", form.complexity},
+                                           {"sweeps", form.sweeps.values()}}));
     }
     return io::Value::object({{"bench", "pressure"},
                               {"ranks", std::int64_t{comm_.size()}},

@@ -13,6 +13,7 @@ struct PressureBenchRequest {
     std::int64_t particles = 300'000;         // about; of the dam break that is built in
     std::vector<std::string> preconditioners; // words of method.pressure.preconditioner; empty: a choice
     std::vector<double> residuals;            // relative; empty: 1e-3, 1e-4, 1e-6
+    int sweeps = 0;                           // of x += M r, each preconditioner by itself
     std::vector<std::string> overrides;       // "a.b.c=value"
     std::filesystem::path json;               // file for the figures; empty: none
 };

@@ -319,6 +319,10 @@ void add_bench(CLI::App& program, Chosen& chosen) {
     app.add_option("--residual", words->pressure.residuals, "pressure: relative, one or several; default 1e-3 1e-4 1e-6")
         ->check(CLI::Range(1e-14, 1.0))
         ->type_name("NUMBER");
+    app.add_option("--sweeps", words->pressure.sweeps,
+                   "pressure: also the preconditioner by itself, x += M r, that many times")
+        ->check(CLI::Range(1, 10000))
+        ->type_name("NUMBER");
     add_repeated(app, "--set", words->request.overrides, "Override a key of the scene: a.b.c=value.");
     app.add_option("--json", words->request.json, "Write the figures into this file")->type_name("FILE");
     add_petsc(app, chosen);

@@ -24,6 +24,8 @@ std::string_view to_string(Preconditioner preconditioner) {
         return "ic0";
     case Preconditioner::ssor:
         return "ssor";
+    case Preconditioner::sor_jacobi:
+        return "sor_jacobi";
     case Preconditioner::gamg:
         return "gamg";
     case Preconditioner::boomeramg:

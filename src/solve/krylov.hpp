@@ -16,7 +16,8 @@ enum class Preconditioner {
     none,
     jacobi,
     ic0,       // incomplete Cholesky without fill of each rank's block, shifted where it would break down
-    ssor,      // one symmetric Gauss–Seidel sweep in each rank's block
+    ssor,      // one symmetric sweep of over-relaxation in each rank's block
+    sor_jacobi, // two sweeps of relaxation with all rows at once: z = omega D^-1 (2 - omega A D^-1) r
     gamg,      // PETSc's smoothed aggregation, Chebyshev–Jacobi smoother
     boomeramg, // HYPRE: HMIS, ext+i, at most 4 entries a row of P, one aggressive level, l1 smoother
 };
@@ -44,6 +45,7 @@ struct KrylovOptions {
     NullSpace null_space = NullSpace::none;
     // boomeramg: couplings above this share of the row's strongest one; 0.5 in 3D, 0.25 in 2D.
     double strong_threshold = 0.5;
+    double relaxation = 1; // omega of ssor, below 2, and of sor_jacobi, positive for omega < 2 / lambda_max(D^-1 A)
     // Takes the place of preconditioner when set.
     UserPreconditioner user;
 };

@@ -19,6 +19,8 @@ PCType pc_type(Preconditioner preconditioner) {
         return PCBJACOBI;
     case Preconditioner::ssor:
         return PCSOR;
+    case Preconditioner::sor_jacobi:
+        return PCKSP;
     case Preconditioner::gamg:
         return PCGAMG;
     case Preconditioner::boomeramg:
@@ -68,6 +70,21 @@ void set_ic0_blocks(PC pc) {
     }
 }
 
+// Two Richardson steps with Jacobi's preconditioner from zero.
+void set_sor_jacobi(PC pc, double relaxation) {
+    constexpr int sweeps = 2;
+    KSP sweep = nullptr;
+    PC diagonal = nullptr;
+    check(PCKSPGetKSP(pc, &sweep));
+    check(KSPSetType(sweep, KSPRICHARDSON));
+    check(KSPRichardsonSetScale(sweep, relaxation));
+    check(KSPSetNormType(sweep, KSP_NORM_NONE));
+    check(KSPSetConvergenceTest(sweep, KSPConvergedSkip, nullptr, nullptr));
+    check(KSPSetTolerances(sweep, PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT, sweeps));
+    check(KSPGetPC(sweep, &diagonal));
+    check(PCSetType(diagonal, PCJACOBI));
+}
+
 bool is_type(PC pc, PCType type) {
     PetscBool same = PETSC_FALSE;
     check(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(pc), type, &same));
@@ -83,7 +100,9 @@ void BuiltPreconditioner::build(Matrix& matrix, const std::string& prefix, const
     check(PCSetType(pc_, pc_type(options.preconditioner)));
     if (options.preconditioner == Preconditioner::ssor) {
         check(PCSORSetSymmetric(pc_, SOR_LOCAL_SYMMETRIC_SWEEP));
+        check(PCSORSetOmega(pc_, options.relaxation));
     }
+    if (options.preconditioner == Preconditioner::sor_jacobi) set_sor_jacobi(pc_, options.relaxation);
     if (options.preconditioner == Preconditioner::boomeramg) set_boomeramg_defaults(pc_, prefix, options);
     check(PCSetFromOptions(pc_));
     if (options.preconditioner == Preconditioner::ic0 && is_type(pc_, PCBJACOBI)) set_ic0_blocks(pc_);

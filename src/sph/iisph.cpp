@@ -12,6 +12,9 @@ namespace {
 // Weight of the Jacobi iteration, and share of the last pressures that it starts from (Ihmsen et al. 2014).
 constexpr double published_weight = 0.5;
 constexpr double warm_start = 0.5;
+// Particles with fewer neighbours than that share of the lattice's need not be free of divergence: about the 20 of 30 that
+// SPlisHSPlasH asks for.
+constexpr double least_neighbours = 2.0 / 3;
 // Weight times largest eigenvalue on the lattice: disorder raises eigenvalues by a quarter, and 2 diverges.
 constexpr double stable_product = 1.5;
 // As published: without them a step may end before a pressure wave has started.
@@ -24,6 +27,8 @@ struct PrepareLoop {
     Kernel kernel;
     Fluid fluid;
     double dt;
+    Iisph::Aim aim;
+    double needed; // neighbours
     Array<double> density, source, diagonal;
     Array3 own;
 
@@ -55,7 +60,12 @@ struct PrepareLoop {
         });
         for (int k = 0; k < 3; ++k) own(i, k) = g[k];
         diagonal(i) = sum_lanes(square) + g[0] * g[0] + g[1] * g[1] + g[2] * g[2];
-        source(i) = (density(i) + dt * change - c.rest_density) / (dt * dt); // (2.4)
+        if (aim == Iisph::Aim::density) {
+            source(i) = (density(i) + dt * change - c.rest_density) / (dt * dt); // (2.4)
+        } else {
+            source(i) = change / dt;
+            if (row.count + fluid.solid.count(i) < needed) diagonal(i) = 0;
+        }
     }
 };
 
@@ -133,9 +143,9 @@ void write_ghost_accelerations(LiquidParticles& liquid) {
 }
 
 // Half the last pressures as q; returns the sum of the squares of b where q > 0 or b > 0, and how many b > 0.
-std::array<double, 2> start_from_last(const Comm& comm, const LiquidParticles& liquid, double share,
+std::array<double, 2> start_from_last(const Comm& comm, const LiquidParticles& liquid, const Array<double>& p, double share,
                                       const Array<double>& q, const Array<double>& diagonal) {
-    const auto p = liquid.pressure(), rho = liquid.density(), b = liquid.source();
+    const auto rho = liquid.density(), b = liquid.source();
     std::array<double, 2> sums{};
     Kokkos::parallel_reduce("treacle::iisph_start", liquid.store.owned(),
         KOKKOS_LAMBDA(int i, double& square, double& compressed) {
@@ -164,7 +174,7 @@ RoleCounts write_pressures(LiquidParticles& liquid, const Array<double>& q) {
 BoundedGoal goal_of(const SphOptions& options, const Constants& constants, double dt, double reference) {
     const auto& pressure = options.pressure;
     BoundedGoal goal;
-    const bool jacobi = pressure.solver == PressureSolver::iisph_jacobi;
+    const bool jacobi = pressure.solver != PressureSolver::iisph_cg;
     goal.least_iterations = jacobi ? least_iterations : 0;
     goal.max_iterations = (jacobi ? jacobi_patience : 1) * pressure.max_iterations;
     if (pressure.stop == StoppingRule::residual) {
@@ -178,6 +188,28 @@ BoundedGoal goal_of(const SphOptions& options, const Constants& constants, doubl
         };
     }
     return goal;
+}
+
+// Of the divergence-free solve: b dt^2 / rho0 is the compression that the velocity has in a step.
+BoundedGoal divergence_goal(const SphOptions& options, const Constants& constants, double dt) {
+    const double scale = dt * dt / constants.rest_density;
+    const auto met = [=, to = options.pressure.divergence_error](const BoundedResidual& r) {
+        return r.excess * scale < to * std::max(1.0, r.count);
+    };
+    return {met, 1, jacobi_patience * options.pressure.max_iterations};
+}
+
+int lattice_neighbours(const Constants& constants) {
+    const int reach = static_cast<int>(constants.support / constants.spacing), third = constants.dimensions == 3 ? reach : 0;
+    int count = -1; // itself
+    for (int z = -third; z <= third; ++z) {
+        for (int y = -reach; y <= reach; ++y) {
+            for (int x = -reach; x <= reach; ++x) {
+                count += constants.spacing * std::sqrt(double(x * x + y * y + z * z)) < constants.support ? 1 : 0;
+            }
+        }
+    }
+    return count;
 }
 
 // Largest eigenvalue of A scaled by its diagonal in an endless lattice: for wave numbers k,
@@ -226,7 +258,7 @@ double iisph_weight(const SphOptions& options, const Constants& constants) {
     return std::min(published_weight, stable_product / largest);
 }
 
-void Iisph::prepare(const IisphParts& parts, double dt) {
+void Iisph::prepare(const IisphParts& parts, double dt, Aim aim) {
     auto& liquid = parts.liquid;
     const auto n = static_cast<std::size_t>(liquid.store.owned());
     reserve(q_, n);
@@ -236,10 +268,11 @@ void Iisph::prepare(const IisphParts& parts, double dt) {
     write_places(liquid, liquid.volume());
     write_motions(liquid);
     const auto fluid = gather_fluid(parts.constants, liquid, parts.solid, parts.neighbours);
+    const double needed = least_neighbours * lattice_neighbours(parts.constants);
     with_kernel(parts.options.kernel, parts.constants.dimensions, parts.constants.support, [&](const auto& kernel) {
         using Kernel = std::decay_t<decltype(kernel)>;
         Kokkos::parallel_for("treacle::iisph_prepare", fluid.count,
-                             PrepareLoop<Kernel>{kernel, fluid, dt, liquid.density(), liquid.source(), diagonal_, own_});
+                             PrepareLoop<Kernel>{kernel, fluid, dt, aim, needed, liquid.density(), liquid.source(), diagonal_, own_});
     });
 }
 
@@ -261,32 +294,61 @@ void Iisph::multiply(const IisphParts& parts, const Array<double>& q) {
     });
 }
 
-solve::SolveReport Iisph::solve(const IisphParts& parts, double dt, RoleCounts& roles) {
-    const auto start = std::chrono::steady_clock::now();
-    if (weight_ == 0) weight_ = iisph_weight(parts.options, parts.constants);
-    prepare(parts, dt);
-    auto& liquid = parts.liquid;
-    const auto [square, compressed] = start_from_last(parts.comm, liquid, warm_start, q_, diagonal_);
+// From q, with the sums of start_from_last.
+solve::SolveReport Iisph::iterate(const IisphParts& parts, Aim aim, double dt, const std::array<double, 2>& start) {
+    const auto [square, compressed] = start;
     solve::SolveReport out;
     if (compressed == 0) { // q = 0 is the solution
         Kokkos::deep_copy(q_, 0.0);
-    } else {
-        const double reference = std::sqrt(square);
-        const auto goal = goal_of(parts.options, parts.constants, dt, reference);
-        const BoundedProblem problem{liquid.store.owned(), [&](const Array<double>& q) { multiply(parts, q); },
-                                     product_, diagonal_, liquid.source(), q_};
-        const bool jacobi = parts.options.pressure.solver == PressureSolver::iisph_jacobi;
-        const auto report = jacobi ? bounded_jacobi(parts.comm, problem, weight_, goal)
-                                   : cg_.solve(parts.comm, problem, weight_, goal);
-        out = report.solve;
-        out.relative_residual = std::sqrt(report.residual.square) / reference;
-        out.error_measure = parts.options.pressure.stop == StoppingRule::residual
-                                ? std::sqrt(report.residual.square)
-                                : report.residual.excess * dt * dt / parts.constants.rest_density /
-                                      std::max(1.0, report.residual.count);
+        return out;
     }
+    if (weight_ == 0) weight_ = iisph_weight(parts.options, parts.constants);
+    const auto& options = parts.options.pressure;
+    const double reference = std::sqrt(square);
+    const bool divergence = aim == Aim::divergence;
+    const auto goal = divergence ? divergence_goal(parts.options, parts.constants, dt)
+                                 : goal_of(parts.options, parts.constants, dt, reference);
+    const BoundedProblem problem{parts.liquid.store.owned(), [&](const Array<double>& q) { multiply(parts, q); },
+                                 product_, diagonal_, parts.liquid.source(), q_};
+    const auto report = options.solver == PressureSolver::iisph_cg ? cg_.solve(parts.comm, problem, weight_, goal)
+                                                                   : bounded_jacobi(parts.comm, problem, weight_, goal);
+    out = report.solve;
+    out.relative_residual = std::sqrt(report.residual.square) / reference;
+    out.error_measure = options.stop == StoppingRule::residual && !divergence
+                            ? std::sqrt(report.residual.square)
+                            : report.residual.excess * dt * dt / parts.constants.rest_density /
+                                  std::max(1.0, report.residual.count);
+    return out;
+}
+
+namespace {
+using Clock = std::chrono::steady_clock;
+double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+} // namespace
+
+solve::SolveReport Iisph::solve(const IisphParts& parts, double dt, RoleCounts& roles) {
+    const auto start = Clock::now();
+    prepare(parts, dt);
+    auto& liquid = parts.liquid;
+    const double share = parts.options.pressure.solver == PressureSolver::dfsph ? 1 : warm_start;
+    auto out = iterate(parts, Aim::density, dt,
+                       start_from_last(parts.comm, liquid, liquid.pressure(), share, q_, diagonal_));
     roles = write_pressures(liquid, q_);
-    out.iteration_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    out.iteration_seconds = seconds_since(start);
+    return out;
+}
+
+solve::SolveReport Iisph::solve_divergence(const IisphParts& parts, double dt, const Array<double>& last) {
+    const auto start = Clock::now();
+    prepare(parts, dt, Aim::divergence);
+    auto& liquid = parts.liquid;
+    auto out = iterate(parts, Aim::divergence, dt, start_from_last(parts.comm, liquid, last, 1, q_, diagonal_));
+    const auto rho = liquid.density(), q = q_;
+    Kokkos::parallel_for("treacle::dfsph_pressures", liquid.store.owned(),
+                         KOKKOS_LAMBDA(int i) { last(i) = q(i) * rho(i) * rho(i); });
+    write_loads(liquid, q_);
+    parts.halo.gather(liquid.store, {liquid.load_field()});
+    out.iteration_seconds = seconds_since(start);
     return out;
 }
 

@@ -4,6 +4,8 @@
 #include "sph/neighbourhood.hpp"
 #include "sph/prediction.hpp"
 
+#include <array>
+
 namespace treacle::sph {
 
 // What the pressure solve reads and writes of a step.
@@ -27,21 +29,30 @@ struct IisphParts {
 class Iisph {
 public:
     // (S5) b, g, the diagonal of A. Ghosts' velocities must be current. Writes the fields source, place, motion.
-    void prepare(const IisphParts& parts, double dt);
+    // With Aim::divergence b_i is the density's rate of change over dt, and rows of particles with few neighbours, whose
+    // density says little, stay 0 (Bender & Koschier 2017).
+    enum class Aim { density, divergence };
+    void prepare(const IisphParts& parts, double dt, Aim aim = Aim::density);
 
     // Collective: product() = A q, on owned rows, with q of the owned particles. Writes the fields load, acceleration,
     // place, motion.
     void multiply(const IisphParts& parts, const Array<double>& q);
 
-    // Collective: prepares and solves, starting from half the last pressures. Writes pressure and role: Poisson where
+    // Collective: prepares and solves, starting from half the last pressures, or all of them with DFSPH. Writes pressure and role: Poisson where
     // the pressure is positive, Dirichlet elsewhere.
     solve::SolveReport solve(const IisphParts& parts, double dt, RoleCounts& roles);
+
+    // Collective: the divergence-free solve of DFSPH. last: the pressures of the last one, in and out [Pa]. Leaves p / rho^2
+    // in the field load, ghosts included, for apply_pressure.
+    solve::SolveReport solve_divergence(const IisphParts& parts, double dt, const Array<double>& last);
 
     const Array<double>& product() const { return product_; }
     const Array<double>& diagonal() const { return diagonal_; }
     std::size_t bytes() const;
 
 private:
+    solve::SolveReport iterate(const IisphParts& parts, Aim aim, double dt, const std::array<double, 2>& start);
+
     Array<double> q_{"treacle::iisph_q", 0};
     Array<double> product_{"treacle::iisph_product", 0};
     Array<double> diagonal_{"treacle::iisph_diagonal", 0};

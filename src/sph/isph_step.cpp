@@ -20,13 +20,19 @@ IsphStep::IsphStep(const Comm& comm, const IsphSetup& setup)
       bodies_(setup.rigid, setup.solid_scale, setup.first_body, setup.bodies, setup.domain),
       hierarchy_(make_hierarchy(comm, setup.options, setup.constants, setup.domain, setup.grid)),
       solver_(comm, "pressure", krylov_options(setup.options, setup.constants.dimensions, hierarchy_.get())),
-      complementarity_(comm, solver_.options()) {}
+      complementarity_(comm, solver_.options()) {
+    if (setup.options.pressure.solver != PressureSolver::dfsph) return;
+    divergence_field_ = liquid_.store.add<Array<double>>("divergence_pressure", "Pa", FieldRole::state);
+}
 
 ComplementarityParts IsphStep::complementarity_parts() {
     return {setup_.options, setup_.constants, comm_, liquid_, neighbours_, halo_, anchoring_};
 }
 
 void IsphStep::start(SolidVolumes volumes) {
+    if (divergence_field_ >= 0 && volumes == SolidVolumes::compute) {
+        Kokkos::deep_copy(liquid_.store.get<Array<double>>(divergence_field_), 0.0);
+    }
     recut();
     place_liquid();
     place_solids();
@@ -258,19 +264,38 @@ void IsphStep::find_pressures(StepReport& report, double dt) {
 
 void IsphStep::find_pressures_by_iisph(StepReport& report, double dt) {
     const auto phase = timers_.scope("solve");
+    const auto first = report.pressure; // of DFSPH
     report.pressure = iisph_.solve({setup_.options, setup_.constants, comm_, liquid_, solid_, neighbours_, halo_}, dt,
                                    report.roles);
+    report.pressure.iterations += first.iterations;
+    report.pressure.products += first.products;
+    report.pressure.iteration_seconds += first.iteration_seconds;
     last_pressures_ = LastPressures::known;
     if (report.pressure.converged()) return;
     fail(report.pressure, comm_.sum(static_cast<std::int64_t>(liquid_.store.owned())), "method.pressure.solver: isph");
+}
+
+// The divergence-free solve of DFSPH: of the last step, at the places that it led to.
+void IsphStep::remove_divergence(StepReport& report, double dt) {
+    const auto phase = timers_.scope("solve");
+    const auto& last = liquid_.store.get<Array<double>>(divergence_field_);
+    report.pressure = iisph_.solve_divergence({setup_.options, setup_.constants, comm_, liquid_, solid_, neighbours_, halo_},
+                                              dt, last);
+    if (!report.pressure.converged()) {
+        fail(report.pressure, comm_.sum(static_cast<std::int64_t>(liquid_.store.owned())), "method.pressure.solver: isph");
+    }
+    report.loads = apply_pressure(setup_.options, setup_.constants, liquid_, solid_, neighbours_, bodies_.load_points(), dt);
+    halo_.gather(liquid_.store, {liquid_.velocity_field()});
 }
 
 // (S8)
 void IsphStep::push_by_pressure(StepReport& report, double dt) {
     compute_loads(setup_.constants, liquid_);
     halo_.gather(liquid_.store, {liquid_.load_field()});
-    report.loads = apply_pressure(setup_.options, setup_.constants, liquid_, solid_, neighbours_,
-                                  bodies_.load_points(), dt);
+    auto loads = apply_pressure(setup_.options, setup_.constants, liquid_, solid_, neighbours_,
+                                bodies_.load_points(), dt);
+    for (std::size_t k = 0; k < report.loads.size(); ++k) loads[k] += report.loads[k]; // of DFSPH's other solve
+    report.loads = std::move(loads);
     if (!bodies_.any_dynamic()) return;
     comm_.sum(std::span(report.loads));
     bodies_.rigid.push(bodies_.loads_of(report.loads), dt);
@@ -311,6 +336,7 @@ StepReport IsphStep::advance(double dt) {
         const auto phase = timers_.scope("density");
         update_density(report); // (S1)-(S3)
     }
+    if (setup_.options.pressure.solver == PressureSolver::dfsph) remove_divergence(report, dt);
     {
         const auto phase = timers_.scope("forces");
         accelerate(report, dt);

@@ -103,6 +103,7 @@ private:
     void accelerate(StepReport& report, double dt);
     void find_pressures(StepReport& report, double dt);
     void find_pressures_by_iisph(StepReport& report, double dt);
+    void remove_divergence(StepReport& report, double dt);
     void push_by_pressure(StepReport& report, double dt);
     void move(StepReport& report, double dt);
     solve::Matrix wrap_matrix(const PressureSystem::HostSystem& host);
@@ -124,6 +125,7 @@ private:
     Anchoring anchoring_;
     PressureSystem system_;
     Iisph iisph_;
+    int divergence_field_ = -1; // of the liquid, with DFSPH: the pressures of the last divergence-free solve [Pa]
     Bodies bodies_;
     BodyResponse response_;
     std::unique_ptr<PressureHierarchy> hierarchy_; // of the multilevel preconditioners

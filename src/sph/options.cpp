@@ -39,13 +39,15 @@ void PressureOptions::declare(Declaration& d) {
     d.choice("solver", solver,
              {{"isph", PressureSolver::isph},
               {"iisph_jacobi", PressureSolver::iisph_jacobi},
-              {"iisph_cg", PressureSolver::iisph_cg}},
+              {"iisph_cg", PressureSolver::iisph_cg},
+              {"dfsph", PressureSolver::dfsph}},
              "Pressures by incompressible SPH with an assembled Laplacian; or, to compare with, by implicit "
-             "incompressible SPH (Ihmsen et al. 2014) with relaxed Jacobi, as published, or with conjugate gradients. "
-             "Those two take of this block only `stop` and what it needs, and no dynamic bodies.");
+             "incompressible SPH (Ihmsen et al. 2014) with relaxed Jacobi, as published, or with conjugate gradients; or "
+             "by divergence-free SPH (Bender & Koschier 2017), two solves of that kind, one for the velocities. "
+             "Those three take of this block only `stop` and what it needs, and no dynamic bodies.");
     d.number("jacobi_weight", jacobi_weight, unit::none, range_between(0, 1),
-             "Weight of the Jacobi iteration of `iisph_jacobi`, and of the gradient steps of `iisph_cg`; 0: the published "
-             "0.5, or less for kernels wide enough that it would diverge.");
+             "Weight of the Jacobi iteration of `iisph_jacobi` and `dfsph`, and of the gradient steps of `iisph_cg`; 0: "
+             "the 0.5 published for IISPH, or less for kernels wide enough that it would diverge.");
     d.choice("dirichlet", dirichlet,
              {{"predicted", DirichletRule::predicted},
               {"source", DirichletRule::source},
@@ -74,27 +76,39 @@ void PressureOptions::declare(Declaration& d) {
               {"jacobi", PressurePreconditioner::jacobi},
               {"incomplete_cholesky", PressurePreconditioner::incomplete_cholesky},
               {"ssor", PressurePreconditioner::ssor},
+              {"sor_jacobi", PressurePreconditioner::sor_jacobi},
               {"gamg", PressurePreconditioner::gamg},
               {"boomeramg", PressurePreconditioner::boomeramg},
               {"multilevel", PressurePreconditioner::multilevel},
               {"multilevel_grids", PressurePreconditioner::multilevel_grids}},
-             "Preconditioner of the conjugate gradients: the two multilevel ones coarsen particles to cells, by sums "
+             "Preconditioner of the conjugate gradients: `ssor` relaxes row by row on each rank, `sor_jacobi` all rows at "
+             "once, twice, as the dissertation's SORCG; the two multilevel ones coarsen particles to cells, by sums "
              "of the matrix's entries or by finite differences (dissertation, section 3.5).");
+    d.number("relaxation", relaxation, unit::none, range_above_to(0, 1.95),
+             "Over-relaxation omega of `ssor`; of `sor_jacobi`, in which it must stay so small that two sweeps keep "
+             "the preconditioner positive: conjugate gradients say when it does not.");
+    const bool relaxed = preconditioner == PressurePreconditioner::ssor ||
+                         preconditioner == PressurePreconditioner::sor_jacobi;
+    d.check(relaxed || relaxation == 1, "relaxation",
+            {"is read by preconditioner: ssor and sor_jacobi only", "another would ignore it", "leave it out"});
     d.block("multilevel", multilevel, "The multilevel preconditioners.");
     d.choice("stop", stop, {{"density_error", StoppingRule::density_error}, {"residual", StoppingRule::residual}},
              "Iterate until the mean compression, or until the relative residual, is small enough.");
     d.number("density_error", density_error, unit::none, range_above(0),
              "Mean compression of the Poisson particles at which iterating ends, as a share of the density.");
+    d.number("divergence_error", divergence_error, unit::none, range_above(0),
+             "Of `dfsph`: mean compression in a step, as a share of the density, that the velocities may have before "
+             "forces act.");
     d.number("largest_residual", largest_residual, unit::none, range_above_to(0, 1),
              "Relative residual that must be reached as well, with `stop: density_error`: gravity compresses only the "
              "lowest layer in a step, too little to count on average, and the liquid would fall until it does.");
     d.number("residual", residual, unit::none, range_above_to(0, 1),
              "Relative residual at which iterating ends, with `stop: residual`.");
     d.integer("max_iterations", max_iterations, range_at_least(1),
-              "Iterations after which the run ends as failed; 20 times as many with `solver: iisph_jacobi`.");
+              "Iterations after which the run ends as failed; 20 times as many with `solver: iisph_jacobi` and `dfsph`.");
     const bool exact = dirichlet == DirichletRule::complementarity;
     d.check(!exact || solver == PressureSolver::isph, "dirichlet",
-            {"complementarity needs solver: isph", "IISPH has no negative pressures anyway", "leave one of the two out"});
+            {"complementarity needs solver: isph", "the others have no negative pressures anyway", "leave one of the two out"});
     const bool cut = preconditioner != PressurePreconditioner::gamg &&
                      preconditioner != PressurePreconditioner::boomeramg &&
                      preconditioner != PressurePreconditioner::multilevel_grids;

@@ -12,12 +12,13 @@ enum class DirichletRule { predicted, source, complementarity };
 enum class SolidTerm { none, decomposed, unified, amplified, exact };
 enum class BodyCoupling { implicit, one_step_late };
 enum class StoppingRule { density_error, residual };
-enum class PressureSolver { isph, iisph_jacobi, iisph_cg };
+enum class PressureSolver { isph, iisph_jacobi, iisph_cg, dfsph };
 enum class PressurePreconditioner {
     none,
     jacobi,
     incomplete_cholesky,
     ssor,
+    sor_jacobi, // the dissertation's SORCG, 3.6
     gamg,
     boomeramg,
     multilevel,      // Galerkin products on cells (src/solve/README.md)
@@ -55,16 +56,18 @@ struct MultilevelOptions {
 
 struct PressureOptions {
     PressureSolver solver = PressureSolver::isph;
-    double jacobi_weight = 0;       // omega of IISPH; 0: the published 0.5, or less where that diverges (README)
+    double jacobi_weight = 0;       // omega of IISPH and DFSPH; 0: the published 0.5, or less where that diverges (README)
     DirichletRule dirichlet = DirichletRule::predicted;
     double prediction = 1;          // gamma of Eq. 2.6; the dissertation's 0.5 is noisier (README)
     SolidTerm solid_term = SolidTerm::exact;
     double amplification_limit = 2; // gamma of Eq. 3.3; the dissertation's 5 ejects lone particles (README)
     BodyCoupling body_coupling = BodyCoupling::implicit;
     PressurePreconditioner preconditioner = PressurePreconditioner::multilevel;
+    double relaxation = 1;          // omega of ssor and sor_jacobi
     MultilevelOptions multilevel;
     StoppingRule stop = StoppingRule::density_error;
     double density_error = 1e-5;    // mean compression of the Poisson particles, share of the rest density
+    double divergence_error = 1e-4; // of DFSPH: mean compression that the velocities would cause in a step
     double largest_residual = 0.1;  // relative, that the density rule must reach as well (README)
     double residual = 1e-6;         // relative, for the residual rule
     int max_iterations = 2000;

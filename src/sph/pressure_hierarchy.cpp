@@ -148,6 +148,7 @@ solve::Preconditioner translate(PressurePreconditioner kind) {
     case PressurePreconditioner::jacobi: return solve::Preconditioner::jacobi;
     case PressurePreconditioner::incomplete_cholesky: return solve::Preconditioner::ic0;
     case PressurePreconditioner::ssor: return solve::Preconditioner::ssor;
+    case PressurePreconditioner::sor_jacobi: return solve::Preconditioner::sor_jacobi;
     case PressurePreconditioner::gamg: return solve::Preconditioner::gamg;
     case PressurePreconditioner::boomeramg: return solve::Preconditioner::boomeramg;
     case PressurePreconditioner::multilevel:
@@ -170,6 +171,7 @@ solve::KrylovOptions krylov_options(const SphOptions& options, int dimensions, P
     solve::KrylovOptions out;
     out.preconditioner = translate(options.pressure.preconditioner);
     out.max_iterations = options.pressure.max_iterations;
+    out.relaxation = options.pressure.relaxation;
     if (hierarchy != nullptr) out.user = hierarchy->preconditioner();
     out.strong_threshold = dimensions == 3 ? 0.5 : 0.25;
     return out;

@@ -39,6 +39,7 @@ SOLVERS = {
     "isph jacobi cg": {"method.pressure.solver": "isph", "method.pressure.preconditioner": "jacobi"},
     "iisph jacobi": {"method.pressure.solver": "iisph_jacobi"},
     "iisph cg": {"method.pressure.solver": "iisph_cg"},
+    "dfsph": {"method.pressure.solver": "dfsph"},
 }
 
 

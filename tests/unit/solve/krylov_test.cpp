@@ -13,6 +13,8 @@ KrylovSolver solver_with(Preconditioner preconditioner, NullSpace null_space = N
     KrylovOptions options;
     options.preconditioner = preconditioner;
     options.null_space = null_space;
+    // The closed box has an eigenvalue of D^-1 A of 2, which two sweeps with 1 would not see.
+    if (preconditioner == Preconditioner::sor_jacobi) options.relaxation = 0.9;
     return KrylovSolver(Comm::world(), "test", options);
 }
 
@@ -25,7 +27,7 @@ protected:
 };
 INSTANTIATE_TEST_SUITE_P(all, EachPreconditioner,
                          testing::Values(Preconditioner::none, Preconditioner::jacobi, Preconditioner::ic0,
-                                         Preconditioner::ssor, Preconditioner::gamg,
+                                         Preconditioner::ssor, Preconditioner::sor_jacobi, Preconditioner::gamg,
                                          Preconditioner::boomeramg),
                          [](const auto& info) { return std::string(to_string(info.param)); });
 
@@ -55,6 +57,8 @@ TEST_P(EachPreconditioner, solves_poisson_to_the_known_solution_on_any_number_of
             return 48;
         case Preconditioner::ssor:
             return 52;
+        case Preconditioner::sor_jacobi: // two products an iteration more
+            return 75;
         default:
             return 16;
         }

@@ -1,0 +1,176 @@
+"""Figures 3.6, 3.8 and 3.9: how fast pressure solvers converge, and what they cost."""
+
+from claims_lib.bench import pressure_bench
+from claims_lib.iisph import DENSITY_ERROR, OURS, SOLVERS, START, dam_break
+from claims_lib.run import run_scene
+
+from .entries import entry
+
+KEY = "method.pressure."
+FACTOR = KEY + "multilevel.grid_factor"
+BEST_FACTOR = 1.2  # lambda at which grid and particles agree best on irregular particles
+# Shares of the best lambda, as in the dissertation.
+SHARES = (0.10, 0.25, 0.50, 0.75, 1.0)
+PROFILE = {
+    "multilevel": SOLVERS["multilevel"],
+    "multilevel_grids": {KEY + "preconditioner": "multilevel_grids"},
+    "CG": {KEY + "preconditioner": "none"},
+    "ICCG": {KEY + "preconditioner": "incomplete_cholesky"},
+    "SORCG": {KEY + "preconditioner": "sor_jacobi", KEY + "relaxation": 1.2},
+    "IISPH": SOLVERS["iisph jacobi"],
+    "IISPH-CG": SOLVERS["iisph cg"],
+    "DFSPH": SOLVERS["dfsph"],
+}
+# "Ours" over each, in the time to a density error of 0.01 %: 3.4 million particles, 24 cores.
+DISSERTATION_TIMES = {"multilevel_grids": 1.0, "CG": 4.0, "IISPH": 12.0}
+# The dissertation's sizes, and ours with --quick.
+SIZES, QUICK_SIZES = (123_500, 1_000_000, 3_400_000), (15_000, 60_000, 124_000)
+
+
+def time_to_error(context, results):
+    """Iterations and seconds of a step to a density error, warm from step to step as in a run."""
+    particles, errors = (13_000, (1e-2, 1e-3, 1e-4, 1e-5)) if context.quick else (1_000_000, (1e-2, 1e-3, 1e-4, 1e-5))
+    step, rows = 8.32e-3, []
+    for name, settings in PROFILE.items():
+        for error in errors:
+            with dam_break(context, step, particles=particles, end=5 * step) as (count, folder, scene):
+                run = run_scene(context, scene, folder / "run", ranks=results.ranks, timeout=24 * 3600,
+                                set={**settings, KEY + "density_error": error, KEY + "largest_residual": 1})
+                steps = run.steps()
+                late = steps["time"] > START
+                rows.append([name, count, error, float(steps["pressure iterations"][late].mean()),
+                             float(sum(steps[phase][late] for phase in OURS).mean())])
+    return rows
+
+
+def over_time(context, results):
+    """Seconds of each step's pressure solve; with ISPH, also without the construction of the system."""
+    end = 0.2 if context.quick else 1.0
+    rows = []
+    with dam_break(context, 4.16e-3, particles=13_000 if context.quick else 1_000_000, end=end) as (_, folder, scene):
+        for name in ("IISPH", "CG", "multilevel"):
+            steps = run_scene(context, scene, folder / name, ranks=results.ranks, timeout=24 * 3600,
+                              set={**PROFILE[name], KEY + "density_error": DENSITY_ERROR}).steps()
+            spent = sum(steps[phase] for phase in OURS)
+            rows += [[name, time, float(whole), float(solve)]
+                     for time, whole, solve in zip(steps["time"], spent, steps["solve"])]
+    return rows
+
+
+def residuals(context, results):
+    rows = []
+    for size in QUICK_SIZES if context.quick else SIZES:
+        report = pressure_bench(context, size, ["multilevel", "multilevel_grids", "none"], [1e-6], ranks=results.ranks)
+        for solve in report["solves"]:
+            name = {"none": "CG"}.get(solve["preconditioner"], solve["preconditioner"])
+            rows += [[name, report["rows"], k, residual, seconds] for k, (residual, seconds) in
+                     enumerate(zip(solve["history"]["residuals"], solve["history"]["seconds"]))]
+    return rows
+
+
+@entry("figure-3.9", "Convergence of multilevel, CG, ICCG, SORCG, IISPH and DFSPH; cost over a run; growth with the size")
+def figure_3_9(context, results):
+    costs = time_to_error(context, results)
+    at = {name: row for row in costs for name in [row[0]] if row[2] == DENSITY_ERROR}
+    ours = at["multilevel"][4]
+    results.table("to-an-error", ["solver", "particles", "density error", "iterations", "pressure [s/step]"], costs)
+    results.table("figure-3.9", ["solver", "iterations to 0.01 %", "over ours", "theirs: over ours"],
+                  [[name, row[3], row[4] / ours, DISSERTATION_TIMES.get(name)] for name, row in at.items()])
+    spent = over_time(context, results)
+    results.curves("over-time", ["solver", "time [s]", "pressure [s]", "solve [s]"], spent)
+    sums = {name: [sum(row[k] for row in spent if row[0] == name) for k in (2, 3)] for name in ("IISPH", "CG", "multilevel")}
+    results.table("over-a-run", ["solver", "pressure [s]", "over ours", "theirs: over ours"],
+                  [[name, sums[name][0], sums[name][0] / sums["multilevel"][0], theirs]
+                   for name, theirs in (("IISPH", 7.5), ("CG", 2.3), ("multilevel", 1.0))])
+    histories = residuals(context, results)
+    results.curves("residuals", ["solver", "unknowns", "iteration", "residual", "seconds [s]"], histories)
+    sizes = sorted({row[1] for row in histories})
+    results.table("iterations", ["solver", *(f"{size} unknowns" for size in sizes)],
+                  [[name, *(max(row[2] for row in histories if row[:2] == [name, size]) for size in sizes)]
+                   for name in ("multilevel", "multilevel_grids", "CG")])
+    with results.figure("figure-3.9", columns=3) as (left, middle, right):
+        for name in PROFILE:
+            of = [row for row in costs if row[0] == name]
+            left.plot([row[4] for row in of], [row[2] for row in of], ".-", label=f"{name} ({at[name][3]:.0f})")
+        left.set(xlabel="pressure solve [s a step]", ylabel="density error", xscale="log", yscale="log")
+        for name in sums:
+            of = [row for row in spent if row[0] == name]
+            middle.plot([row[1] for row in of], [row[2] for row in of], label=name)
+            if name != "IISPH":
+                middle.plot([row[1] for row in of], [row[3] for row in of], ":", label=f"{name}, solve alone")
+        middle.set(xlabel="time [s]", ylabel="pressure solve [s a step]", yscale="log")
+        for name in ("multilevel", "CG"):
+            for size in sizes:
+                of = [row for row in histories if row[:2] == [name, size]]
+                right.plot([row[2] for row in of], [row[3] for row in of], label=f"{name}, {size}")
+        right.set(xlabel="iteration", ylabel="residual", xscale="log", yscale="log")
+        for axes in (left, middle, right):
+            axes.legend(fontsize=7)
+
+
+@entry("figure-3.6", "Convergence of the V-cycle by itself and of MGCG on the dissertation's grids, by lambda")
+def figure_3_6(context, results):
+    size, sweeps, rows = (15_000 if context.quick else 300_000), 40, []
+    for share in (0.125, 0.25, 0.5, 1.0, 2.0, 4.0):
+        report = pressure_bench(context, size, ["multilevel_grids"], [1e-6], ranks=results.ranks, sweeps=sweeps,
+                                overrides={FACTOR: share * BEST_FACTOR})
+        for kind, history in (("V-cycle", report["preconditioners"][0]["sweeps"]), ("MGCG", report["solves"][0]["history"])):
+            rows += [[kind, share, k, residual] for k, residual in enumerate(history["residuals"])]
+    galerkin = pressure_bench(context, size, ["multilevel"], [1e-6], ranks=results.ranks)["solves"][0]["history"]
+    rows += [["MGCG", "galerkin", k, residual] for k, residual in enumerate(galerkin["residuals"])]
+    results.curves("figure-3.6-curves", ["method", "lambda / best", "iteration", "residual"], rows)
+
+    def iterations(kind, share, to=1e-3):
+        reached = [row[2] for row in rows if row[:2] == [kind, share] and row[3] <= to]
+        return min(reached) if reached else None
+
+    shares = [share for share in dict.fromkeys(row[1] for row in rows)]
+    results.table("figure-3.6", ["lambda / best", "V-cycle to 1e-3", "MGCG to 1e-3", "MGCG to 1e-6", "theirs"],
+                  [[share, iterations("V-cycle", share), iterations("MGCG", share), iterations("MGCG", share, 1e-6),
+                    {0.125: "best MGCG", 1.0: "best V-cycle; MGCG stagnates"}.get(share)] for share in shares])
+    with results.figure("figure-3.6", columns=2) as (left, right):
+        for axes, kind in ((left, "V-cycle"), (right, "MGCG")):
+            for share in shares:
+                of = [row for row in rows if row[:2] == [kind, share]]
+                if of:
+                    axes.plot([row[2] for row in of], [min(row[3], 1e3) for row in of], label=f"{share}")
+            axes.set(xlabel=f"{kind} iteration", ylabel="residual", yscale="log", xlim=(0, sweeps))
+            axes.legend(title="lambda / best", fontsize=7)
+
+
+@entry("figure-3.8", "Iterations of MGCG on the dissertation's grids over two runs, by lambda")
+def figure_3_8(context, results):
+    rows, failed = [], []
+    end = 0.3 if context.quick else 1.2
+    scenes = {"stirrer": context.root / "inputs/stirrer/scene.yaml",  # liquid with bodies that are moved through it
+              "dam break": context.root / "inputs/dam_break/scene.yaml"}
+    spacing = {"stirrer": 0.005, "dam break": 0.02} if context.quick else {"stirrer": 0.0015, "dam break": 0.0075}
+    for scene, path in scenes.items():
+        for share in SHARES:
+            settings = {KEY + "preconditioner": "multilevel_grids", FACTOR: share * BEST_FACTOR, "time.end": end,
+                        "output.interval": 0, KEY + "density_error": DENSITY_ERROR, "domain.spacing": spacing[scene]}
+            folder = context.scratch / f"{scene.replace(' ', '_')}-{share}"
+            run = run_scene(context, path, folder, ranks=results.ranks, set=settings, arguments=["--overwrite"],
+                            expect=None, timeout=24 * 3600)
+            if run.finished.code != 0:
+                failed.append((scene, share))
+                continue
+            steps = run.steps()
+            rows += [[scene, share, time, n] for time, n in zip(steps["time"], steps["pressure iterations"])]
+    results.curves("figure-3.8-curves", ["scene", "lambda / best", "time [s]", "iterations"], rows)
+
+    def mean(scene, share):
+        of = [row[3] for row in rows if row[:2] == [scene, share]]
+        return float(sum(of) / len(of)) if of else "failed" if (scene, share) in failed else None
+
+    results.table("figure-3.8", ["lambda / best", *(f"{scene}: mean iterations" for scene in scenes), "theirs"],
+                  [[share, *(mean(scene, share) for scene in scenes),
+                    "one of two fails" if share == 1.0 else "fewest just below failure"] for share in SHARES])
+    with results.figure("figure-3.8", columns=2) as panels:
+        for axes, scene in zip(panels, scenes):
+            for share in SHARES:
+                of = [row for row in rows if row[:2] == [scene, share]]
+                if of:
+                    axes.plot([row[2] for row in of], [row[3] for row in of], lw=0.8, label=f"{share}")
+            axes.set(xlabel="time [s]", ylabel="iterations", title=scene)
+            axes.legend(title="lambda / best", fontsize=7)
