@@ -143,16 +143,6 @@ void IsphStep::refresh() {
     Kokkos::deep_copy(liquid_.role(), static_cast<int>(Role::poisson));
 }
 
-PressureSystem::HostSystem IsphStep::hand_over() {
-    const auto phase = timers_.scope("hand over");
-    return system_.to_host();
-}
-
-solve::Matrix IsphStep::wrap_matrix(const PressureSystem::HostSystem& host) {
-    const auto phase = timers_.scope("hand over");
-    return {comm_, system_.blocks(host)};
-}
-
 namespace {
 [[noreturn]] void fail(const solve::SolveReport& report, std::int64_t unknowns, const std::string& instead) {
     throw SimulationError({"pressure solve", report.reason,
@@ -225,13 +215,14 @@ void IsphStep::find_pressures(StepReport& report, double dt) {
         halo_.gather(liquid_.store, {liquid_.role_field()});
         report.anchored = anchoring_.anchor(options, constants, comm_, liquid_, neighbours_, halo_);
     }
+    PressureSystem::HostSystem host;
     {
         const auto phase = timers_.scope("assemble");
         system_.assemble(options, constants, comm_, liquid_, neighbours_, halo_);
+        host = system_.to_host();
     }
     {
-        const auto host = hand_over();
-        auto matrix = wrap_matrix(host);
+        solve::Matrix matrix(comm_, system_.blocks(host));
         if (answering) matrix.set_addition(response_.addition(comm_, liquid_, system_));
         if (matrix_observer_) matrix_observer_(matrix);
         const auto phase = timers_.scope("solve");

@@ -16,7 +16,7 @@ COURANT = 0.6
 START, END = 16.64e-3, 83.2e-3 # the first steps find their pressures from nothing and do not count [s]
 DENSITY_ERROR = 1e-4           # of all solvers
 RESIDUAL = 1e-4
-OURS = ("predict", "assemble", "hand over", "solve")
+OURS = ("predict", "assemble", "solve")
 
 SCENE = """schema_version: 1
 title: Dam break to compare pressure solvers on
