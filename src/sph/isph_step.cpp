@@ -106,17 +106,16 @@ void IsphStep::rebalance() {
 }
 
 void IsphStep::place_liquid() {
-    migration_.to_owner(liquid_.store, decomposition_);
-    sort_.sort(liquid_.store, setup_.grid, occupied_cells(liquid_.store, setup_.grid), cells_);
+    const auto occupied = migration_.to_owner(liquid_.store, decomposition_).cells;
+    sort_.sort(liquid_.store, setup_.grid, occupied, cells_);
     halo_.rebuild(liquid_.store, cells_);
 }
 
 void IsphStep::place_solids() {
-    migration_.to_owner(solid_.store, decomposition_);
+    const auto occupied = migration_.to_owner(solid_.store, decomposition_).cells;
     // The whole box, not only the cells with solids: liquid anywhere in it meets the solids of other ranks, and it
     // moves on before the solids are placed anew.
-    const auto window = join(decomposition_.box(), occupied_cells(solid_.store, setup_.grid));
-    sort_.sort(solid_.store, setup_.grid, window, solid_cells_);
+    sort_.sort(solid_.store, setup_.grid, join(decomposition_.box(), occupied), solid_cells_);
     solid_halo_.rebuild(solid_.store, solid_cells_);
     solid_halo_.gather(solid_.store, {solid_.volume_field(), solid_.body_field(), solid_.velocity_field()});
 }
