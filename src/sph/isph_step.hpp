@@ -97,6 +97,8 @@ private:
     void place_liquid();
     void place_solids();
     void find_neighbours();
+    bool solids_unknown() const;
+    void assemble_system();
     void update_density(StepReport& report);
     PressureSystem::HostSystem hand_over();
     void accelerate(StepReport& report, double dt);
@@ -121,6 +123,7 @@ private:
     Neighbourhood neighbours_;
     Anchoring anchoring_;
     PressureSystem system_;
+    SolidRows solid_rows_; // of solids as unknowns
     Iisph iisph_;
     Bodies bodies_;
     BodyResponse response_;

@@ -13,6 +13,8 @@ struct Constants {
     double rest_density = 0;   // rho0 [kg/m3]
     double rest_volume = 0;    // V0 [m^D]
     double number_density = 0; // n0
+    double laplacian_diagonal = 0; // sum_j a_ij on the full lattice [1/m2]
+    double wall_cover = 1;         // how many times a_is count as cover (lattice.hpp)
     int dimensions = 3;
 };
 
@@ -82,7 +84,7 @@ struct Fluid {
     Array3 velocity;
     Array<double> pressure, volume, load;
     Array3 solid_velocity;
-    Array<double> solid_volume;
+    Array<double> solid_volume, solid_pressure;
     Array<int> solid_body;
     int count; // owned liquid particles
 
@@ -105,6 +107,7 @@ inline Fluid gather_fluid(const Constants& constants, const LiquidParticles& liq
             liquid.load(),
             solid.velocity(),
             solid.volume(),
+            solid.pressure(),
             solid.body(),
             liquid.store.owned()};
 }

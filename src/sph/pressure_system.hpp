@@ -2,6 +2,7 @@
 #include "mpi/halo.hpp"
 #include "solve/matrix.hpp"
 #include "sph/neighbourhood.hpp"
+#include "sph/solid_rows.hpp"
 
 namespace treacle::sph {
 
@@ -11,10 +12,25 @@ namespace treacle::sph {
 //     sum_j a_ij (p_i - p_j) + alpha_i p_i = b_i,  p_j = 0 at Dirichlet neighbours
 class PressureSystem {
 public:
+    // Liquid and solid particles, both with unknowns.
+    struct JointParticles {
+        LiquidParticles& liquid;
+        SolidParticles& solid;
+        const Neighbourhood& neighbours;
+        const SolidRows& around;
+        Halo &halo, &solid_halo;
+    };
     // Collective. Numbers the rows, gathers the ghosts' numbers, and fills matrix, right-hand side and first
     // guess p^t. Roles of owned and ghost particles must be current.
     void assemble(const SphOptions& options, const Constants& constants, const Comm& comm,
                   LiquidParticles& liquid, const Neighbourhood& neighbours, Halo& halo);
+
+    // The same with solid particles as unknowns: on each rank the liquid's rows, then the solids',
+    //     sum_j a_ij (p_i - p_j) + sum_s a_is (p_i - p_s) = b_i,  sum_j a_sj (p_s - p_j) + sum_t a_st (p_s - p_t) = 0
+    // Roles of owned and ghost particles of both must be current (SolidRows::predict).
+    void assemble_joint(const SphOptions& options, const Constants& constants, const Comm& comm,
+                        const JointParticles& joint);
+    void store_solid_pressure(SolidParticles& solid) const;
 
     // Writes the solution back as pressures [Pa], negative ones clamped to zero (Algorithm 2); Dirichlet and
     // separated particles get theirs.
@@ -54,6 +70,7 @@ public:
 
     // Parts of the above; not private, since nvcc takes no kernel in a private function.
     void number_rows(const Comm& comm, LiquidParticles& liquid, Halo& halo);
+    void number_joint_rows(const Comm& comm, const JointParticles& joint);
     void count_entries(const LiquidParticles& liquid, const Neighbourhood& neighbours);
 
 private:
