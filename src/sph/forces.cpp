@@ -60,21 +60,10 @@ struct ForceLoop {
     }
 };
 
-// What a solid particle pushes back with: the liquid's own pressure (Akinci et al. 2012), to which its own adds where
-// that is known.
-struct SolidPressures {
-    bool known;
-    KOKKOS_INLINE_FUNCTION double load(const Fluid& fluid, double own, int s) const {
-        if (!known) return own;
-        return own + fluid.solid_pressure(s) / (fluid.constants.rest_density * fluid.constants.rest_density);
-    }
-};
-
 template <class Kernel>
 struct PressureForceLoop {
     Kernel kernel;
     Fluid fluid;
-    SolidPressures walls;
     Array3 velocity;
     double dt;
 
@@ -92,10 +81,10 @@ struct PressureForceLoop {
             fz = fz + f * d.z;
         }
         double ax = sum_lanes(fx), ay = sum_lanes(fy), az = sum_lanes(fz);
-        if (own > 0 || walls.known) {
+        if (own > 0) {
             fluid.solid.each(i, [&](int s, double dx, double dy, double dz, double r2) {
-                const double f = -c.rest_density * fluid.solid_volume(s) * walls.load(fluid, own, s) *
-                                 kernel.gradient(math::sqrt(r2));
+                const double f =
+                    -c.rest_density * fluid.solid_volume(s) * own * kernel.gradient(math::sqrt(r2));
                 ax += f * dx;
                 ay += f * dy;
                 az += f * dz;
@@ -113,7 +102,6 @@ struct BodyLoadLoop : LoadReduction {
     Kernel kernel;
     Fluid fluid;
     LoadPoints points;
-    SolidPressures walls{false};
 
     KOKKOS_INLINE_FUNCTION void add(value_type sum, int s, const double force[3]) const {
         const auto& x = fluid.solid.among;
@@ -123,9 +111,9 @@ struct BodyLoadLoop : LoadReduction {
     KOKKOS_INLINE_FUNCTION void operator()(int i, value_type sum) const {
         const Constants& c = fluid.constants;
         const double own = fluid.load(i);
-        if (!(own > 0) && !walls.known) return;
+        if (!(own > 0)) return;
         fluid.solid.each(i, [&](int s, double dx, double dy, double dz, double r2) {
-            const double f = c.mass * c.rest_density * fluid.solid_volume(s) * walls.load(fluid, own, s) *
+            const double f = c.mass * c.rest_density * fluid.solid_volume(s) * own *
                              kernel.gradient(math::sqrt(r2)); // on the solid, along x_i - x_s
             const double force[3] = {f * dx, f * dy, f * dz};
             add(sum, s, force);
@@ -211,7 +199,7 @@ BodyLoads apply_forces(const SphOptions& options, const ForceOptions& forces, co
                                                forces.viscosity, friction, liquid.acceleration()});
         if (grips) {
             Kokkos::parallel_reduce("treacle::viscous_loads", fluid.count,
-                                    ViscousLoadLoop<Kernel>{{{loads.size()}, kernel, fluid, points, {false}},
+                                    ViscousLoadLoop<Kernel>{{{loads.size()}, kernel, fluid, points},
                                                             forces.artificial, forces.viscosity, friction},
                                     host_sums(loads));
         }
@@ -238,17 +226,15 @@ BodyLoads apply_pressure(const SphOptions& options, const Constants& constants, 
                          const SolidParticles& solid, const Neighbourhood& neighbours, const LoadPoints& points,
                          double dt) {
     write_places(liquid, liquid.load());
-    const SolidPressures walls{options.pressure.solver == PressureSolver::isph &&
-                               options.pressure.solid_term == SolidTerm::unknowns};
     const auto fluid = gather_fluid(constants, liquid, solid, neighbours);
     BodyLoads loads(static_cast<std::size_t>(6 * points.count), 0.0);
     with_kernel(options.kernel, constants.dimensions, constants.support, [&](const auto& kernel) {
         using Kernel = std::decay_t<decltype(kernel)>;
         Kokkos::parallel_for("treacle::pressure_force", fluid.count,
-                             PressureForceLoop<Kernel>{kernel, fluid, walls, liquid.velocity(), dt});
+                             PressureForceLoop<Kernel>{kernel, fluid, liquid.velocity(), dt});
         if (neighbours.solid.size > 0) {
             Kokkos::parallel_reduce("treacle::body_loads", fluid.count,
-                                    BodyLoadLoop<Kernel>{{loads.size()}, kernel, fluid, points, walls},
+                                    BodyLoadLoop<Kernel>{{loads.size()}, kernel, fluid, points},
                                     host_sums(loads));
         }
     });

@@ -259,10 +259,7 @@ void IsphStep::find_pressures(StepReport& report, double dt) {
         const auto phase = timers_.scope("solve");
         solve_pressure(matrix, host, dt, report); // (S7)
         system_.store_pressure(liquid_);
-        if (solids_unknown()) {
-            system_.store_solid_pressure(solid_);
-            solid_halo_.gather(solid_.store, {solid_.pressure_field()});
-        }
+        if (solids_unknown()) system_.store_solid_pressure(solid_);
     }
 }
 

@@ -84,7 +84,7 @@ struct Fluid {
     Array3 velocity;
     Array<double> pressure, volume, load;
     Array3 solid_velocity;
-    Array<double> solid_volume, solid_pressure;
+    Array<double> solid_volume;
     Array<int> solid_body;
     int count; // owned liquid particles
 
@@ -107,7 +107,6 @@ inline Fluid gather_fluid(const Constants& constants, const LiquidParticles& liq
             liquid.load(),
             solid.velocity(),
             solid.volume(),
-            solid.pressure(),
             solid.body(),
             liquid.store.owned()};
 }
