@@ -2,6 +2,7 @@
 
 import dataclasses
 import math
+import string
 
 from .gtest import run_gtest
 from .run import run_scene, scratch
@@ -37,15 +38,15 @@ DROP = """schema_version: 1
 title: A cube of water falls a little
 domain:
   max: [0.9, 0.9, 0.9]
-  spacing: {spacing}
-  boundaries: {{z_max: open}}
+  spacing: $spacing
+  boundaries: {z_max: open}
 liquids:
   - name: water
     density: 1000
     shapes:
-      - box: {{min: [0.1875, 0.1875, 0.05], max: [0.7125, 0.7125, 0.575]}}
-time: {{end: 0.6, rule: fixed, step: {step}}}
-output: {{interval: {interval}}}
+      - box: {min: [0.1875, 0.1875, 0.05], max: [0.7125, 0.7125, 0.575]}
+time: {end: 0.6, rule: fixed, step: $step}
+output: {interval: $interval}
 lost_limit: 0.001
 """
 DROP_EDGE, DROP_TOP = 0.525, 0.575  # [m]
@@ -63,7 +64,7 @@ class Trial:
 
 @dataclasses.dataclass(frozen=True)
 class Scene:
-    """A scene with {spacing}, {step} and {interval} to fill in."""
+    """A scene with $spacing, $step and $interval to fill in."""
 
     name: str
     text: str
@@ -94,7 +95,7 @@ def judge(run, top):
 def try_step(context, scene, folder, step, settings, ranks=RANKS, interval=0):
     folder.mkdir(parents=True, exist_ok=True)
     path = folder / "scene.yaml"
-    path.write_text(scene.text.format(spacing=scene.spacing, step=step, interval=interval))
+    path.write_text(string.Template(scene.text).substitute(spacing=scene.spacing, step=step, interval=interval))
     run = run_scene(context, path, folder / f"step_{1e6 * step:.0f}us", ranks=ranks, set=settings,
                     arguments=["--overwrite"], expect=None, timeout=4 * 3600)
     why = judge(run, scene.top)

@@ -16,15 +16,15 @@ SCENE = """schema_version: 1
 title: {title}
 domain:
   max: {size}
-  spacing: {{spacing}}
-  boundaries: {{{{z_max: open}}}}
+  spacing: $spacing
+  boundaries: {{z_max: open}}
 liquids:
   - name: water
     density: 1000
     shapes:
       - {shape}
-{bodies}time: {{{{end: 0.6, rule: fixed, step: {{step}}}}}}
-output: {{{{interval: {{interval}}}}}}
+{bodies}time: {{end: 0.6, rule: fixed, step: $step}}
+output: {{interval: $interval}}
 lost_limit: 0.001
 """
 BODY = "bodies:\n  - name: solid\n    shape:\n      {shape}\n"
