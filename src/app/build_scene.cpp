@@ -215,7 +215,7 @@ std::size_t add_solids(const Geometry& geometry, const scene::Bounds& part, sph:
     Column x(solid.position()), v(solid.velocity());
     Column id(solid.id());
     Column body(solid.body());
-    Column volume(solid.volume());
+    Column volume(solid.volume()), pressure(solid.pressure());
     for (std::size_t i = 0; i < samples.size(); ++i) {
         for (int k = 0; k < 3; ++k) {
             (*x)(i, k) = solver.setup().domain.wrap(k, samples[i].position[static_cast<std::size_t>(k)]);
@@ -224,6 +224,7 @@ std::size_t add_solids(const Geometry& geometry, const scene::Bounds& part, sph:
         (*id)(i) = samples[i].id;
         (*body)(i) = samples[i].body;
         (*volume)(i) = 0;
+        (*pressure)(i) = 0;
     }
     return sampled.thin;
 }

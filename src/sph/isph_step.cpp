@@ -106,8 +106,9 @@ void IsphStep::rebalance() {
 }
 
 void IsphStep::place_liquid() {
-    const auto occupied = migration_.to_owner(liquid_.store, decomposition_).cells;
-    sort_.sort(liquid_.store, setup_.grid, occupied, cells_);
+    auto window = migration_.to_owner(liquid_.store, decomposition_).cells;
+    if (solids_unknown()) window = decomposition_.box(); // solids look for liquid of other ranks as well
+    sort_.sort(liquid_.store, setup_.grid, window, cells_);
     halo_.rebuild(liquid_.store, cells_);
 }
 
@@ -124,6 +125,14 @@ void IsphStep::find_neighbours() {
     const double support = setup_.constants.support;
     neighbours_.liquid.build(liquid_.store, liquid_.store, setup_.grid, cells_, support);
     neighbours_.solid.build(liquid_.store, solid_.store, setup_.grid, solid_cells_, support);
+    if (!solids_unknown()) return;
+    solid_rows_.liquid.build(solid_.store, liquid_.store, setup_.grid, cells_, support);
+    solid_rows_.solid.build(solid_.store, solid_.store, setup_.grid, solid_cells_, support);
+}
+
+bool IsphStep::solids_unknown() const {
+    const auto& pressure = setup_.options.pressure;
+    return pressure.solver == PressureSolver::isph && pressure.solid_term == SolidTerm::unknowns;
 }
 
 void IsphStep::update_density(StepReport& report) {
@@ -198,6 +207,15 @@ void IsphStep::accelerate(StepReport& report, double dt) {
     bodies_.set_velocities(solid_);
 }
 
+void IsphStep::assemble_system() {
+    if (solids_unknown()) {
+        system_.assemble_joint(setup_.options, setup_.constants, comm_,
+                               {liquid_, solid_, neighbours_, solid_rows_, halo_, solid_halo_});
+    } else {
+        system_.assemble(setup_.options, setup_.constants, comm_, liquid_, neighbours_, halo_);
+    }
+}
+
 void IsphStep::find_pressures(StepReport& report, double dt) {
     const auto& options = setup_.options;
     const auto& constants = setup_.constants;
@@ -212,12 +230,15 @@ void IsphStep::find_pressures(StepReport& report, double dt) {
                                answering ? Answer::bodies : Answer::none); // (S5), (S6)
         last_pressures_ = LastPressures::known;
         halo_.gather(liquid_.store, {liquid_.role_field()});
+        if (solids_unknown()) {
+            report.roles.poisson += solid_rows_.predict(options, constants, liquid_, solid_, neighbours_, solid_halo_);
+        }
         report.anchored = anchoring_.anchor(options, constants, comm_, liquid_, neighbours_, halo_);
     }
     PressureSystem::HostSystem host;
     {
         const auto phase = timers_.scope("assemble");
-        system_.assemble(options, constants, comm_, liquid_, neighbours_, halo_);
+        assemble_system();
         host = system_.to_host();
     }
     {
@@ -227,6 +248,7 @@ void IsphStep::find_pressures(StepReport& report, double dt) {
         const auto phase = timers_.scope("solve");
         solve_pressure(matrix, host, dt, report); // (S7)
         system_.store_pressure(liquid_);
+        if (solids_unknown()) system_.store_solid_pressure(solid_);
     }
 }
 

@@ -97,6 +97,8 @@ private:
     void place_liquid();
     void place_solids();
     void find_neighbours();
+    bool solids_unknown() const;
+    void assemble_system();
     void update_density(StepReport& report);
     void accelerate(StepReport& report, double dt);
     void find_pressures(StepReport& report, double dt);
@@ -119,6 +121,7 @@ private:
     Neighbourhood neighbours_;
     Anchoring anchoring_;
     PressureSystem system_;
+    SolidRows solid_rows_; // of solids as unknowns
     Iisph iisph_;
     Bodies bodies_;
     BodyResponse response_;

@@ -56,14 +56,15 @@ def particles_of(context):
 
 
 @contextlib.contextmanager
-def dam_break(context, step):
-    count = round(particles_of(context) ** (1 / 3))
-    spacing = GRAVITY * count * (max(STEPS) / COURANT) ** 2
+def dam_break(context, step, particles=None, end=END, spacing=None):
+    """Number of particles, folder and scene file of a dam break with fixed steps [s] until an end [s]."""
+    count = round((particles or particles_of(context)) ** (1 / 3))
+    spacing = spacing or GRAVITY * count * (max(STEPS) / COURANT) ** 2
     edge = count * spacing
     with scratch(context, "iisph") as folder:
         scene = folder / "scene.yaml"
         scene.write_text(SCENE.format(length=2 * edge, edge=edge, height=1.25 * edge, spacing=spacing,
-                                      end=END, step=step))
+                                      end=end, step=step))
         yield count**3, folder, scene
 
 

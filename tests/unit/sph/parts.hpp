@@ -19,6 +19,7 @@ struct Parts {
     Halo halo, solid_halo;
     Neighbourhood neighbours;
     PressureSystem system;
+    CellList liquid_cells, solid_cells;
 
     Parts(const Comm& group, const Sample& sample)
         : comm(group), setup(sample.setup), decomposition(group, sample.setup.grid) {
@@ -29,7 +30,6 @@ struct Parts {
             cells.insert(cells.end(), cell.begin(), cell.end());
         }
         decomposition.recut(cells, std::vector<double>(cells.size() / 3, 1.0));
-        CellList liquid_cells, solid_cells;
         place(liquid.store, halo, liquid_cells);
         place(solid.store, solid_halo, solid_cells);
         const double support = setup.constants.support;
@@ -96,15 +96,24 @@ struct DenseSystem {
     Eigen::VectorXd right_hand_side;
 };
 
-inline DenseSystem gather_system(Parts& parts) {
+// Particles with rows, and what is added to their ids so that they differ from those of others.
+struct RowsOf {
+    const ParticleStore* store;
+    Array<int> row;
+    std::int64_t shift;
+};
+
+inline DenseSystem gather_rows(Parts& parts, const std::vector<RowsOf>& particles) {
     auto& system = parts.system;
     const auto& comm = parts.comm;
     EXPECT_NO_THROW(solve::check_pattern(system.blocks(system.to_host())));
     std::vector<std::int64_t> row_ids(static_cast<std::size_t>(system.rows()), -1);
-    const auto id = test::on_host(parts.liquid.id());
-    const auto row = test::on_host(parts.liquid.row());
-    for (int i = 0; i < parts.liquid.store.owned(); ++i) {
-        if (row(i) >= 0) row_ids[std::size_t(row(i) - system.first_row())] = id(i);
+    for (const auto& of : particles) {
+        const auto id = test::on_host(of.store->id());
+        const auto row = test::on_host(of.row);
+        for (int i = 0; i < of.store->owned(); ++i) {
+            if (row(i) >= 0) row_ids[std::size_t(row(i) - system.first_row())] = id(i) + of.shift;
+        }
     }
     row_ids = comm.all_gather(std::span<const std::int64_t>(row_ids));
     std::vector<std::int64_t> places;
@@ -144,6 +153,10 @@ inline DenseSystem gather_system(Parts& parts) {
     }
     for (Eigen::Index r = 0; r < n; ++r) out.right_hand_side(place(r)) = sources[std::size_t(r)];
     return out;
+}
+
+inline DenseSystem gather_system(Parts& parts) {
+    return gather_rows(parts, {{&parts.liquid.store, parts.liquid.row(), 0}});
 }
 
 } // namespace treacle::sph
