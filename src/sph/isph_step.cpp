@@ -130,6 +130,7 @@ void IsphStep::find_neighbours() {
 void IsphStep::update_density(StepReport& report) {
     compute_density(setup_.options, setup_.constants, liquid_, solid_, neighbours_);
     halo_.gather(liquid_.store, {liquid_.volume_field(), liquid_.velocity_field()});
+    if (setup_.constants.mixture.several()) halo_.gather(liquid_.store, {liquid_.liquid_field()});
     const auto compression = measure_compression(setup_.constants, liquid_);
     report.mean_compression = compression.sum;
     report.max_compression = compression.max;

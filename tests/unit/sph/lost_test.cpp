@@ -124,7 +124,7 @@ TEST(Totals, AreSumsOverTheParticlesOfAllRanks) {
     LiquidParticles liquid;
     SolidParticles solid;
     put(comm, sample, liquid, solid);
-    const auto totals = measure_totals(comm, liquid, m, {0, 0, -9.81});
+    const auto totals = measure_totals(comm, liquid, sample.setup.constants, {0, 0, -9.81});
     EXPECT_EQ(totals.particles, std::int64_t(sample.liquid.size()));
     for (std::size_t k = 0; k < 3; ++k) {
         EXPECT_NEAR(totals.momentum[k], p[k], 1e-12 * m * 96);
