@@ -14,6 +14,9 @@ namespace {
 // Densities of liquids in one scene over each other, up to which they were tried (src/sph/README.md).
 constexpr double sure_density_ratio = 100;
 
+// Spacings over the reference speed in which compressed particles of several liquids expand again.
+constexpr double recovery_cfl = 0.1;
+
 constexpr const char* side_names[domain_sides] = {"x_min", "x_max", "y_min", "y_max", "z_min", "z_max"};
 
 double friction_of(scene::Slip slip) { return slip == scene::Slip::no_slip ? 1.0 : 0.0; }
@@ -112,7 +115,10 @@ std::unique_ptr<sph::IsphStep> make_solver(const Comm& comm, const Input& input,
     setup.forces.gravity = domain.gravity;
     setup.forces.viscosity = limiting_viscosity(input);
     const auto materials = liquid_materials(input);
-    if (sph::differ(materials)) setup.constants.mixture = sph::make_mixture(materials);
+    if (sph::differ(materials)) {
+        setup.constants.mixture = sph::make_mixture(materials);
+        if (reference_speed > 0) setup.constants.mixture.recovery = recovery_cfl * domain.spacing / reference_speed;
+    }
     for (const auto& face : domain.faces) setup.forces.friction.push_back(friction_of(face.slip));
     for (const auto& body : input.scene.bodies) setup.forces.friction.push_back(friction_of(body.slip));
     for (const auto& face : domain.faces) setup.forces.skin_friction.push_back(face.skin_friction);

@@ -170,6 +170,8 @@ void Report::steps() {
         step_text(estimates_.courant_step) + " at " + short_number(estimates_.speed) + " m/s, " +
             (estimates_.initial_speed < estimates_.speed ? "sqrt(g H)" : "as at the start"));
     row("limit by gravity", step_text(estimates_.gravity_step));
+    const double share = sph::step_share(liquid_materials(at_.input));
+    if (share < 1) row("", "both with " + short_number(share) + " of time.cfl, the root of the ratio of the densities");
     row("limit by viscosity", step_text(estimates_.viscous_step));
     const bool fixed = time.rule == scene::StepRule::fixed;
     row("step", (fixed ? "fixed, " : "about ") + step_text(estimates_.step) + ", " +

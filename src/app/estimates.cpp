@@ -55,8 +55,9 @@ Estimates estimate_run(const Input& input, const Geometry& geometry, std::uint64
     for (const auto& one : scene.liquids)
         out.initial_speed = std::max(out.initial_speed, length_of(one.velocity));
     out.speed = std::max(out.initial_speed, std::sqrt(pull * out.length));
-    out.courant_step = out.speed > 0 ? scene.time.cfl * d / out.speed : infinite;
-    out.gravity_step = pull > 0 ? scene.time.cfl * std::sqrt(d / pull) : infinite;
+    const double cfl = scene.time.cfl * sph::step_share(liquid_materials(input));
+    out.courant_step = out.speed > 0 ? cfl * d / out.speed : infinite;
+    out.gravity_step = pull > 0 ? cfl * std::sqrt(d / pull) : infinite;
     const double viscosity = limiting_viscosity(input);
     out.viscous_step = viscosity > 0 ? sph::viscous_step_limit(make_constants(input), viscosity) : infinite;
     if (scene.time.rule == scene::StepRule::fixed) {

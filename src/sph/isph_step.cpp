@@ -361,6 +361,7 @@ double IsphStep::stable_step(double cfl) const {
     const double pull = std::sqrt(g[0] * g[0] + g[1] * g[1] + g[2] * g[2]);
     const double d = setup_.constants.spacing;
     double dt = viscous_step_limit(setup_.constants, setup_.forces.viscosity);
+    cfl *= setup_.constants.mixture.step_share;
     if (speed > 0) dt = std::min(dt, cfl * d / speed);
     if (pull > 0) dt = std::min(dt, cfl * std::sqrt(d / pull));
     return dt;

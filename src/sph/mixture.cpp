@@ -1,6 +1,7 @@
 #include "sph/mixture.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 
 namespace treacle::sph {
@@ -14,6 +15,7 @@ Mixture make_mixture(std::span<const LiquidMaterial> liquids) {
     const std::size_t n = liquids.size();
     Mixture out;
     out.count = static_cast<int>(n);
+    out.step_share = step_share(liquids);
     out.density = Array<double>("treacle::liquid_density", n);
     out.viscosity = Array<double>("treacle::liquid_viscosity", n);
     out.pair = Array<double>("treacle::liquid_pairs", Mixture::tables * n * n);
@@ -42,6 +44,11 @@ bool differ(std::span<const LiquidMaterial> liquids) {
     return std::ranges::any_of(liquids, [&](const LiquidMaterial& one) {
         return one.density != liquids.front().density || one.viscosity != liquids.front().viscosity;
     });
+}
+
+double step_share(std::span<const LiquidMaterial> liquids) {
+    const auto [light, heavy] = std::ranges::minmax(liquids, {}, &LiquidMaterial::density);
+    return std::sqrt(light.density / heavy.density);
 }
 
 double largest_kinematic_viscosity(std::span<const LiquidMaterial> liquids) {

@@ -25,6 +25,12 @@ struct Mixture {
         tables
     };
     int count = 1;
+    // Time in which a compressed particle expands again, when a step is shorter [s]. A light one between a heavy liquid
+    // and a wall would take all the speed that expanding within a short step asks for, and make the next step shorter.
+    double recovery = 0;
+    // Of the step of one liquid: the root of the lightest over the heaviest density. The pressure that stops a heavy
+    // liquid moves a light one faster by its inverse.
+    double step_share = 1;
     Array<double> density;   // [count] over Constants::rest_density
     Array<double> viscosity; // [count] [Pa s]
     Array<double> pair;      // [tables][count][count]
@@ -37,6 +43,9 @@ Mixture make_mixture(std::span<const LiquidMaterial> liquids);
 
 // Whether the liquids differ, so that make_mixture is needed.
 bool differ(std::span<const LiquidMaterial> liquids);
+
+// Mixture::step_share of the liquids.
+double step_share(std::span<const LiquidMaterial> liquids);
 
 // Of all pairs of liquids the largest viscosity over density of the one that gives way [m2/s].
 double largest_kinematic_viscosity(std::span<const LiquidMaterial> liquids);
@@ -66,6 +75,7 @@ struct OneLiquid {
     KOKKOS_INLINE_FUNCTION double colliding(int, int) const { return 1; }
     KOKKOS_INLINE_FUNCTION double density(int) const { return 1; }
     KOKKOS_INLINE_FUNCTION double viscosity(int) const { return viscosity_; }
+    KOKKOS_INLINE_FUNCTION double recovered(double excess, double) const { return excess; }
     // Factor of the terms of OneLiquid::Partners::drag that the viscosity enters by.
     KOKKOS_INLINE_FUNCTION double scale() const { return viscosity_; }
 };
@@ -105,6 +115,10 @@ struct SeveralLiquids {
     KOKKOS_INLINE_FUNCTION double colliding(int i, int j) const { return of(Mixture::colliding, i, j); }
     KOKKOS_INLINE_FUNCTION double density(int i) const { return mixture.density(liquid(i)); }
     KOKKOS_INLINE_FUNCTION double viscosity(int i) const { return mixture.viscosity(liquid(i)); }
+    // The part of a density beyond the rest density that a step takes back.
+    KOKKOS_INLINE_FUNCTION double recovered(double excess, double dt) const {
+        return excess > 0 && dt < mixture.recovery ? excess * (dt / mixture.recovery) : excess;
+    }
     KOKKOS_INLINE_FUNCTION double scale() const { return 1; }
 };
 

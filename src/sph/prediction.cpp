@@ -115,8 +115,8 @@ struct PredictionLoop {
     KOKKOS_INLINE_FUNCTION void operator()(int i, int& poissons, int& separates) const {
         const RowSums sum = sums(i);
         const double rest = fluid.constants.rest_density;
-        const double predicted = blended(i) / liquids.density(i) + dt * sum.divergence; // (2.4)
-        const double b = (predicted - rest) / (dt * dt);
+        const double excess = liquids.recovered(blended(i) / liquids.density(i) - rest, dt);
+        const double b = (excess + dt * sum.divergence) / (dt * dt); // (2.4)
         const double alpha = solid_term(i, sum);
         const double answered = answer == Answer::bodies ? response(i) : 0;
         double numerator = b; // (2.6), times the positive denominator
