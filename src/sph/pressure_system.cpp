@@ -111,9 +111,10 @@ struct RowWriter {
     }
 };
 
-template <class Kernel>
+template <class Kernel, class Liquids>
 struct FillLoop {
     LaplacianWeight<Kernel> laplacian;
+    Liquids liquids;
     Pairs pairs;
     Array4 place;
     PressureSystem::Block own, other;
@@ -128,10 +129,12 @@ struct FillLoop {
         RowWriter there{other.column.data() + other.offset(r), other.value.data() + other.offset(r)};
         const double volume = laplacian.volume(i);
         const Row around = pairs.row(i, place);
+        const auto partners = liquids.partners(i);
         bool diagonal_written = false, rising = true;
         for (int k = 0; k < around.count; k += lanes) {
             const auto d = around.near(k);
-            const Lanes value = -laplacian.weight(volume + d.number, d.r2, distance(d.r2).r);
+            const Lanes value = -partners.conduct(around.index + k,
+                                                  laplacian.weight(volume + d.number, d.r2, distance(d.r2).r));
             const IntLanes index = load_ints(around.index + k), global = gather_ints(row.data(), index);
             const IntLanes column = shift_ints(global, -first);
             const unsigned unknown = first_bits(around.count - k) & ~bits_below(global, 0);
@@ -186,12 +189,16 @@ void PressureSystem::assemble(const SphOptions& options, const Constants& consta
     reserve(solution_, static_cast<std::size_t>(rows_));
     with_kernel(options.kernel, constants.dimensions, constants.support, [&](const auto& kernel) {
         using Kernel = std::decay_t<decltype(kernel)>;
-        Kokkos::parallel_for(
-            "treacle::fill_matrix", liquid.store.owned(),
-            FillLoop<Kernel>{laplacian_weight(kernel, constants, liquid),
-                             pairs(neighbours.liquid, liquid.store, liquid.store), liquid.place, own_, other_,
-                             liquid.row(), ghost_place_, liquid.diagonal(), liquid.source(), liquid.pressure(),
-                             right_hand_side_, solution_, static_cast<int>(first_row_), rows_, liquid.store.owned()});
+        with_liquids(constants.mixture, liquid.liquid(), 0, [&](const auto& liquids) {
+            using Liquids = std::decay_t<decltype(liquids)>;
+            Kokkos::parallel_for(
+                "treacle::fill_matrix", liquid.store.owned(),
+                FillLoop<Kernel, Liquids>{laplacian_weight(kernel, constants, liquid), liquids,
+                                          pairs(neighbours.liquid, liquid.store, liquid.store), liquid.place, own_,
+                                          other_, liquid.row(), liquid.diagonal(), liquid.source(), liquid.pressure(),
+                                          right_hand_side_, solution_, static_cast<int>(first_row_), rows_,
+                                          liquid.store.owned()});
+        });
     });
 }
 
