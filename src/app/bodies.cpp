@@ -164,6 +164,11 @@ private:
                                 "IISPH is there to compare with and knows no bodies that give way",
                                 "write kind: kinematic, or method.pressure.solver: isph"});
         }
+        if (dynamic(body(b)) && input_.method.pressure.solid_term == sph::SolidTerm::unknowns) {
+            problems.push_back({body(b).where, name + " is dynamic, with method.pressure.solid_term: unknowns",
+                                "solids as unknowns are there to compare with and know no bodies that give way",
+                                "write kind: kinematic, or another solid_term"});
+        }
         if (dynamic(body(b)) && thinner_than_spacing(geometry_.bodies[b], geometry_)) {
             problems.push_back({body(b).where, name + " is thinner than domain.spacing",
                                 "liquid on one side would feel the liquid on the other, and it could not float",
@@ -249,11 +254,15 @@ std::vector<std::string> body_notes(const Input& input, const Geometry& geometry
     for (std::size_t b = 0; b < geometry.bodies.size(); ++b) {
         const auto& body = input.scene.bodies[b];
         if (!dynamic(body)) continue;
-        const double ratio = density_of(body, geometry.bodies[b]) / input.scene.liquids.front().density;
-        if (ratio >= light && ratio <= heavy) continue;
-        notes.push_back("bodies." + body.name + " has " + short_number(ratio) +
-                        " times the liquid's density: its motion is sure from " + short_number(light) + " to " +
-                        short_number(heavy) + " times, beyond that take smaller steps and compare");
+        const auto [thin, dense] = std::ranges::minmax(input.scene.liquids, {}, &scene::Liquid::density);
+        for (const auto* liquid : {&thin, &dense}) {
+            const double ratio = density_of(body, geometry.bodies[b]) / liquid->density;
+            if (ratio >= light && ratio <= heavy) continue;
+            notes.push_back("bodies." + body.name + " has " + short_number(ratio) + " times the density of " +
+                            liquid->name + ": its motion is sure from " + short_number(light) + " to " +
+                            short_number(heavy) + " times, beyond that take smaller steps and compare");
+            break;
+        }
     }
     return notes;
 }

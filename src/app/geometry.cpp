@@ -170,6 +170,18 @@ void validate_geometry(const Input& input, const Geometry& geometry, const Comm&
     if (!problems.empty()) throw InputError(std::move(problems));
 }
 
+std::vector<sph::LiquidMaterial> liquid_materials(const Input& input) {
+    std::vector<sph::LiquidMaterial> out;
+    for (const auto& liquid : input.scene.liquids) out.push_back({liquid.density, liquid.viscosity});
+    return out;
+}
+
+double limiting_viscosity(const Input& input) {
+    const auto materials = liquid_materials(input);
+    if (!sph::differ(materials)) return materials.front().viscosity;
+    return materials.front().density * sph::largest_kinematic_viscosity(materials);
+}
+
 sph::Constants make_constants(const Input& input) {
     const auto& domain = input.scene.domain;
     sph::Constants out;
@@ -181,6 +193,11 @@ sph::Constants make_constants(const Input& input) {
     out.rest_volume = lattice.volume;
     out.mass = out.rest_density * lattice.volume;
     out.number_density = lattice.number_density;
+    out.laplacian_diagonal = lattice.laplacian_diagonal;
+    if (input.method.pressure.dirichlet == sph::DirichletRule::ghosts) {
+        out.wall_cover = sph::wall_cover(
+            {input.method.kernel, domain.dimensions, out.support, domain.spacing, domain.spacing}, input.method.density);
+    }
     return out;
 }
 

@@ -82,6 +82,7 @@ public:
 
     // Largest step in which no particle moves farther than `cfl` spacings at its speed or the reference speed, which
     // bounds what the pressure must hold up, no body that moves does either, and the limit of the explicit viscosity [s].
+    // With several liquids Mixture::step_share of the first of these.
     double stable_step(double cfl) const;
 
     // Called with the pressure matrix of every step before its solve, outside of all phases: for measurements. IISPH
@@ -98,15 +99,15 @@ private:
     void place_liquid();
     void place_solids();
     void find_neighbours();
+    bool solids_unknown() const;
+    void assemble_system();
     void update_density(StepReport& report);
-    PressureSystem::HostSystem hand_over();
     void accelerate(StepReport& report, double dt);
     void find_pressures(StepReport& report, double dt);
     void find_pressures_by_iisph(StepReport& report, double dt);
     void remove_divergence(StepReport& report, double dt);
     void push_by_pressure(StepReport& report, double dt);
     void move(StepReport& report, double dt);
-    solve::Matrix wrap_matrix(const PressureSystem::HostSystem& host);
     void solve_pressure(solve::Matrix& matrix, const PressureSystem::HostSystem& host, double dt,
                         StepReport& report);
     ComplementarityParts complementarity_parts();
@@ -124,6 +125,7 @@ private:
     Neighbourhood neighbours_;
     Anchoring anchoring_;
     PressureSystem system_;
+    SolidRows solid_rows_; // of solids as unknowns
     Iisph iisph_;
     int divergence_field_ = -1; // of the liquid, with DFSPH: the pressures of the last divergence-free solve [Pa]
     Bodies bodies_;

@@ -1,6 +1,7 @@
 #include "sph/prediction.hpp"
 
 #include "sph/laplacian.hpp"
+#include "sph/surface.hpp"
 
 namespace treacle::sph {
 
@@ -29,9 +30,10 @@ struct RowSums {
     }
 };
 
-template <class Kernel>
+template <class Kernel, class Liquids>
 struct PredictionLoop {
     LaplacianWeight<Kernel> laplacian;
+    Liquids liquids;
     Fluid fluid;
     PressureOptions options;
     LastPressures pressures;
@@ -51,13 +53,15 @@ struct PredictionLoop {
         RowSums out;
         Lanes divergence = 0.0, weights = 0.0, weighted = 0.0;
         const Row row = fluid.row(i);
+        const auto partners = liquids.partners(i);
         for (int k = 0; k < row.count; k += lanes) {
             const auto d = row.near(k);
             const auto m = fluid.motions(row, k);
             const auto along = distance(d.r2);
             // W' r is grad r^2 here; the matrix computes its a_ij without the division.
             const Lanes gradient = row.within(k, laplacian.kernel.gradient(along.r, along.inverse));
-            const Lanes a = laplacian.weight_of(volume + d.number, d.r2, gradient * d.r2);
+            const Lanes a =
+                partners.conduct(row.index + k, laplacian.weight_of(volume + d.number, d.r2, gradient * d.r2));
             divergence = divergence + gradient * ((ux - m.x) * d.x + (uy - m.y) * d.y + (uz - m.z) * d.z);
             weights = weights + a;
             weighted = weighted + a * m.w;
@@ -74,12 +78,13 @@ struct PredictionLoop {
             });
         }
         double solid = 0;
+        const double weight = liquids.density(i);
         fluid.solid.each(i, [&](int s, double dx, double dy, double dz, double r2) {
             const double r = math::sqrt(r2);
             const double g = laplacian.kernel.gradient(r);
             const double vg = fluid.solid_volume(s) * g;
             solid += vg * ((ux - v(s, 0)) * dx + (uy - v(s, 1)) * dy + (uz - v(s, 2)) * dz);
-            out.solid_weights += laplacian.weight(volume + fluid.solid_volume(s), r2, r);
+            out.solid_weights += laplacian.weight(volume + fluid.solid_volume(s), r2, r) / weight;
             out.wall_vector[0] += vg * dx;
             out.wall_vector[1] += vg * dy;
             out.wall_vector[2] += vg * dz;
@@ -89,45 +94,74 @@ struct PredictionLoop {
     }
 
     KOKKOS_INLINE_FUNCTION double solid_term(int i, const RowSums& sum) const {
-        if (options.solid_term == SolidTerm::none) return 0;
+        if (options.solid_term == SolidTerm::none || options.solid_term == SolidTerm::unknowns) return 0;
         // The exact source needs the last pressures; without them only the Neumann problem itself is exact.
         const bool starting = pressures == LastPressures::none && options.solid_term == SolidTerm::exact;
         if (starting && sum.weights > 0) return 0;
-        if (options.solid_term == SolidTerm::decomposed) return sum.decomposed();
+        if (options.solid_term == SolidTerm::decomposed) return sum.decomposed() / liquids.density(i);
         const double ratio = fluid.constants.rest_density / fluid.constants.mass * fluid.volume(i);
-        return ratio * ratio * sum.wall_square(); // alpha_i of Eq. 3.2
+        return ratio * ratio * sum.wall_square() / liquids.density(i); // alpha_i of Eq. 3.2
     }
 
-    KOKKOS_INLINE_FUNCTION double right_hand_side(int i, const RowSums& sum, double b, double alpha,
+    // What neighbours at zero pressure, in the place of those that lack, would add to the diagonal (README).
+    KOKKOS_INLINE_FUNCTION double ghost_term(const RowSums& sum) const {
+        if (options.dirichlet != DirichletRule::ghosts) return 0;
+        const Constants& c = fluid.constants;
+        return math::max(0.0, c.laplacian_diagonal - sum.weights - c.wall_cover * sum.solid_weights);
+    }
+
+    // `weights` are those of the system without walls.
+    KOKKOS_INLINE_FUNCTION double right_hand_side(int i, const RowSums& sum, double b, double alpha, double weights,
                                                   double answered) const {
         if (alpha == 0 || sum.weights == 0) return b;
-        const double amplified = math::min(options.amplification_limit, 1 + alpha / sum.weights) * b;
+        const double amplified = math::min(options.amplification_limit, 1 + alpha / weights) * b;
         if (options.solid_term == SolidTerm::amplified) return amplified + alpha * fluid.pressure(i); // (3.3)
         // Without p_i = p_j: the fixed point is that of the system without alpha.
-        if (options.solid_term == SolidTerm::exact) return amplified + alpha * (sum.weighted - answered) / sum.weights;
+        if (options.solid_term == SolidTerm::exact) return amplified + alpha * (sum.weighted - answered) / weights;
         return b;
     }
 
-    KOKKOS_INLINE_FUNCTION void operator()(int i, int& poissons, int& separates) const {
-        const RowSums sum = sums(i);
+    // (S6) Whether a particle with neighbours is an unknown.
+    KOKKOS_INLINE_FUNCTION bool unknown(int i, const RowSums& sum, double predicted, double answered) const {
         const double rest = fluid.constants.rest_density;
-        const double predicted = blended(i) + dt * sum.divergence; // (2.4)
-        const double b = (predicted - rest) / (dt * dt);
-        const double alpha = solid_term(i, sum);
-        const double answered = answer == Answer::bodies ? response(i) : 0;
-        double numerator = b; // (2.6), times the positive denominator
+        switch (options.dirichlet) {
+        case DirichletRule::ghosts: return true;
+        case DirichletRule::surface: return role(i) == Role::poisson; // as mark_surface left it
+        case DirichletRule::density: return blended(i) / liquids.density(i) >= options.surface_density * rest;
+        case DirichletRule::predicted_density: return predicted >= options.surface_density * rest;
+        case DirichletRule::source:
+        case DirichletRule::complementarity: // where the search starts
+        case DirichletRule::predicted: break;
+        }
+        double numerator = (predicted - rest) / (dt * dt); // (2.6), times the positive denominator
         if (pressures == LastPressures::none) {
             numerator += start_slack * rest / (dt * dt);
         } else if (options.dirichlet != DirichletRule::source) {
             numerator += options.prediction * (sum.weighted + fluid.pressure(i) * sum.solid_weights - answered);
         }
-        wall_term(i) = alpha;
-        diagonal(i) = sum.weights + alpha;
-        source(i) = right_hand_side(i, sum, b, alpha, answered);
-        if (sum.weights > 0) {
-            role(i) = numerator > 0 ? Role::poisson : Role::dirichlet;
+        return numerator > 0;
+    }
+
+    KOKKOS_INLINE_FUNCTION void operator()(int i, int& poissons, int& separates) const {
+        const RowSums sum = sums(i);
+        const double rest = fluid.constants.rest_density;
+        const double excess = liquids.recovered(blended(i) / liquids.density(i) - rest, dt);
+        const double predicted = rest + (excess + dt * sum.divergence); // (2.4), over the liquid's share of rest
+        double b = (predicted - rest) / (dt * dt);
+        const bool pushed = b > 0;
+        if (options.clamping == Clamping::sources) b = math::max(b, 0.0);
+        const double alpha = solid_term(i, sum);
+        const double answered = answer == Answer::bodies ? response(i) : 0;
+        const bool linked = options.solid_term == SolidTerm::unknowns && sum.solid_weights > 0;
+        const double ghosts = sum.weights > 0 || linked ? ghost_term(sum) : 0;
+        const double weights = sum.weights + ghosts;
+        wall_term(i) = alpha + ghosts;
+        diagonal(i) = weights + alpha + (linked ? sum.solid_weights : 0);
+        source(i) = right_hand_side(i, sum, b, alpha, weights, answered);
+        if (sum.weights > 0 || linked) {
+            role(i) = unknown(i, sum, predicted, answered) ? Role::poisson : Role::dirichlet;
         } else {
-            role(i) = alpha > 0 && b > 0 ? Role::separated : Role::dirichlet;
+            role(i) = alpha > 0 && pushed ? Role::separated : Role::dirichlet;
         }
         poissons += static_cast<int>(role(i) == Role::poisson);
         separates += static_cast<int>(role(i) == Role::separated);
@@ -140,17 +174,20 @@ RoleCounts predict(const SphOptions& options, const Constants& constants, Liquid
                    double dt, Answer answer) {
     write_places(liquid, liquid.volume());
     write_motions(liquid);
+    if (options.pressure.dirichlet == DirichletRule::surface) mark_surface(constants, liquid, solid, neighbours);
     const auto fluid = gather_fluid(constants, liquid, solid, neighbours);
     int poissons = 0, separates = 0;
     with_kernel(options.kernel, constants.dimensions, constants.support, [&](const auto& kernel) {
         using Kernel = std::decay_t<decltype(kernel)>;
-        Kokkos::parallel_reduce("treacle::predict", fluid.count,
-                                PredictionLoop<Kernel>{laplacian_weight(kernel, constants, liquid), fluid,
-                                                       options.pressure, pressures, dt, answer, liquid.response(),
-                                                       liquid.blended_density(),
-                                                       liquid.source(), liquid.diagonal(), liquid.wall_term(),
-                                                       liquid.role()},
-                                poissons, separates);
+        with_liquids(constants.mixture, liquid.liquid(), 0, [&](const auto& liquids) {
+            using Liquids = std::decay_t<decltype(liquids)>;
+            Kokkos::parallel_reduce("treacle::predict", fluid.count,
+                                    PredictionLoop<Kernel, Liquids>{
+                                        laplacian_weight(kernel, constants, liquid), liquids, fluid, options.pressure,
+                                        pressures, dt, answer, liquid.response(), liquid.blended_density(),
+                                        liquid.source(), liquid.diagonal(), liquid.wall_term(), liquid.role()},
+                                    poissons, separates);
+        });
     });
     return {poissons, fluid.count - poissons - separates, separates};
 }
