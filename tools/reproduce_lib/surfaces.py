@@ -10,7 +10,8 @@ from .entries import entry
 FRAME = 1 / 60  # [s]
 SOLVE = ("predict", "assemble", "hand over", "solve")
 PHASES = ("sort", "neighbours", "density", "forces", *SOLVE, "pressure force", "move")
-PICTURE_AT = 0.2  # [s]
+PICTURE_AT = 0.3  # [s]
+FRAMES = 6         # until then
 
 SCENE = """schema_version: 1
 title: {title}
@@ -117,12 +118,12 @@ def step_table(results, name, scene, found, printed):
 def draw(context, results, scene, name, step, settings, field="pressure"):
     """A picture at PICTURE_AT of a run of that step."""
     trial = try_step(context, scene, results.folder / "runs" / f"picture {name}", step, settings, results.ranks,
-                     interval=PICTURE_AT / 2)
-    if len(trial.run.frames()) < 3:
+                     interval=PICTURE_AT / FRAMES)
+    if len(trial.run.frames()) <= FRAMES:
         results.say(f"{name} at {1e3 * step:.2f} ms ends before its picture: {trial.why}")
         return trial
     into = results.folder / name.replace(" ", "_")
-    treacle(context, "render", trial.run.folder, "--field", field, "--frames", "2", "--no-movie", "--out", into,
+    treacle(context, "render", trial.run.folder, "--field", field, "--frames", FRAMES, "--no-movie", "--out", into,
             ranks=results.ranks)
     results.files += sorted(into.glob("*.png"))
     return trial
