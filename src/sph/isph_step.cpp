@@ -106,19 +106,17 @@ void IsphStep::rebalance() {
 }
 
 void IsphStep::place_liquid() {
-    migration_.to_owner(liquid_.store, decomposition_);
-    auto window = occupied_cells(liquid_.store, setup_.grid);
+    auto window = migration_.to_owner(liquid_.store, decomposition_).cells;
     if (solids_unknown()) window = decomposition_.box(); // solids look for liquid of other ranks as well
     sort_.sort(liquid_.store, setup_.grid, window, cells_);
     halo_.rebuild(liquid_.store, cells_);
 }
 
 void IsphStep::place_solids() {
-    migration_.to_owner(solid_.store, decomposition_);
+    const auto occupied = migration_.to_owner(solid_.store, decomposition_).cells;
     // The whole box, not only the cells with solids: liquid anywhere in it meets the solids of other ranks, and it
     // moves on before the solids are placed anew.
-    const auto window = join(decomposition_.box(), occupied_cells(solid_.store, setup_.grid));
-    sort_.sort(solid_.store, setup_.grid, window, solid_cells_);
+    sort_.sort(solid_.store, setup_.grid, join(decomposition_.box(), occupied), solid_cells_);
     solid_halo_.rebuild(solid_.store, solid_cells_);
     solid_halo_.gather(solid_.store, {solid_.volume_field(), solid_.body_field(), solid_.velocity_field()});
 }
@@ -151,16 +149,6 @@ void IsphStep::refresh() {
     find_neighbours();
     compute_density(setup_.options, setup_.constants, liquid_, solid_, neighbours_);
     Kokkos::deep_copy(liquid_.role(), static_cast<int>(Role::poisson));
-}
-
-PressureSystem::HostSystem IsphStep::hand_over() {
-    const auto phase = timers_.scope("hand over");
-    return system_.to_host();
-}
-
-solve::Matrix IsphStep::wrap_matrix(const PressureSystem::HostSystem& host) {
-    const auto phase = timers_.scope("hand over");
-    return {comm_, system_.blocks(host)};
 }
 
 namespace {
@@ -247,13 +235,14 @@ void IsphStep::find_pressures(StepReport& report, double dt) {
         }
         report.anchored = anchoring_.anchor(options, constants, comm_, liquid_, neighbours_, halo_);
     }
+    PressureSystem::HostSystem host;
     {
         const auto phase = timers_.scope("assemble");
         assemble_system();
+        host = system_.to_host();
     }
     {
-        const auto host = hand_over();
-        auto matrix = wrap_matrix(host);
+        solve::Matrix matrix(comm_, system_.blocks(host));
         if (answering) matrix.set_addition(response_.addition(comm_, liquid_, system_));
         if (matrix_observer_) matrix_observer_(matrix);
         const auto phase = timers_.scope("solve");

@@ -3,6 +3,8 @@
 #include "kokkos/scan.hpp"
 #include "sph/laplacian.hpp"
 
+#include <algorithm>
+
 namespace treacle::sph {
 
 void PressureSystem::number_rows(const Comm& comm, LiquidParticles& liquid, Halo& halo) {
@@ -22,6 +24,30 @@ void PressureSystem::number_rows(const Comm& comm, LiquidParticles& liquid, Halo
     global_rows_ = comm.sum(static_cast<std::int64_t>(rows_));
     if (first_row_ > 0) count_rows(static_cast<int>(first_row_));
     halo.gather(liquid.store, {liquid.row_field()});
+}
+
+// Ghosts that are unknowns stand for the other ranks' columns, whether or not they are near enough to be neighbours.
+// On the host, where the halo is: a few bytes for each ghost.
+void PressureSystem::number_halo(const Comm& comm, const LiquidParticles& liquid) {
+    const int owned = liquid.store.owned();
+    const auto ghosts = static_cast<std::size_t>(liquid.store.ghosts());
+    reserve(halo_place_, ghosts);
+    const auto range = std::pair(owned, liquid.store.total());
+    const auto row = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), Kokkos::subview(liquid.row(), range));
+    const auto elsewhere = [&](int r) { return r >= 0 && (r < first_row_ || r >= first_row_ + rows_); };
+    halo_rows_.clear();
+    for (std::size_t g = 0; g < ghosts; ++g) {
+        if (elsewhere(row(g))) halo_rows_.push_back(row(g));
+    }
+    std::sort(halo_rows_.begin(), halo_rows_.end());
+    halo_rows_.erase(std::unique(halo_rows_.begin(), halo_rows_.end()), halo_rows_.end());
+    const auto place = Kokkos::create_mirror_view(Kokkos::HostSpace(), halo_place_);
+    for (std::size_t g = 0; g < ghosts; ++g) {
+        const auto found = std::lower_bound(halo_rows_.begin(), halo_rows_.end(), row(g));
+        place(g) = elsewhere(row(g)) ? static_cast<int>(found - halo_rows_.begin()) : -1;
+    }
+    Kokkos::deep_copy(halo_place_, place);
+    halo_.connect(comm, first_row_, halo_rows_);
 }
 
 namespace {
@@ -63,11 +89,15 @@ struct RowWriter {
         value[k] = v;
     }
     KOKKOS_INLINE_FUNCTION void add_each(unsigned bits, IntLanes columns, Lanes values) {
+        add_each(bits, columns, values, [](int column) { return column; });
+    }
+    template <class ColumnOf>
+    KOKKOS_INLINE_FUNCTION void add_each(unsigned bits, IntLanes keys, Lanes values, const ColumnOf& column) {
         int c[lanes];
         double v[lanes];
-        store_ints(columns, c);
+        store_ints(keys, c);
         store_lanes(values, v);
-        for (; bits != 0; bits &= bits - 1) add(c[lowest_bit(bits)], v[lowest_bit(bits)]);
+        for (; bits != 0; bits &= bits - 1) add(column(c[lowest_bit(bits)]), v[lowest_bit(bits)]);
     }
     // The columns rise and lie behind those that are there.
     KOKKOS_INLINE_FUNCTION void append(unsigned bits, IntLanes columns, Lanes values) {
@@ -81,7 +111,7 @@ struct FillLoop {
     Pairs pairs;
     Array4 place;
     PressureSystem::Block own, other;
-    Array<int> row;
+    Array<int> row, halo_place;
     Array<double> diagonal, source, pressure, right_hand_side, solution;
     int first, rows, owned;
 
@@ -113,7 +143,9 @@ struct FillLoop {
             } else {
                 here.add_each(inside, column, value);
             }
-            if (inside != unknown) there.add_each(unknown & ~inside, global, value);
+            if (inside != unknown) {
+                there.add_each(unknown & ~inside, index, value, [&](int j) { return halo_place(j - owned); });
+            }
         }
         if (!diagonal_written) here.add(r, diagonal(i));
         right_hand_side(r) = source(i);
@@ -136,6 +168,7 @@ void PressureSystem::count_entries(const LiquidParticles& liquid, const Neighbou
 void PressureSystem::assemble(const SphOptions& options, const Constants& constants, const Comm& comm,
                               LiquidParticles& liquid, const Neighbourhood& neighbours, Halo& halo) {
     number_rows(comm, liquid, halo);
+    number_halo(comm, liquid);
     count_entries(liquid, neighbours);
     write_places(liquid, liquid.volume());
     for (const auto& [block, entries] : {std::pair(&own_, own_entries_), std::pair(&other_, other_entries_)}) {
@@ -150,7 +183,7 @@ void PressureSystem::assemble(const SphOptions& options, const Constants& consta
             "treacle::fill_matrix", liquid.store.owned(),
             FillLoop<Kernel>{laplacian_weight(kernel, constants, liquid),
                              pairs(neighbours.liquid, liquid.store, liquid.store), liquid.place, own_, other_,
-                             liquid.row(), liquid.diagonal(), liquid.source(), liquid.pressure(), right_hand_side_,
+                             liquid.row(), halo_place_, liquid.diagonal(), liquid.source(), liquid.pressure(), right_hand_side_,
                              solution_, static_cast<int>(first_row_), rows_, liquid.store.owned()});
     });
 }
@@ -163,7 +196,7 @@ PressureSystem::HostSystem PressureSystem::to_host() const {
             mirror(solution_)};
 }
 
-solve::CsrBlocks PressureSystem::blocks(const HostSystem& host) const {
+solve::CsrBlocks PressureSystem::blocks(const HostSystem& host) {
     solve::CsrBlocks blocks;
     blocks.diagonal_offsets = host.own.offset.data();
     blocks.diagonal_columns = host.own.column.data();
@@ -171,6 +204,7 @@ solve::CsrBlocks PressureSystem::blocks(const HostSystem& host) const {
     blocks.off_offsets = host.other.offset.data();
     blocks.off_columns = host.other.column.data();
     blocks.off_values = host.other.value.data();
+    blocks.halo = &halo_;
     blocks.first_row = static_cast<int>(first_row_);
     blocks.rows = rows_;
     blocks.global_rows = static_cast<int>(global_rows_);
@@ -193,7 +227,8 @@ void PressureSystem::store_pressure(LiquidParticles& liquid) const {
 }
 
 std::size_t PressureSystem::bytes() const {
-    std::size_t total = 8 * (right_hand_side_.span() + solution_.span());
+    std::size_t total = 8 * (right_hand_side_.span() + solution_.span()) + halo_.bytes() +
+                        4 * (halo_place_.span() + halo_rows_.capacity());
     for (const auto* block : {&own_, &other_}) {
         total += 4 * (block->offset.span() + block->column.span()) + 8 * block->value.span();
     }

@@ -1,5 +1,6 @@
 #pragma once
 #include "mpi/halo.hpp"
+#include "mpi/row_halo.hpp"
 #include "solve/matrix.hpp"
 #include "sph/neighbourhood.hpp"
 #include "sph/solid_rows.hpp"
@@ -7,7 +8,7 @@
 namespace treacle::sph {
 
 // The pressure matrix of the Poisson particles, assembled straight into distributed compressed rows: a block of
-// this rank's columns (local numbers) and a block of the other ranks' columns (global numbers). Columns rise
+// this rank's columns (local numbers) and a block of the other ranks' columns (places in the halo). Columns rise
 // within a row. The arrays live as long as this object and grow only.
 //     sum_j a_ij (p_i - p_j) + alpha_i p_i = b_i,  p_j = 0 at Dirichlet neighbours
 class PressureSystem {
@@ -60,21 +61,27 @@ public:
     };
     HostSystem to_host() const;
     void take_solution(const HostSystem& host) const;
-    // Its matrix as a solver takes it; of the arrays of `host`.
-    solve::CsrBlocks blocks(const HostSystem& host) const;
+    // Its matrix as a solver takes it; of the arrays of `host` and this object's halo.
+    solve::CsrBlocks blocks(const HostSystem& host);
 
     const Block& own() const { return own_; }
     const Block& other() const { return other_; }
+    const RowHalo& halo() const { return halo_; }
     const Array<double>& right_hand_side() const { return right_hand_side_; } // [rows]
     const Array<double>& solution() const { return solution_; }               // [rows], in: guess, out: result
 
     // Parts of the above; not private, since nvcc takes no kernel in a private function.
     void number_rows(const Comm& comm, LiquidParticles& liquid, Halo& halo);
     void number_joint_rows(const Comm& comm, const JointParticles& joint);
+    void number_joint_halo(const Comm& comm);
+    void number_halo(const Comm& comm, const LiquidParticles& liquid);
     void count_entries(const LiquidParticles& liquid, const Neighbourhood& neighbours);
 
 private:
     Block own_, other_;
+    RowHalo halo_;
+    Array<int> halo_place_{"treacle::halo_place", 0}; // [ghosts] of a ghost's row, -1: a row of this rank or none
+    std::vector<int> halo_rows_;                      // global numbers, rising
     Array<double> right_hand_side_{"treacle::right_hand_side", 0};
     Array<double> solution_{"treacle::solution", 0};
     int rows_ = 0;

@@ -4,6 +4,8 @@
 #include "sph/laplacian.hpp"
 #include "sph/pressure_system.hpp"
 
+#include <algorithm>
+
 namespace treacle::sph {
 
 namespace {
@@ -223,10 +225,26 @@ void PressureSystem::assemble_joint(const SphOptions& options, const Constants& 
         fill("treacle::fill_liquid_rows", n, rows_of_liquid());
         fill("treacle::fill_solid_rows", walls, rows_of_solid());
     });
+    number_joint_halo(comm);
     Kokkos::deep_copy(right_hand_side_, 0.0); // of solids: they are compressed by nothing but what their rows say
     write_vectors(n, first, l.row(), l.source(), right_hand_side_);
     write_vectors(n, first, l.row(), l.pressure(), solution_);
     write_vectors(walls, first, s.row(), s.pressure(), solution_);
+}
+
+// Puts places in the halo in the stead of the global numbers of other ranks' columns.
+void PressureSystem::number_joint_halo(const Comm& comm) {
+    const auto column = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), other_.column);
+    int* first = column.data();
+    int* last = first + other_entries_;
+    halo_rows_.assign(first, last);
+    std::sort(halo_rows_.begin(), halo_rows_.end());
+    halo_rows_.erase(std::unique(halo_rows_.begin(), halo_rows_.end()), halo_rows_.end());
+    for (int* c = first; c != last; ++c) {
+        *c = static_cast<int>(std::lower_bound(halo_rows_.begin(), halo_rows_.end(), *c) - halo_rows_.begin());
+    }
+    Kokkos::deep_copy(other_.column, column);
+    halo_.connect(comm, first_row_, halo_rows_);
 }
 
 void PressureSystem::store_solid_pressure(SolidParticles& solid) const {

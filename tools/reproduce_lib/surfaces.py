@@ -2,14 +2,14 @@
 
 import csv
 
+from claims_lib.iisph import OURS
 from claims_lib.run import built, execute, launched, treacle
 from claims_lib.surfaces import RULES, STABLE, THEIRS, Scene, cube_drop, largest_stable, try_step
 
 from .entries import entry
 
 FRAME = 1 / 60  # [s]
-SOLVE = ("predict", "assemble", "hand over", "solve")
-PHASES = ("sort", "neighbours", "density", "forces", *SOLVE, "pressure force", "move")
+PHASES = ("sort", "neighbours", "density", "forces", *OURS, "pressure force", "move")
 PICTURE_AT = 0.3  # [s]
 FRAMES = 6         # until then
 
@@ -75,7 +75,7 @@ def cost_of(run):
     steps = run.steps()
     frames = steps["time"][-1] / FRAME
     return (float(steps["poisson"].mean()), float(steps["dirichlet"].mean()), float(steps["pressure iterations"].mean()),
-            float(sum(steps[name].sum() for name in SOLVE) / frames),
+            float(sum(steps[name].sum() for name in OURS) / frames),
             float(sum(steps[name].sum() for name in PHASES) / frames))
 
 

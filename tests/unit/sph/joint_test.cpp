@@ -50,7 +50,7 @@ struct Joint : Parts {
                               {liquid, solid, neighbours, around, halo, solid_halo});
     }
     // Rows by the ids of liquid particles; those of solids lie far behind.
-    DenseSystem gathered() const {
+    DenseSystem gathered() {
         return gather_rows(*this, {{&liquid.store, liquid.row(), 0}, {&solid.store, solid.row(), solid_ids}});
     }
     static constexpr std::int64_t solid_ids = 1 << 24;

@@ -96,20 +96,6 @@ struct DenseSystem {
     Eigen::VectorXd right_hand_side;
 };
 
-inline solve::CsrBlocks blocks_of(const PressureSystem& system) {
-    solve::CsrBlocks blocks;
-    blocks.diagonal_offsets = system.own().offset.data();
-    blocks.diagonal_columns = system.own().column.data();
-    blocks.diagonal_values = system.own().value.data();
-    blocks.off_offsets = system.other().offset.data();
-    blocks.off_columns = system.other().column.data();
-    blocks.off_values = system.other().value.data();
-    blocks.first_row = static_cast<int>(system.first_row());
-    blocks.rows = system.rows();
-    blocks.global_rows = static_cast<int>(system.global_rows());
-    return blocks;
-}
-
 // Particles with rows, and what is added to their ids so that they differ from those of others.
 struct RowsOf {
     const ParticleStore* store;
@@ -117,10 +103,10 @@ struct RowsOf {
     std::int64_t shift;
 };
 
-inline DenseSystem gather_rows(const Parts& parts, const std::vector<RowsOf>& particles) {
-    const auto& system = parts.system;
+inline DenseSystem gather_rows(Parts& parts, const std::vector<RowsOf>& particles) {
+    auto& system = parts.system;
     const auto& comm = parts.comm;
-    EXPECT_NO_THROW(solve::check_pattern(blocks_of(system)));
+    EXPECT_NO_THROW(solve::check_pattern(system.blocks(system.to_host())));
     std::vector<std::int64_t> row_ids(static_cast<std::size_t>(system.rows()), -1);
     for (const auto& of : particles) {
         const auto id = test::on_host(of.store->id());
@@ -132,19 +118,19 @@ inline DenseSystem gather_rows(const Parts& parts, const std::vector<RowsOf>& pa
     row_ids = comm.all_gather(std::span<const std::int64_t>(row_ids));
     std::vector<std::int64_t> places;
     std::vector<double> values, sources;
-    const auto add_block = [&](const PressureSystem::Block& block, std::int64_t shift) {
+    const auto add_block = [&](const PressureSystem::Block& block, const auto& global) {
         const auto offset = test::on_host(block.offset), column = test::on_host(block.column);
         const auto value = test::on_host(block.value);
         for (int r = 0; r < system.rows(); ++r) {
             for (int k = offset(r); k < offset(r + 1); ++k) {
                 places.push_back(system.first_row() + r);
-                places.push_back(column(k) + shift);
+                places.push_back(global(column(k)));
                 values.push_back(value(k));
             }
         }
     };
-    add_block(system.own(), system.first_row());
-    add_block(system.other(), 0);
+    add_block(system.own(), [&](int column) { return system.first_row() + column; });
+    add_block(system.other(), [&](int place) { return system.halo().columns()[std::size_t(place)]; });
     const auto b = test::on_host(system.right_hand_side());
     for (int r = 0; r < system.rows(); ++r) sources.push_back(b(r));
     places = comm.all_gather(std::span<const std::int64_t>(places));
@@ -169,7 +155,7 @@ inline DenseSystem gather_rows(const Parts& parts, const std::vector<RowsOf>& pa
     return out;
 }
 
-inline DenseSystem gather_system(const Parts& parts) {
+inline DenseSystem gather_system(Parts& parts) {
     return gather_rows(parts, {{&parts.liquid.store, parts.liquid.row(), 0}});
 }
 
