@@ -154,6 +154,9 @@ using IntLanes = __m256i;
 inline IntLanes load_ints(const int* from) { return _mm256_loadu_si256(reinterpret_cast<const __m256i*>(from)); }
 inline void store_ints(IntLanes x, int* to) { _mm256_storeu_si256(reinterpret_cast<__m256i*>(to), x); }
 inline IntLanes gather_ints(const int* from, IntLanes index) { return _mm256_i32gather_epi32(from, index, 4); }
+inline Lanes gather_lanes(const double* from, IntLanes index) {
+    return _mm512_mask_i32gather_pd(_mm512_setzero_pd(), 0xff, index, from, 8);
+}
 inline IntLanes shift_ints(IntLanes x, int by) { return _mm256_add_epi32(x, _mm256_set1_epi32(by)); }
 inline unsigned bits_below(IntLanes x, int bound) { return _mm256_cmplt_epi32_mask(x, _mm256_set1_epi32(bound)); }
 inline unsigned bits_equal(IntLanes x, int to) { return _mm256_cmpeq_epi32_mask(x, _mm256_set1_epi32(to)); }
@@ -162,6 +165,7 @@ using IntLanes = __m128i;
 inline IntLanes load_ints(const int* from) { return _mm_loadu_si128(reinterpret_cast<const __m128i*>(from)); }
 inline void store_ints(IntLanes x, int* to) { _mm_storeu_si128(reinterpret_cast<__m128i*>(to), x); }
 inline IntLanes gather_ints(const int* from, IntLanes index) { return _mm_i32gather_epi32(from, index, 4); }
+inline Lanes gather_lanes(const double* from, IntLanes index) { return _mm256_i32gather_pd(from, index, 8); }
 inline IntLanes shift_ints(IntLanes x, int by) { return _mm_add_epi32(x, _mm_set1_epi32(by)); }
 inline unsigned bits_of(IntLanes mask) { return static_cast<unsigned>(_mm_movemask_ps(_mm_castsi128_ps(mask))); }
 inline unsigned bits_below(IntLanes x, int bound) { return bits_of(_mm_cmplt_epi32(x, _mm_set1_epi32(bound))); }
@@ -171,6 +175,7 @@ using IntLanes = int;
 KOKKOS_INLINE_FUNCTION IntLanes load_ints(const int* from) { return *from; }
 KOKKOS_INLINE_FUNCTION void store_ints(IntLanes x, int* to) { *to = x; }
 KOKKOS_INLINE_FUNCTION IntLanes gather_ints(const int* from, IntLanes index) { return from[index]; }
+KOKKOS_INLINE_FUNCTION Lanes gather_lanes(const double* from, IntLanes index) { return from[index]; }
 KOKKOS_INLINE_FUNCTION IntLanes shift_ints(IntLanes x, int by) { return x + by; }
 KOKKOS_INLINE_FUNCTION unsigned bits_below(IntLanes x, int bound) { return bits_of(x < bound); }
 KOKKOS_INLINE_FUNCTION unsigned bits_equal(IntLanes x, int to) { return bits_of(x == to); }

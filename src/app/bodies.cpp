@@ -254,11 +254,15 @@ std::vector<std::string> body_notes(const Input& input, const Geometry& geometry
     for (std::size_t b = 0; b < geometry.bodies.size(); ++b) {
         const auto& body = input.scene.bodies[b];
         if (!dynamic(body)) continue;
-        const double ratio = density_of(body, geometry.bodies[b]) / input.scene.liquids.front().density;
-        if (ratio >= light && ratio <= heavy) continue;
-        notes.push_back("bodies." + body.name + " has " + short_number(ratio) +
-                        " times the liquid's density: its motion is sure from " + short_number(light) + " to " +
-                        short_number(heavy) + " times, beyond that take smaller steps and compare");
+        const auto [thin, dense] = std::ranges::minmax(input.scene.liquids, {}, &scene::Liquid::density);
+        for (const auto* liquid : {&thin, &dense}) {
+            const double ratio = density_of(body, geometry.bodies[b]) / liquid->density;
+            if (ratio >= light && ratio <= heavy) continue;
+            notes.push_back("bodies." + body.name + " has " + short_number(ratio) + " times the density of " +
+                            liquid->name + ": its motion is sure from " + short_number(light) + " to " +
+                            short_number(heavy) + " times, beyond that take smaller steps and compare");
+            break;
+        }
     }
     return notes;
 }

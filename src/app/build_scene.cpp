@@ -1,6 +1,7 @@
 #include "app/build_scene.hpp"
 
 #include "app/bodies.hpp"
+#include "app/table_text.hpp"
 #include "base/error.hpp"
 #include "scene/materials.hpp"
 
@@ -10,6 +11,12 @@
 namespace treacle::app {
 
 namespace {
+// Densities of liquids in one scene over each other, up to which they were tried (src/sph/README.md).
+constexpr double sure_density_ratio = 100;
+
+// Spacings over the reference speed in which compressed particles of several liquids expand again.
+constexpr double recovery_cfl = 0.1;
+
 constexpr const char* side_names[domain_sides] = {"x_min", "x_max", "y_min", "y_max", "z_min", "z_max"};
 
 double friction_of(scene::Slip slip) { return slip == scene::Slip::no_slip ? 1.0 : 0.0; }
@@ -30,13 +37,11 @@ std::vector<std::string> load_names(const Input& input) {
 void check_supported(const Input& input) {
     std::vector<Diagnostic> problems;
     const auto& liquids = input.scene.liquids;
+    if (sph::differ(liquid_materials(input)) && input.method.pressure.solver != sph::PressureSolver::isph) {
+        problems.push_back({liquids[1].where, "liquids that differ in density or viscosity need method.pressure.solver: isph",
+                            "the other solvers are there to compare with and know one liquid", "leave the solver out"});
+    }
     for (const auto& liquid : liquids) {
-        if (liquid.density != liquids.front().density || liquid.viscosity != liquids.front().viscosity) {
-            problems.push_back({liquid.where,
-                                "liquids." + liquid.name + " differs from liquids." + liquids.front().name +
-                                    " in density or viscosity",
-                                "method sph takes one density and one viscosity", "give both liquids the same"});
-        }
         if (liquid.surface_tension > 0 && !is_of_preset(liquid)) {
             problems.push_back({liquid.where, "liquids." + liquid.name + ".surface_tension is not modelled by method sph",
                                 "it would be ignored", "leave it out"});
@@ -60,6 +65,13 @@ void check_supported(const Input& input) {
 
 std::vector<std::string> method_notes(const Input& input) {
     std::vector<std::string> notes;
+    const auto [light, heavy] = std::ranges::minmax(input.scene.liquids, {}, &scene::Liquid::density);
+    const double ratio = heavy.density / light.density;
+    if (ratio > sure_density_ratio) {
+        notes.push_back("liquids: " + heavy.name + " has " + short_number(ratio) + " times the density of " + light.name +
+                        "; what was measured ends at " + short_number(sure_density_ratio) +
+                        " times, beyond that take smaller steps and compare");
+    }
     for (const auto& liquid : input.scene.liquids) {
         if (liquid.surface_tension == 0) continue;
         notes.push_back("liquids." + liquid.name + ": method sph does not model the surface tension of " +
@@ -101,7 +113,12 @@ std::unique_ptr<sph::IsphStep> make_solver(const Comm& comm, const Input& input,
     setup.domain = sph::make_domain_box(domain, solid_offset(input) + 0.5 * domain.spacing);
     setup.grid = sph::make_cell_grid(domain, setup.constants.support);
     setup.forces.gravity = domain.gravity;
-    setup.forces.viscosity = input.scene.liquids.front().viscosity;
+    setup.forces.viscosity = limiting_viscosity(input);
+    const auto materials = liquid_materials(input);
+    if (sph::differ(materials)) {
+        setup.constants.mixture = sph::make_mixture(materials);
+        if (reference_speed > 0) setup.constants.mixture.recovery = recovery_cfl * domain.spacing / reference_speed;
+    }
     for (const auto& face : domain.faces) setup.forces.friction.push_back(friction_of(face.slip));
     for (const auto& body : input.scene.bodies) setup.forces.friction.push_back(friction_of(body.slip));
     for (const auto& face : domain.faces) setup.forces.skin_friction.push_back(face.skin_friction);

@@ -119,9 +119,13 @@ void Report::liquids() {
         double shapes = 0;
         for (const auto& region : at_.geometry.liquids[i]) shapes += region.volume();
         const auto filled = volume_text(static_cast<double>(count) * std::pow(d, dimensions), dimensions);
-        const bool exact = at_.preview.coarsening == 1;
+        const bool exact = at_.preview.coarsening == 1; // else the particles of the preview are fewer
         row("", "its shapes hold " + volume_text(shapes, dimensions) +
                     (exact ? ", its particles fill " + filled : std::string()));
+        const double particles = static_cast<double>(count) * std::pow(at_.preview.coarsening, dimensions);
+        const double mass = particles * liquid.density * make_constants(at_.input).rest_volume;
+        row("", (exact ? "" : "about ") + grouped(static_cast<std::uint64_t>(particles)) + " particles, " + short_number(mass) +
+                    (dimensions == 3 ? " kg" : " kg/m"));
         for (const auto& region : at_.geometry.liquids[i]) mesh(region, "liquids." + liquid.name);
     }
 }
@@ -136,7 +140,7 @@ void Report::bodies() {
         if (dynamic) {
             row(body.name, "dynamic, " + short_number(density_of(body, region)) + " kg/m3, " +
                                short_number(density_of(body, region) / scene().liquids.front().density) +
-                               " times the liquid's density");
+                               " times the density of " + scene().liquids.front().name);
         }
         row(moves(body) ? "" : body.name, std::string(body.slip == scene::Slip::no_slip ? "no-slip" : "free-slip") +
                            ", volume " + volume_text(region.volume(), scene().domain.dimensions));
@@ -166,6 +170,8 @@ void Report::steps() {
         step_text(estimates_.courant_step) + " at " + short_number(estimates_.speed) + " m/s, " +
             (estimates_.initial_speed < estimates_.speed ? "sqrt(g H)" : "as at the start"));
     row("limit by gravity", step_text(estimates_.gravity_step));
+    const double share = sph::step_share(liquid_materials(at_.input));
+    if (share < 1) row("", "both with " + short_number(share) + " of time.cfl, the root of the ratio of the densities");
     row("limit by viscosity", step_text(estimates_.viscous_step));
     const bool fixed = time.rule == scene::StepRule::fixed;
     row("step", (fixed ? "fixed, " : "about ") + step_text(estimates_.step) + ", " +

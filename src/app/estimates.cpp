@@ -55,9 +55,10 @@ Estimates estimate_run(const Input& input, const Geometry& geometry, std::uint64
     for (const auto& one : scene.liquids)
         out.initial_speed = std::max(out.initial_speed, length_of(one.velocity));
     out.speed = std::max(out.initial_speed, std::sqrt(pull * out.length));
-    out.courant_step = out.speed > 0 ? scene.time.cfl * d / out.speed : infinite;
-    out.gravity_step = pull > 0 ? scene.time.cfl * std::sqrt(d / pull) : infinite;
-    const double viscosity = scene.liquids.front().viscosity;
+    const double cfl = scene.time.cfl * sph::step_share(liquid_materials(input));
+    out.courant_step = out.speed > 0 ? cfl * d / out.speed : infinite;
+    out.gravity_step = pull > 0 ? cfl * std::sqrt(d / pull) : infinite;
+    const double viscosity = limiting_viscosity(input);
     out.viscous_step = viscosity > 0 ? sph::viscous_step_limit(make_constants(input), viscosity) : infinite;
     if (scene.time.rule == scene::StepRule::fixed) {
         out.step = scene.time.step;
@@ -70,32 +71,40 @@ Estimates estimate_run(const Input& input, const Geometry& geometry, std::uint64
     return out;
 }
 
-std::vector<DimensionlessNumber> dimensionless_numbers(const Input& input, const Estimates& estimates) {
-    const auto& liquid = input.scene.liquids.front();
-    const double pull = length_of(input.scene.domain.gravity);
+namespace {
+void add_numbers_of(const scene::Liquid& liquid, const std::string& which, double pull, const Estimates& estimates,
+                    std::vector<DimensionlessNumber>& out) {
     const double length = estimates.length, speed = estimates.speed;
-    std::vector<DimensionlessNumber> out;
+    const auto add = [&](const char* name, const char* formula, double value) {
+        out.push_back({name + which, formula, value});
+    };
     if (liquid.viscosity > 0 && speed > 0) {
-        out.push_back(
-            {"Reynolds number", "rho U H / mu", liquid.density * speed * length / liquid.viscosity});
+        add("Reynolds number", "rho U H / mu", liquid.density * speed * length / liquid.viscosity);
     }
+    const double tension = liquid.surface_tension;
+    if (tension <= 0) return;
+    if (pull > 0) add("Bond number", "rho g H^2 / sigma", liquid.density * pull * length * length / tension);
+    if (speed > 0) add("Weber number", "rho U^2 H / sigma", liquid.density * speed * speed * length / tension);
+    if (liquid.viscosity > 0 && speed > 0) add("capillary number", "mu U / sigma", liquid.viscosity * speed / tension);
+}
+} // namespace
+
+std::vector<DimensionlessNumber> dimensionless_numbers(const Input& input, const Estimates& estimates) {
+    const auto& liquids = input.scene.liquids;
+    const double pull = length_of(input.scene.domain.gravity);
+    std::vector<DimensionlessNumber> out;
     if (pull > 0 && estimates.initial_speed > 0) {
         out.push_back(
-            {"Froude number", "U0 / sqrt(g H)", estimates.initial_speed / std::sqrt(pull * length)});
+            {"Froude number", "U0 / sqrt(g H)", estimates.initial_speed / std::sqrt(pull * estimates.length)});
     }
-    if (liquid.surface_tension > 0) {
-        const double tension = liquid.surface_tension;
-        if (pull > 0)
-            out.push_back(
-                {"Bond number", "rho g H^2 / sigma", liquid.density * pull * length * length / tension});
-        if (speed > 0) {
-            out.push_back(
-                {"Weber number", "rho U^2 H / sigma", liquid.density * speed * speed * length / tension});
-        }
-        if (liquid.viscosity > 0 && speed > 0) {
-            out.push_back({"capillary number", "mu U / sigma", liquid.viscosity * speed / tension});
-        }
+    if (!sph::differ(liquid_materials(input))) {
+        add_numbers_of(liquids.front(), "", pull, estimates, out);
+        return out;
     }
+    for (const auto& liquid : liquids) add_numbers_of(liquid, " " + liquid.name, pull, estimates, out);
+    const auto [light, heavy] = std::ranges::minmax(liquids, {}, &scene::Liquid::density);
+    out.push_back({"Atwood number", "(rho1 - rho2) / (rho1 + rho2)",
+                   (heavy.density - light.density) / (heavy.density + light.density)});
     return out;
 }
 

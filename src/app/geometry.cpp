@@ -170,6 +170,18 @@ void validate_geometry(const Input& input, const Geometry& geometry, const Comm&
     if (!problems.empty()) throw InputError(std::move(problems));
 }
 
+std::vector<sph::LiquidMaterial> liquid_materials(const Input& input) {
+    std::vector<sph::LiquidMaterial> out;
+    for (const auto& liquid : input.scene.liquids) out.push_back({liquid.density, liquid.viscosity});
+    return out;
+}
+
+double limiting_viscosity(const Input& input) {
+    const auto materials = liquid_materials(input);
+    if (!sph::differ(materials)) return materials.front().viscosity;
+    return materials.front().density * sph::largest_kinematic_viscosity(materials);
+}
+
 sph::Constants make_constants(const Input& input) {
     const auto& domain = input.scene.domain;
     sph::Constants out;

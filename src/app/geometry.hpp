@@ -52,7 +52,13 @@ void validate_geometry(const Input& input, const Geometry& geometry, const Comm&
 // Bytes that a run needs per liquid and per solid particle, all told.
 double bytes_per_particle(const Input& input);
 
-// Masses, volumes and rest densities from the lattice.
+// What the scene's liquids are made of.
+std::vector<sph::LiquidMaterial> liquid_materials(const Input& input);
+
+// Of a liquid of the first one's density whose explicit viscosity limits the step as the liquids together do [Pa s].
+double limiting_viscosity(const Input& input);
+
+// Masses, volumes and rest densities of the first liquid from the lattice.
 sph::Constants make_constants(const Input& input);
 
 } // namespace treacle::app

@@ -10,11 +10,25 @@ namespace treacle::app {
 namespace {
 constexpr double nowhere = -1e300;
 
-double measure_front(int axis, const sph::IsphStep& solver) {
+// Which particles are looked at.
+struct Chosen {
+    Array<int> liquid;
+    int number; // -1: all
+
+    KOKKOS_INLINE_FUNCTION bool operator()(int i) const { return number < 0 || liquid(i) == number; }
+};
+Chosen choose(const scene::Measurement& measurement, const scene::Scene& scene, const sph::IsphStep& solver) {
+    Chosen out{solver.liquid().liquid(), -1};
+    const auto at = std::ranges::find(scene.liquids, measurement.liquid, &scene::Liquid::name);
+    if (at != scene.liquids.end()) out.number = static_cast<int>(at - scene.liquids.begin());
+    return out;
+}
+
+double measure_front(int axis, const Chosen& chosen, const sph::IsphStep& solver) {
     const auto x = solver.liquid().position();
     double front = nowhere;
     Kokkos::parallel_reduce("treacle::front", solver.liquid().store.owned(), KOKKOS_LAMBDA(int i, double& most) {
-        most = math::max(most, x(i, axis));
+        if (chosen(i)) most = math::max(most, x(i, axis));
     }, Kokkos::Max<double>(front));
     const double over_ranks = solver.comm().max(front);
     return over_ranks > nowhere ? over_ranks + solver.setup().constants.spacing / 2 : 0.0;
@@ -73,13 +87,13 @@ Plumb drop_plumb(const Vec3& position, const scene::Domain& domain, const sph::C
 
 // Share of each level that is liquid, over all ranks: particles are spread over a spacing up and down. Counted in
 // integers, so that no order of the particles changes it.
-std::vector<double> wet_levels(const Plumb& plumb, const sph::IsphStep& solver) {
+std::vector<double> wet_levels(const Plumb& plumb, const Chosen& chosen, const sph::IsphStep& solver) {
     const auto& constants = solver.setup().constants;
     const auto x = solver.liquid().position();
     const double d = constants.spacing, unit = 1e-9 * plumb.area * d / constants.rest_volume;
     const Array<std::int64_t> counts("treacle::wet_levels", static_cast<std::size_t>(plumb.levels));
     Kokkos::parallel_for("treacle::height", solver.liquid().store.owned(), KOKKOS_LAMBDA(int i) {
-        const double weight = plumb.weight(x, i);
+        const double weight = chosen(i) ? plumb.weight(x, i) : 0;
         if (weight == 0) return;
         const double y = (plumb.way * x(i, plumb.up) - plumb.floor) / plumb.step;
         const int nearest = static_cast<int>(math::floor(y));
@@ -99,9 +113,10 @@ std::vector<double> wet_levels(const Plumb& plumb, const sph::IsphStep& solver) 
 
 // Where the liquid over a point ends: the highest level at which half of the surroundings, a support radius wide, is
 // liquid [m] above the lower side of the domain.
-double measure_height(const Vec3& position, const scene::Domain& domain, const sph::IsphStep& solver) {
+double measure_height(const Vec3& position, const scene::Domain& domain, const Chosen& chosen,
+                      const sph::IsphStep& solver) {
     const auto plumb = drop_plumb(position, domain, solver.setup().constants);
-    const auto wet = wet_levels(plumb, solver);
+    const auto wet = wet_levels(plumb, chosen, solver);
     for (std::size_t k = wet.size() - 1; k > 0; --k) {
         if (wet[k] >= 0.5 || wet[k - 1] < 0.5) continue;
         return plumb.step * (double(k - 1) + (wet[k - 1] - 0.5) / (wet[k - 1] - wet[k]));
@@ -109,24 +124,26 @@ double measure_height(const Vec3& position, const scene::Domain& domain, const s
     return 0;
 }
 
-double measure_flow(const scene::Measurement& measurement, const sph::IsphStep& solver) {
+double measure_flow(const scene::Measurement& measurement, const Chosen& chosen, const sph::IsphStep& solver) {
     const int axis = measurement.axis;
     const double at = measurement.position[static_cast<std::size_t>(axis)];
     const double half = solver.setup().constants.support / 2;
     const auto x = solver.liquid().position(), u = solver.liquid().velocity();
     double sum = 0;
     Kokkos::parallel_reduce("treacle::flow", solver.liquid().store.owned(), KOKKOS_LAMBDA(int i, double& flow) {
-        if (math::fabs(x(i, axis) - at) < half) flow += u(i, axis);
+        if (math::fabs(x(i, axis) - at) < half && chosen(i)) flow += u(i, axis);
     }, sum);
     return solver.comm().sum(sum) * solver.setup().constants.rest_volume / (2 * half);
 }
 } // namespace
 
-double measure(const scene::Measurement& measurement, const scene::Domain& domain, const sph::IsphStep& solver) {
+double measure(const scene::Measurement& measurement, const scene::Scene& scene, const sph::IsphStep& solver) {
+    const auto chosen = choose(measurement, scene, solver);
     switch (measurement.kind) {
-    case scene::MeasurementKind::front: return measure_front(measurement.axis, solver);
-    case scene::MeasurementKind::height: return measure_height(measurement.position, domain, solver);
-    case scene::MeasurementKind::flow: return measure_flow(measurement, solver);
+    case scene::MeasurementKind::front: return measure_front(measurement.axis, chosen, solver);
+    case scene::MeasurementKind::height: 
+        return measure_height(measurement.position, scene.domain, chosen, solver);
+    case scene::MeasurementKind::flow: return measure_flow(measurement, chosen, solver);
     }
     return 0;
 }

@@ -9,7 +9,8 @@ namespace treacle::app {
 //   height  height of the liquid above the domain's floor in the column one spacing to either side of the
 //           position; 0 where there is no liquid [m]
 //   flow    volume flow through the plane through the position [m3/s], [m2/s] in the plane
-double measure(const scene::Measurement& measurement, const scene::Domain& domain, const sph::IsphStep& solver);
+// Of all liquids, or of the one that the measurement names.
+double measure(const scene::Measurement& measurement, const scene::Scene& scene, const sph::IsphStep& solver);
 
 // "front [m]": the measurement's name with its unit.
 std::string measurement_column(const scene::Measurement& measurement, const scene::Domain& domain);

@@ -122,6 +122,7 @@ void Outputs::write_frame(const Progress& progress, sph::IsphStep& solver) {
     const auto& store = solver.liquid().store;
     auto names = input_.scene.output.fields;
     names.push_back("id");
+    if (input_.scene.liquids.size() > 1) names.push_back("liquid"); // pictures and ParaView tell them apart by it
     const auto positions = host_rows(store.position(), store.owned());
     const auto fields = collect_fields(store, names);
     frames_.write(progress.step, progress.time, make_block(positions, fields));
@@ -162,7 +163,7 @@ void Outputs::write_measurements(const Progress& progress, const sph::IsphStep& 
     for (std::size_t k = 0; k < measurements.size(); ++k) {
         if (progress.time < next_measurement_[k] - 1e-12) continue;
         const double interval = measurements[k].interval;
-        last_measurement_[k] = measure(measurements[k], input_.scene.domain, solver);
+        last_measurement_[k] = measure(measurements[k], input_.scene, solver);
         if (interval > 0) next_measurement_[k] = interval * (std::floor(progress.time / interval + 1e-9) + 1);
         due = true;
     }

@@ -26,7 +26,7 @@ std::int64_t lost_against_limit(const Progress& progress) {
 
 void check_time_step(const Input& input) {
     const auto& time = input.scene.time;
-    const double viscosity = input.scene.liquids.front().viscosity;
+    const double viscosity = limiting_viscosity(input);
     const double limit = sph::viscous_step_limit(make_constants(input), viscosity);
     const double step = time.rule == scene::StepRule::fixed ? time.step : 0;
     if (std::max(step, time.min_step) <= limit) return;
@@ -150,7 +150,7 @@ void TimeLoop::take_step(Outputs& outputs) {
     progress_.time += dt;
     iterations_ += report.pressure.iterations;
     check_losses(report, outputs);
-    totals_ = sph::measure_totals(setup_.comm, solver_->liquid(), solver_->setup().constants.mass,
+    totals_ = sph::measure_totals(setup_.comm, solver_->liquid(), solver_->setup().constants,
                                   solver_->setup().forces.gravity);
     if (!std::isfinite(totals_.kinetic_energy)) {
         throw SimulationError({"step " + std::to_string(progress_.step), "the kinetic energy is not finite",
@@ -197,7 +197,7 @@ void TimeLoop::write_summary(const std::string& how_it_ended) {
 
 ExitCode TimeLoop::run(Opening opening) {
     const auto& constants = solver_->setup().constants;
-    totals_ = sph::measure_totals(setup_.comm, solver_->liquid(), constants.mass, solver_->setup().forces.gravity);
+    totals_ = sph::measure_totals(setup_.comm, solver_->liquid(), constants, solver_->setup().forces.gravity);
     Outputs outputs(setup_.comm, setup_.folder, setup_.input, progress_, opening);
     if (opening == Opening::fresh) {
         progress_.initial_particles = totals_.particles;

@@ -108,6 +108,7 @@ void Measurement::declare(Declaration& d) {
     d.choice<int>("axis", axis, {{"x", 0}, {"y", 1}, {"z", 2}}, "Axis of the front, normal of the plane.");
     d.check(axis < 2 || !d.plane_vectors(), "axis", {"must be x or y", "the scene is plane", ""});
     d.vec3("position", position, unit::length, "The point of the height, a point of the plane.");
+    d.text("liquid", liquid, "Name of the one liquid that is looked at; without it all of them.");
     d.number("interval", interval, unit::time, interval_range,
              "Simulated time between values; 0 for every step.");
 }
@@ -135,6 +136,11 @@ void Scene::declare(Declaration& d) {
     settle_names(d, "cameras", cameras, [](const Camera&) { return std::string("main"); });
     d.list("measurements", measurements, "Values that become columns of measurements.csv.");
     settle_names(d, "measurements", measurements, standard_name);
+    for (const auto& one : measurements) {
+        const bool known = one.liquid.empty() || std::ranges::find(liquids, one.liquid, &Liquid::name) != liquids.end();
+        d.check(known, "measurements", {"the liquid " + one.liquid + " of " + one.name + " is not among `liquids`",
+                                        "there would be nothing to measure", "give the name of one of them"});
+    }
     d.number("lost_limit", lost_limit, unit::none, range_between(0, 1),
              "Share of the particles that may be lost before the run ends with exit code 3.");
 }

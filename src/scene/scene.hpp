@@ -142,6 +142,7 @@ struct Measurement {
     MeasurementKind kind = MeasurementKind::front;
     int axis = 0;           // 0 x, 1 y, 2 z
     Vec3 position{0, 0, 0}; // [m]
+    std::string liquid;     // name; empty: all liquids together
     double interval = 0;    // [s]; 0: every step
 
     void declare(Declaration& d);

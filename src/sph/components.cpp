@@ -42,9 +42,10 @@ struct Forest {
     }
 };
 
-template <class Kernel>
+template <class Kernel, class Liquids>
 struct JoinLoop {
     LaplacianWeight<Kernel> laplacian;
+    Liquids liquids;
     Pairs pairs;
     Forest forest; // parents of Poisson particles, -1 for all others, ghosts included
     Array<double> wall, diagonal;
@@ -54,7 +55,8 @@ struct JoinLoop {
         const auto& x = pairs.of;
         const double dx = x(i, 0) - x(j, 0), dy = x(i, 1) - x(j, 1), dz = x(i, 2) - x(j, 2);
         const double r2 = dx * dx + dy * dy + dz * dz;
-        return laplacian.weight(laplacian.volume(i) + laplacian.volume(j), r2, math::sqrt(r2));
+        return laplacian.weight(laplacian.volume(i) + laplacian.volume(j), r2, math::sqrt(r2)) *
+               liquids.conductance(i, j);
     }
     KOKKOS_INLINE_FUNCTION void operator()(int i) const {
         const auto& parent = forest.parent;
@@ -98,10 +100,13 @@ std::int64_t Anchoring::label(const SphOptions& options, const Constants& consta
     });
     with_kernel(options.kernel, constants.dimensions, constants.support, [&](const auto& kernel) {
         using Kernel = std::decay_t<decltype(kernel)>;
-        Kokkos::parallel_for("treacle::join_components", n,
-                             JoinLoop<Kernel>{laplacian_weight(kernel, constants, liquid),
-                                              pairs(neighbours.liquid, liquid.store, liquid.store), forest,
-                                              liquid.wall_term(), liquid.diagonal(), anchored_});
+        with_liquids(constants.mixture, liquid.liquid(), 0, [&](const auto& liquids) {
+            using Liquids = std::decay_t<decltype(liquids)>;
+            Kokkos::parallel_for("treacle::join_components", n,
+                                 JoinLoop<Kernel, Liquids>{laplacian_weight(kernel, constants, liquid), liquids,
+                                                           pairs(neighbours.liquid, liquid.store, liquid.store),
+                                                           forest, liquid.wall_term(), liquid.diagonal(), anchored_});
+        });
     });
     Kokkos::parallel_for("treacle::flatten_components", n, KOKKOS_LAMBDA(int i) {
         if (role(i) != Role::poisson) return;

@@ -9,6 +9,7 @@ struct DensityLoop {
     NumberKernel number;
     DensityOptions options;
     Fluid fluid;
+    RelativeDensity relative;
     Array<double> density, blended, volume;
 
     KOKKOS_INLINE_FUNCTION void operator()(int i) const {
@@ -27,11 +28,12 @@ struct DensityLoop {
             wall_number += fluid.solid_volume(s) * number.value(r);
         });
         rho += c.rest_density * wall;
-        density(i) = rho;
+        const double weight = relative(i);
+        density(i) = weight * rho;
         volume(i) = c.mass / rho;
         const double zeta = options.spiky_share(fluid.solid.count(i)); // (2.3)
         if (zeta == 0) {
-            blended(i) = rho;
+            blended(i) = weight * rho;
             return;
         }
         Lanes spiky = 0.0;
@@ -39,7 +41,7 @@ struct DensityLoop {
             spiky = spiky + row.within(k, number.value(distance(row.near(k).r2).r)); // (2.2)
         }
         const double n = sum_lanes(spiky) + wall_number / c.rest_volume;
-        blended(i) = (1 - zeta) * rho + zeta * c.rest_density / c.number_density * n;
+        blended(i) = weight * ((1 - zeta) * rho + zeta * c.rest_density / c.number_density * n);
     }
 };
 
@@ -71,7 +73,8 @@ void compute_density(const SphOptions& options, const Constants& constants, Liqu
     with_kernel(options.kernel, constants.dimensions, constants.support, [&](const auto& kernel) {
         using Kernel = std::decay_t<decltype(kernel)>;
         Kokkos::parallel_for("treacle::density", fluid.count,
-                             DensityLoop<Kernel>{kernel, number, options.density, fluid, liquid.density(),
+                             DensityLoop<Kernel>{kernel, number, options.density, fluid,
+                                                 relative_density(constants, liquid), liquid.density(),
                                                  liquid.blended_density(), liquid.volume()});
     });
 }
@@ -91,9 +94,10 @@ Compression measure_compression(const Constants& constants, const LiquidParticle
     Compression out;
     const auto rho = liquid.density();
     const double rest = constants.rest_density;
+    const auto relative = relative_density(constants, liquid);
     Kokkos::parallel_reduce("treacle::compression", liquid.store.owned(),
         KOKKOS_LAMBDA(int i, double& sum, double& most) {
-            const double error = math::max(0.0, rho(i) / rest - 1);
+            const double error = math::max(0.0, rho(i) / (rest * relative(i)) - 1);
             sum += error;
             most = math::max(most, error);
         }, Kokkos::Sum<double>(out.sum), Kokkos::Max<double>(out.max));

@@ -5,9 +5,10 @@
 namespace treacle::sph {
 
 namespace {
-template <class Kernel>
+template <class Kernel, class Liquids>
 struct ForceLoop {
     Kernel kernel;
+    Liquids liquids;
     Fluid fluid;
     double gravity[3];
     double artificial, viscosity;
@@ -21,17 +22,18 @@ struct ForceLoop {
         Lanes fx = 0.0, fy = 0.0, fz = 0.0;
         const double soft = 0.01 * c.support * c.support;
         // Densities of pairs are the rest density here: the liquid is incompressible, and a division less counts.
-        const double laminar = 2 * (Kernel::dimensions + 2) * viscosity / (c.rest_density * c.rest_density);
+        const double laminar = 2 * (Kernel::dimensions + 2) * liquids.scale() / (c.rest_density * c.rest_density);
         const double colliding = artificial / c.rest_density;
         const double ux = u(i, 0), uy = u(i, 1), uz = u(i, 2);
         if (artificial > 0 || viscosity > 0) {
             const Row row = fluid.row(i);
+            const auto partners = liquids.partners(i);
             for (int k = 0; k < row.count; k += lanes) {
                 const auto d = row.near(k);
                 const auto v = fluid.motions(row, k);
                 const auto along = distance(d.r2);
                 const Lanes approach = (ux - v.x) * d.x + (uy - v.y) * d.y + (uz - v.z) * d.z;
-                const Lanes drag = laminar * approach + colliding * math::min(approach, Lanes(0.0));
+                const Lanes drag = partners.drag(row.index + k, laminar, colliding, approach);
                 const Lanes f = row.within(k, c.mass * drag * inverse(d.r2 + soft) *
                                                   kernel.gradient(along.r, along.inverse));
                 fx = fx + f * d.x;
@@ -42,12 +44,14 @@ struct ForceLoop {
             ay += sum_lanes(fy);
             az += sum_lanes(fz);
         }
+        const double own = 2 * (Kernel::dimensions + 2) * liquids.viscosity(i) / (c.rest_density * c.rest_density) /
+                           liquids.density(i);
         fluid.solid.each(i, [&](int s, double dx, double dy, double dz, double r2) {
             const double grip = friction(fluid.solid_body(s));
             if (grip == 0) return;
             const auto& v = fluid.solid_velocity;
             const double approach = (ux - v(s, 0)) * dx + (uy - v(s, 1)) * dy + (uz - v(s, 2)) * dz;
-            const double drag = laminar * approach + colliding * math::min(approach, 0.0);
+            const double drag = own * approach + colliding * math::min(approach, 0.0);
             const double mass = c.rest_density * fluid.solid_volume(s) * grip;
             const double f = mass * drag / (r2 + soft) * kernel.gradient(math::sqrt(r2));
             ax += f * dx;
@@ -60,9 +64,10 @@ struct ForceLoop {
     }
 };
 
-template <class Kernel>
+template <class Kernel, class Liquids>
 struct PressureForceLoop {
     Kernel kernel;
+    Liquids liquids;
     Fluid fluid;
     Array3 velocity;
     double dt;
@@ -71,20 +76,23 @@ struct PressureForceLoop {
         const Constants& c = fluid.constants;
         const double own = fluid.load(i);
         const Row row = fluid.row(i);
+        const auto partners = liquids.partners(i);
         Lanes fx = 0.0, fy = 0.0, fz = 0.0;
         for (int k = 0; k < row.count; k += lanes) {
             const auto d = row.near(k);
             const auto along = distance(d.r2);
-            const Lanes f = row.within(k, -c.mass * (own + d.number) * kernel.gradient(along.r, along.inverse));
+            const Lanes f = row.within(k, -c.mass * partners.loads(row.index + k, own, d.number) *
+                                              kernel.gradient(along.r, along.inverse));
             fx = fx + f * d.x;
             fy = fy + f * d.y;
             fz = fz + f * d.z;
         }
         double ax = sum_lanes(fx), ay = sum_lanes(fy), az = sum_lanes(fz);
         if (own > 0) {
+            const double load = own / liquids.density(i);
             fluid.solid.each(i, [&](int s, double dx, double dy, double dz, double r2) {
                 const double f =
-                    -c.rest_density * fluid.solid_volume(s) * own * kernel.gradient(math::sqrt(r2));
+                    -c.rest_density * fluid.solid_volume(s) * load * kernel.gradient(math::sqrt(r2));
                 ax += f * dx;
                 ay += f * dy;
                 az += f * dz;
@@ -122,12 +130,13 @@ struct BodyLoadLoop : LoadReduction {
 };
 
 // The reaction of the viscous forces of ForceLoop, pair by pair.
-template <class Kernel>
+template <class Kernel, class Liquids>
 struct ViscousLoadLoop : BodyLoadLoop<Kernel> {
     using Base = BodyLoadLoop<Kernel>;
     using value_type = double[];
     using size_type = std::size_t;
-    double artificial, viscosity;
+    Liquids liquids;
+    double artificial;
     Array<double> friction;
 
     KOKKOS_INLINE_FUNCTION void operator()(int i, value_type sum) const {
@@ -135,8 +144,8 @@ struct ViscousLoadLoop : BodyLoadLoop<Kernel> {
         const Constants& c = fluid.constants;
         const auto &u = fluid.velocity, &v = fluid.solid_velocity;
         const double soft = 0.01 * c.support * c.support;
-        const double laminar = 2 * (Kernel::dimensions + 2) * viscosity / (c.rest_density * c.rest_density);
-        const double colliding = artificial / c.rest_density;
+        const double laminar = 2 * (Kernel::dimensions + 2) * liquids.viscosity(i) / (c.rest_density * c.rest_density);
+        const double colliding = artificial / c.rest_density * liquids.density(i);
         fluid.solid.each(i, [&](int s, double dx, double dy, double dz, double r2) {
             const double grip = friction(fluid.solid_body(s));
             if (grip == 0) return;
@@ -151,9 +160,10 @@ struct ViscousLoadLoop : BodyLoadLoop<Kernel> {
     }
 };
 
-template <class Kernel>
+template <class Kernel, class Liquids>
 struct XsphLoop {
     Kernel kernel;
+    Liquids liquids;
     Fluid fluid;
     double share;
     Array3 correction;
@@ -162,7 +172,8 @@ struct XsphLoop {
         const auto& u = fluid.velocity;
         double cx = 0, cy = 0, cz = 0;
         fluid.liquid.each(i, [&](int j, double, double, double, double r2) {
-            const double w = 0.5 * (fluid.volume(i) + fluid.volume(j)) * kernel.value(math::sqrt(r2));
+            const double w = 0.5 * (fluid.volume(i) + fluid.volume(j)) * kernel.value(math::sqrt(r2)) *
+                             liquids.colliding(i, j);
             cx += w * (u(j, 0) - u(i, 0));
             cy += w * (u(j, 1) - u(i, 1));
             cz += w * (u(j, 2) - u(i, 2));
@@ -194,15 +205,18 @@ BodyLoads apply_forces(const SphOptions& options, const ForceOptions& forces, co
     grips = grips && std::any_of(forces.friction.begin(), forces.friction.end(), [](double f) { return f > 0; });
     with_kernel(options.kernel, constants.dimensions, constants.support, [&](const auto& kernel) {
         using Kernel = std::decay_t<decltype(kernel)>;
-        Kokkos::parallel_for("treacle::forces", fluid.count,
-                             ForceLoop<Kernel>{kernel, fluid, {g[0], g[1], g[2]}, forces.artificial,
-                                               forces.viscosity, friction, liquid.acceleration()});
-        if (grips) {
+        with_liquids(constants.mixture, liquid.liquid(), forces.viscosity, [&](const auto& liquids) {
+            using Liquids = std::decay_t<decltype(liquids)>;
+            Kokkos::parallel_for("treacle::forces", fluid.count,
+                                 ForceLoop<Kernel, Liquids>{kernel, liquids, fluid, {g[0], g[1], g[2]},
+                                                            forces.artificial, forces.viscosity, friction,
+                                                            liquid.acceleration()});
+            if (!grips) return;
             Kokkos::parallel_reduce("treacle::viscous_loads", fluid.count,
-                                    ViscousLoadLoop<Kernel>{{{loads.size()}, kernel, fluid, points},
-                                                            forces.artificial, forces.viscosity, friction},
+                                    ViscousLoadLoop<Kernel, Liquids>{{{loads.size()}, kernel, fluid, points},
+                                                                     liquids, forces.artificial, friction},
                                     host_sums(loads));
-        }
+        });
     });
     accelerate(liquid, dt);
     return loads;
@@ -230,8 +244,11 @@ BodyLoads apply_pressure(const SphOptions& options, const Constants& constants, 
     BodyLoads loads(static_cast<std::size_t>(6 * points.count), 0.0);
     with_kernel(options.kernel, constants.dimensions, constants.support, [&](const auto& kernel) {
         using Kernel = std::decay_t<decltype(kernel)>;
-        Kokkos::parallel_for("treacle::pressure_force", fluid.count,
-                             PressureForceLoop<Kernel>{kernel, fluid, liquid.velocity(), dt});
+        with_liquids(constants.mixture, liquid.liquid(), 0, [&](const auto& liquids) {
+            using Liquids = std::decay_t<decltype(liquids)>;
+            Kokkos::parallel_for("treacle::pressure_force", fluid.count,
+                                 PressureForceLoop<Kernel, Liquids>{kernel, liquids, fluid, liquid.velocity(), dt});
+        });
         if (neighbours.solid.size > 0) {
             Kokkos::parallel_reduce("treacle::body_loads", fluid.count,
                                     BodyLoadLoop<Kernel>{{loads.size()}, kernel, fluid, points},
@@ -246,8 +263,12 @@ void compute_xsph(const SphOptions& options, const Constants& constants, LiquidP
     const auto fluid = gather_fluid(constants, liquid, solid, neighbours);
     with_kernel(options.kernel, constants.dimensions, constants.support, [&](const auto& kernel) {
         using Kernel = std::decay_t<decltype(kernel)>;
-        Kokkos::parallel_for("treacle::xsph", fluid.count,
-                             XsphLoop<Kernel>{kernel, fluid, options.viscosity.xsph, liquid.acceleration()});
+        with_liquids(constants.mixture, liquid.liquid(), 0, [&](const auto& liquids) {
+            using Liquids = std::decay_t<decltype(liquids)>;
+            Kokkos::parallel_for("treacle::xsph", fluid.count,
+                                 XsphLoop<Kernel, Liquids>{kernel, liquids, fluid, options.viscosity.xsph,
+                                                           liquid.acceleration()});
+        });
     });
 }
 

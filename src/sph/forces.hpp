@@ -11,7 +11,8 @@ namespace treacle::sph {
 struct ForceOptions {
     Vec3 gravity{0, 0, 0};         // [m/s2]
     double artificial = 0;         // alpha h c of Monaghan 1992 [m2/s]
-    double viscosity = 0;          // dynamic viscosity of the liquid [Pa s]
+    double viscosity = 0;          // dynamic [Pa s]; of several liquids: as of one of the first one's density that limits
+                                   // the step as much (largest_kinematic_viscosity)
     std::vector<double> friction;  // per body: 0 free slip, 1 no slip
     std::vector<double> skin_friction; // per body: c_f
 };
@@ -22,7 +23,8 @@ using BodyLoads = std::vector<double>;
 // (S4) Gravity, Monaghan's artificial viscosity, and the physical viscosity in the pairwise form of Monaghan &
 // Cleary, 2 (D+2) mu (v.x) grad W / (rho0^2 r^2), which conserves linear and angular momentum; then
 // u* = u + dt a for the owned particles. Explicit: stable for dt <= viscous_step_limit(). Returns this rank's share
-// of the viscous forces on the bodies, equal and opposite; none when `points` are not given.
+// of the viscous forces on the bodies, equal and opposite; none when `points` are not given. Liquids that differ act on
+// each other by the harmonic means of their viscosities and, in the artificial one, of their densities.
 BodyLoads apply_forces(const SphOptions& options, const ForceOptions& forces, const Constants& constants,
                        LiquidParticles& liquid, const SolidParticles& solid, const Neighbourhood& neighbours,
                        double dt, const LoadPoints& points = 0);
@@ -34,7 +36,7 @@ double viscous_step_limit(const Constants& constants, double viscosity);
 void compute_loads(const Constants& constants, LiquidParticles& liquid);
 
 // (S8) Acceleration by pressure, -sum_j m (p_i/rho_i^2 + p_j/rho_j^2) grad W - rho0 sum_s V_s p_i/rho_i^2
-// grad W (Akinci et al. 2012), added to the velocities; equal and opposite on the bodies, of which this
+// grad W (Akinci et al. 2012; of several liquids: Mixture, README), added to the velocities; equal and opposite on the bodies, of which this
 // rank's share is returned.
 BodyLoads apply_pressure(const SphOptions& options, const Constants& constants, LiquidParticles& liquid,
                          const SolidParticles& solid, const Neighbourhood& neighbours, const LoadPoints& points,

@@ -138,6 +138,7 @@ bool IsphStep::solids_unknown() const {
 void IsphStep::update_density(StepReport& report) {
     compute_density(setup_.options, setup_.constants, liquid_, solid_, neighbours_);
     halo_.gather(liquid_.store, {liquid_.volume_field(), liquid_.velocity_field()});
+    if (setup_.constants.mixture.several()) halo_.gather(liquid_.store, {liquid_.liquid_field()});
     const auto compression = measure_compression(setup_.constants, liquid_);
     report.mean_compression = compression.sum;
     report.max_compression = compression.max;
@@ -372,6 +373,7 @@ double IsphStep::stable_step(double cfl) const {
     const double pull = std::sqrt(g[0] * g[0] + g[1] * g[1] + g[2] * g[2]);
     const double d = setup_.constants.spacing;
     double dt = viscous_step_limit(setup_.constants, setup_.forces.viscosity);
+    cfl *= setup_.constants.mixture.step_share;
     if (speed > 0) dt = std::min(dt, cfl * d / speed);
     if (pull > 0) dt = std::min(dt, cfl * std::sqrt(d / pull));
     return dt;

@@ -81,6 +81,7 @@ public:
 
     // Largest step in which no particle moves farther than `cfl` spacings at its speed or the reference speed, which
     // bounds what the pressure must hold up, no body that moves does either, and the limit of the explicit viscosity [s].
+    // With several liquids Mixture::step_share of the first of these.
     double stable_step(double cfl) const;
 
     // Called with the pressure matrix of every step before its solve, outside of all phases: for measurements. IISPH

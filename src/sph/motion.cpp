@@ -81,33 +81,37 @@ std::vector<LostParticle> remove_lost(const DomainBox& domain, LiquidParticles& 
     return lost;
 }
 
-LiquidTotals measure_totals(const Comm& comm, const LiquidParticles& liquid, double mass,
+LiquidTotals measure_totals(const Comm& comm, const LiquidParticles& liquid, const Constants& constants,
                             const std::array<double, 3>& gravity) {
     const auto x = liquid.position(), u = liquid.velocity();
+    const auto relative = relative_density(constants, liquid);
     const double gx = gravity[0], gy = gravity[1], gz = gravity[2];
-    double p[3] = {0, 0, 0}, l[3] = {0, 0, 0}, speed2 = 0, potential = 0, fastest = 0;
+    double p[3] = {0, 0, 0}, l[3] = {0, 0, 0}, weight = 0, speed2 = 0, potential = 0, fastest = 0;
     const int n = liquid.store.owned();
     Kokkos::parallel_reduce("treacle::momentum", n,
         KOKKOS_LAMBDA(int i, double& px, double& py, double& pz, double& lx, double& ly, double& lz) {
-            px += u(i, 0);
-            py += u(i, 1);
-            pz += u(i, 2);
-            lx += x(i, 1) * u(i, 2) - x(i, 2) * u(i, 1);
-            ly += x(i, 2) * u(i, 0) - x(i, 0) * u(i, 2);
-            lz += x(i, 0) * u(i, 1) - x(i, 1) * u(i, 0);
+            const double m = relative(i);
+            px += m * u(i, 0);
+            py += m * u(i, 1);
+            pz += m * u(i, 2);
+            lx += m * (x(i, 1) * u(i, 2) - x(i, 2) * u(i, 1));
+            ly += m * (x(i, 2) * u(i, 0) - x(i, 0) * u(i, 2));
+            lz += m * (x(i, 0) * u(i, 1) - x(i, 1) * u(i, 0));
         }, p[0], p[1], p[2], l[0], l[1], l[2]);
     Kokkos::parallel_reduce("treacle::energy", n,
-        KOKKOS_LAMBDA(int i, double& kinetic, double& height, double& most) {
-            const double s2 = u(i, 0) * u(i, 0) + u(i, 1) * u(i, 1) + u(i, 2) * u(i, 2);
-            kinetic += s2;
-            height -= gx * x(i, 0) + gy * x(i, 1) + gz * x(i, 2);
+        KOKKOS_LAMBDA(int i, double& mass, double& kinetic, double& height, double& most) {
+            const double s2 = u(i, 0) * u(i, 0) + u(i, 1) * u(i, 1) + u(i, 2) * u(i, 2), m = relative(i);
+            mass += m;
+            kinetic += m * s2;
+            height -= m * (gx * x(i, 0) + gy * x(i, 1) + gz * x(i, 2));
             most = math::max(most, s2);
-        }, speed2, potential, Kokkos::Max<double>(fastest));
-    double sums[9] = {double(n), p[0], p[1], p[2], l[0], l[1], l[2], speed2, potential};
+        }, weight, speed2, potential, Kokkos::Max<double>(fastest));
+    double sums[10] = {double(n), p[0], p[1], p[2], l[0], l[1], l[2], speed2, potential, weight};
     comm.sum(std::span<double>(sums));
+    const double mass = constants.mass;
     LiquidTotals out;
     out.particles = static_cast<std::int64_t>(std::llround(sums[0]));
-    out.mass = mass * sums[0];
+    out.mass = mass * sums[9];
     for (std::size_t k = 0; k < 3; ++k) {
         out.momentum[k] = mass * sums[1 + k];
         out.angular_momentum[k] = mass * sums[4 + k];

@@ -1,7 +1,7 @@
 #pragma once
 #include "mpi/comm.hpp"
 #include "sph/domain.hpp"
-#include "sph/particles.hpp"
+#include "sph/neighbourhood.hpp"
 
 #include <array>
 #include <vector>
@@ -38,7 +38,7 @@ struct LiquidTotals {
     double potential_energy = 0;           // [J], zero at the origin
     double max_speed = 0;                  // [m/s]
 };
-LiquidTotals measure_totals(const Comm& comm, const LiquidParticles& liquid, double mass,
+LiquidTotals measure_totals(const Comm& comm, const LiquidParticles& liquid, const Constants& constants,
                             const std::array<double, 3>& gravity);
 
 } // namespace treacle::sph

@@ -1,5 +1,6 @@
 #pragma once
 #include "kokkos/neighbour_list.hpp"
+#include "sph/mixture.hpp"
 #include "sph/options.hpp"
 #include "sph/particles.hpp"
 
@@ -9,13 +10,14 @@ namespace treacle::sph {
 struct Constants {
     double support = 0;        // h [m]
     double spacing = 0;        // d [m]
-    double mass = 0;           // m [kg], [kg/m] in the plane
-    double rest_density = 0;   // rho0 [kg/m3]
+    double mass = 0;           // m [kg], [kg/m] in the plane; of the first liquid
+    double rest_density = 0;   // rho0 [kg/m3]; of the first liquid
     double rest_volume = 0;    // V0 [m^D]
     double number_density = 0; // n0
     double laplacian_diagonal = 0; // sum_j a_ij on the full lattice [1/m2]
     double wall_cover = 1;         // how many times a_is count as cover (lattice.hpp)
     int dimensions = 3;
+    Mixture mixture;           // of several liquids, otherwise empty
 };
 
 // The neighbours of one step: liquid around liquid, solid around liquid.
@@ -71,6 +73,10 @@ struct Pairs {
         }
     }
 };
+
+inline RelativeDensity relative_density(const Constants& constants, const LiquidParticles& liquid) {
+    return {constants.mixture.several(), liquid.liquid(), constants.mixture.density};
+}
 
 inline Pairs pairs(const NeighbourList& list, const ParticleStore& of, const ParticleStore& among) {
     return {list.offset, list.index, of.position(), among.position()};

@@ -31,9 +31,10 @@ struct RowSums {
     }
 };
 
-template <class Kernel>
+template <class Kernel, class Liquids>
 struct PredictionLoop {
     LaplacianWeight<Kernel> laplacian;
+    Liquids liquids;
     Fluid fluid;
     PressureOptions options;
     LastPressures pressures;
@@ -53,13 +54,15 @@ struct PredictionLoop {
         RowSums out;
         Lanes divergence = 0.0, weights = 0.0, weighted = 0.0;
         const Row row = fluid.row(i);
+        const auto partners = liquids.partners(i);
         for (int k = 0; k < row.count; k += lanes) {
             const auto d = row.near(k);
             const auto m = fluid.motions(row, k);
             const auto along = distance(d.r2);
             // W' r is grad r^2 here; the matrix computes its a_ij without the division.
             const Lanes gradient = row.within(k, laplacian.kernel.gradient(along.r, along.inverse));
-            const Lanes a = laplacian.weight_of(volume + d.number, d.r2, gradient * d.r2);
+            const Lanes a =
+                partners.conduct(row.index + k, laplacian.weight_of(volume + d.number, d.r2, gradient * d.r2));
             divergence = divergence + gradient * ((ux - m.x) * d.x + (uy - m.y) * d.y + (uz - m.z) * d.z);
             weights = weights + a;
             weighted = weighted + a * m.w;
@@ -77,12 +80,13 @@ struct PredictionLoop {
         }
         if (options.dirichlet == DirichletRule::ghosts) out.cover = cover(i);
         double solid = 0;
+        const double weight = liquids.density(i);
         fluid.solid.each(i, [&](int s, double dx, double dy, double dz, double r2) {
             const double r = math::sqrt(r2);
             const double g = laplacian.kernel.gradient(r);
             const double vg = fluid.solid_volume(s) * g;
             solid += vg * ((ux - v(s, 0)) * dx + (uy - v(s, 1)) * dy + (uz - v(s, 2)) * dz);
-            out.solid_weights += laplacian.weight(volume + fluid.solid_volume(s), r2, r);
+            out.solid_weights += laplacian.weight(volume + fluid.solid_volume(s), r2, r) / weight;
             out.wall_vector[0] += vg * dx;
             out.wall_vector[1] += vg * dy;
             out.wall_vector[2] += vg * dz;
@@ -108,15 +112,15 @@ struct PredictionLoop {
         // The exact source needs the last pressures; without them only the Neumann problem itself is exact.
         const bool starting = pressures == LastPressures::none && options.solid_term == SolidTerm::exact;
         if (starting && sum.weights > 0) return 0;
-        if (options.solid_term == SolidTerm::decomposed) return sum.decomposed();
+        if (options.solid_term == SolidTerm::decomposed) return sum.decomposed() / liquids.density(i);
         const double ratio = fluid.constants.rest_density / fluid.constants.mass * fluid.volume(i);
-        return ratio * ratio * sum.wall_square(); // alpha_i of Eq. 3.2
+        return ratio * ratio * sum.wall_square() / liquids.density(i); // alpha_i of Eq. 3.2
     }
 
     // What neighbours at zero pressure, in the place of those that lack, would add to the diagonal (README).
-    KOKKOS_INLINE_FUNCTION double ghost_term(const RowSums& sum) const {
+    KOKKOS_INLINE_FUNCTION double ghost_term(int i, const RowSums& sum) const {
         if (options.dirichlet != DirichletRule::ghosts) return 0;
-        return math::max(0.0, fluid.constants.laplacian_diagonal - sum.cover);
+        return math::max(0.0, fluid.constants.laplacian_diagonal - sum.cover) / liquids.density(i);
     }
 
     // `weights` are those of the system without walls.
@@ -136,7 +140,7 @@ struct PredictionLoop {
         switch (options.dirichlet) {
         case DirichletRule::ghosts: return true;
         case DirichletRule::surface: return role(i) == Role::poisson; // as mark_surface left it
-        case DirichletRule::density: return blended(i) >= options.surface_density * rest;
+        case DirichletRule::density: return blended(i) / liquids.density(i) >= options.surface_density * rest;
         case DirichletRule::predicted_density: return predicted >= options.surface_density * rest;
         case DirichletRule::source:
         case DirichletRule::predicted: break;
@@ -153,14 +157,15 @@ struct PredictionLoop {
     KOKKOS_INLINE_FUNCTION void operator()(int i, int& poissons, int& separates) const {
         const RowSums sum = sums(i);
         const double rest = fluid.constants.rest_density;
-        const double predicted = blended(i) + dt * sum.divergence; // (2.4)
+        const double excess = liquids.recovered(blended(i) / liquids.density(i) - rest, dt);
+        const double predicted = rest + (excess + dt * sum.divergence); // (2.4), over the liquid's share of rest
         double b = (predicted - rest) / (dt * dt);
         const bool pushed = b > 0;
         if (options.clamping == Clamping::sources) b = math::max(b, 0.0);
         const double alpha = solid_term(i, sum);
         const double answered = answer == Answer::bodies ? response(i) : 0;
         const bool linked = options.solid_term == SolidTerm::unknowns && sum.solid_weights > 0;
-        const double ghosts = sum.weights > 0 || linked ? ghost_term(sum) : 0;
+        const double ghosts = sum.weights > 0 || linked ? ghost_term(i, sum) : 0;
         const double weights = sum.weights + ghosts;
         wall_term(i) = alpha + ghosts;
         diagonal(i) = weights + alpha + (linked ? sum.solid_weights : 0);
@@ -186,13 +191,15 @@ RoleCounts predict(const SphOptions& options, const Constants& constants, Liquid
     int poissons = 0, separates = 0;
     with_kernel(options.kernel, constants.dimensions, constants.support, [&](const auto& kernel) {
         using Kernel = std::decay_t<decltype(kernel)>;
-        Kokkos::parallel_reduce("treacle::predict", fluid.count,
-                                PredictionLoop<Kernel>{laplacian_weight(kernel, constants, liquid), fluid,
-                                                       options.pressure, pressures, dt, answer, liquid.response(),
-                                                       liquid.blended_density(),
-                                                       liquid.source(), liquid.diagonal(), liquid.wall_term(),
-                                                       liquid.role()},
-                                poissons, separates);
+        with_liquids(constants.mixture, liquid.liquid(), 0, [&](const auto& liquids) {
+            using Liquids = std::decay_t<decltype(liquids)>;
+            Kokkos::parallel_reduce("treacle::predict", fluid.count,
+                                    PredictionLoop<Kernel, Liquids>{
+                                        laplacian_weight(kernel, constants, liquid), liquids, fluid, options.pressure,
+                                        pressures, dt, answer, liquid.response(), liquid.blended_density(),
+                                        liquid.source(), liquid.diagonal(), liquid.wall_term(), liquid.role()},
+                                    poissons, separates);
+        });
     });
     return {poissons, fluid.count - poissons - separates, separates};
 }

@@ -26,28 +26,34 @@ void PressureSystem::number_rows(const Comm& comm, LiquidParticles& liquid, Halo
     halo.gather(liquid.store, {liquid.row_field()});
 }
 
-// Ghosts that are unknowns stand for the other ranks' columns, whether or not they are near enough to be neighbours.
-// On the host, where the halo is: a few bytes for each ghost.
-void PressureSystem::number_halo(const Comm& comm, const LiquidParticles& liquid) {
+// On the host, where the halo is: four bytes for each ghost.
+void PressureSystem::connect_halo(const Comm& comm, std::initializer_list<RowsOf> particles) {
+    auto& columns = halo_columns_;
+    columns.clear();
+    for (const auto& of : particles) {
+        const auto ghosts = std::pair(of.store.owned(), of.store.total());
+        const auto row = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), Kokkos::subview(of.row, ghosts));
+        for (std::size_t g = 0; g < row.extent(0); ++g) {
+            const int r = row(g);
+            if (r >= 0 && (r < first_row_ || r >= first_row_ + rows_)) columns.push_back(r);
+        }
+    }
+    std::sort(columns.begin(), columns.end());
+    columns.erase(std::unique(columns.begin(), columns.end()), columns.end());
+    places_.size = static_cast<int>(columns.size());
+    reserve(places_.column, columns.size());
+    const Kokkos::View<const int*, Kokkos::HostSpace, Kokkos::MemoryUnmanaged> host(columns.data(), columns.size());
+    Kokkos::deep_copy(Kokkos::subview(places_.column, std::pair(0, places_.size)), host);
+    halo_.connect(comm, first_row_, columns);
+}
+
+void PressureSystem::place_ghosts(const LiquidParticles& liquid) {
+    reserve(ghost_place_, static_cast<std::size_t>(liquid.store.ghosts()));
+    const auto row = liquid.row(), place = ghost_place_;
+    const auto places = places_;
     const int owned = liquid.store.owned();
-    const auto ghosts = static_cast<std::size_t>(liquid.store.ghosts());
-    reserve(halo_place_, ghosts);
-    const auto range = std::pair(owned, liquid.store.total());
-    const auto row = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), Kokkos::subview(liquid.row(), range));
-    const auto elsewhere = [&](int r) { return r >= 0 && (r < first_row_ || r >= first_row_ + rows_); };
-    halo_rows_.clear();
-    for (std::size_t g = 0; g < ghosts; ++g) {
-        if (elsewhere(row(g))) halo_rows_.push_back(row(g));
-    }
-    std::sort(halo_rows_.begin(), halo_rows_.end());
-    halo_rows_.erase(std::unique(halo_rows_.begin(), halo_rows_.end()), halo_rows_.end());
-    const auto place = Kokkos::create_mirror_view(Kokkos::HostSpace(), halo_place_);
-    for (std::size_t g = 0; g < ghosts; ++g) {
-        const auto found = std::lower_bound(halo_rows_.begin(), halo_rows_.end(), row(g));
-        place(g) = elsewhere(row(g)) ? static_cast<int>(found - halo_rows_.begin()) : -1;
-    }
-    Kokkos::deep_copy(halo_place_, place);
-    halo_.connect(comm, first_row_, halo_rows_);
+    Kokkos::parallel_for("treacle::place_ghosts", liquid.store.ghosts(),
+                         KOKKOS_LAMBDA(int g) { place(g) = places(row(owned + g)); });
 }
 
 namespace {
@@ -105,13 +111,14 @@ struct RowWriter {
     }
 };
 
-template <class Kernel>
+template <class Kernel, class Liquids>
 struct FillLoop {
     LaplacianWeight<Kernel> laplacian;
+    Liquids liquids;
     Pairs pairs;
     Array4 place;
     PressureSystem::Block own, other;
-    Array<int> row, halo_place;
+    Array<int> row, ghost_place;
     Array<double> diagonal, source, pressure, right_hand_side, solution;
     int first, rows, owned;
 
@@ -122,10 +129,12 @@ struct FillLoop {
         RowWriter there{other.column.data() + other.offset(r), other.value.data() + other.offset(r)};
         const double volume = laplacian.volume(i);
         const Row around = pairs.row(i, place);
+        const auto partners = liquids.partners(i);
         bool diagonal_written = false, rising = true;
         for (int k = 0; k < around.count; k += lanes) {
             const auto d = around.near(k);
-            const Lanes value = -laplacian.weight(volume + d.number, d.r2, distance(d.r2).r);
+            const Lanes value = -partners.conduct(around.index + k,
+                                                  laplacian.weight(volume + d.number, d.r2, distance(d.r2).r));
             const IntLanes index = load_ints(around.index + k), global = gather_ints(row.data(), index);
             const IntLanes column = shift_ints(global, -first);
             const unsigned unknown = first_bits(around.count - k) & ~bits_below(global, 0);
@@ -144,7 +153,7 @@ struct FillLoop {
                 here.add_each(inside, column, value);
             }
             if (inside != unknown) {
-                there.add_each(unknown & ~inside, index, value, [&](int j) { return halo_place(j - owned); });
+                there.add_each(unknown & ~inside, index, value, [&](int j) { return ghost_place(j - owned); });
             }
         }
         if (!diagonal_written) here.add(r, diagonal(i));
@@ -168,7 +177,8 @@ void PressureSystem::count_entries(const LiquidParticles& liquid, const Neighbou
 void PressureSystem::assemble(const SphOptions& options, const Constants& constants, const Comm& comm,
                               LiquidParticles& liquid, const Neighbourhood& neighbours, Halo& halo) {
     number_rows(comm, liquid, halo);
-    number_halo(comm, liquid);
+    connect_halo(comm, {{liquid.store, liquid.row()}});
+    place_ghosts(liquid);
     count_entries(liquid, neighbours);
     write_places(liquid, liquid.volume());
     for (const auto& [block, entries] : {std::pair(&own_, own_entries_), std::pair(&other_, other_entries_)}) {
@@ -179,12 +189,16 @@ void PressureSystem::assemble(const SphOptions& options, const Constants& consta
     reserve(solution_, static_cast<std::size_t>(rows_));
     with_kernel(options.kernel, constants.dimensions, constants.support, [&](const auto& kernel) {
         using Kernel = std::decay_t<decltype(kernel)>;
-        Kokkos::parallel_for(
-            "treacle::fill_matrix", liquid.store.owned(),
-            FillLoop<Kernel>{laplacian_weight(kernel, constants, liquid),
-                             pairs(neighbours.liquid, liquid.store, liquid.store), liquid.place, own_, other_,
-                             liquid.row(), halo_place_, liquid.diagonal(), liquid.source(), liquid.pressure(), right_hand_side_,
-                             solution_, static_cast<int>(first_row_), rows_, liquid.store.owned()});
+        with_liquids(constants.mixture, liquid.liquid(), 0, [&](const auto& liquids) {
+            using Liquids = std::decay_t<decltype(liquids)>;
+            Kokkos::parallel_for(
+                "treacle::fill_matrix", liquid.store.owned(),
+                FillLoop<Kernel, Liquids>{laplacian_weight(kernel, constants, liquid), liquids,
+                                          pairs(neighbours.liquid, liquid.store, liquid.store), liquid.place, own_,
+                                          other_, liquid.row(), ghost_place_, liquid.diagonal(), liquid.source(),
+                                          liquid.pressure(), right_hand_side_, solution_, static_cast<int>(first_row_), rows_,
+                                          liquid.store.owned()});
+        });
     });
 }
 
@@ -228,7 +242,7 @@ void PressureSystem::store_pressure(LiquidParticles& liquid) const {
 
 std::size_t PressureSystem::bytes() const {
     std::size_t total = 8 * (right_hand_side_.span() + solution_.span()) + halo_.bytes() +
-                        4 * (halo_place_.span() + halo_rows_.capacity());
+                        4 * (ghost_place_.span() + places_.column.span() + halo_columns_.capacity());
     for (const auto* block : {&own_, &other_}) {
         total += 4 * (block->offset.span() + block->column.span()) + 8 * block->value.span();
     }

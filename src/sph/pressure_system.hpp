@@ -5,6 +5,9 @@
 #include "sph/neighbourhood.hpp"
 #include "sph/solid_rows.hpp"
 
+#include <initializer_list>
+#include <vector>
+
 namespace treacle::sph {
 
 // The pressure matrix of the Poisson particles, assembled straight into distributed compressed rows: a block of
@@ -13,6 +16,23 @@ namespace treacle::sph {
 //     sum_j a_ij (p_i - p_j) + alpha_i p_i = b_i,  p_j = 0 at Dirichlet neighbours
 class PressureSystem {
 public:
+    // Finds the place in the halo of another rank's row, by its global number; a number that is not there gets any.
+    struct HaloPlaces {
+        Array<int> column{"treacle::halo_column", 0}; // rising
+        int size = 0;
+        KOKKOS_INLINE_FUNCTION int operator()(int global) const {
+            int first = 0;
+            for (int last = size; first < last;) {
+                const int middle = (first + last) / 2;
+                if (column(middle) < global) {
+                    first = middle + 1;
+                } else {
+                    last = middle;
+                }
+            }
+            return first;
+        }
+    };
     // Liquid and solid particles, both with unknowns.
     struct JointParticles {
         LiquidParticles& liquid;
@@ -73,15 +93,21 @@ public:
     // Parts of the above; not private, since nvcc takes no kernel in a private function.
     void number_rows(const Comm& comm, LiquidParticles& liquid, Halo& halo);
     void number_joint_rows(const Comm& comm, const JointParticles& joint);
-    void number_joint_halo(const Comm& comm);
-    void number_halo(const Comm& comm, const LiquidParticles& liquid);
+    // Particles whose ghosts may be other ranks' columns, whether or not they are near enough to be neighbours.
+    struct RowsOf {
+        const ParticleStore& store;
+        Array<int> row;
+    };
+    void connect_halo(const Comm& comm, std::initializer_list<RowsOf> particles);
+    void place_ghosts(const LiquidParticles& liquid);
     void count_entries(const LiquidParticles& liquid, const Neighbourhood& neighbours);
 
 private:
     Block own_, other_;
     RowHalo halo_;
-    Array<int> halo_place_{"treacle::halo_place", 0}; // [ghosts] of a ghost's row, -1: a row of this rank or none
-    std::vector<int> halo_rows_;                      // global numbers, rising
+    std::vector<int> halo_columns_;     // scratch of connect_halo()
+    HaloPlaces places_;
+    Array<int> ghost_place_{"treacle::ghost_place", 0}; // [ghosts] place of the liquid ghost's row in the halo
     Array<double> right_hand_side_{"treacle::right_hand_side", 0};
     Array<double> solution_{"treacle::solution", 0};
     int rows_ = 0;

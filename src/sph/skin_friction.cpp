@@ -10,6 +10,7 @@ struct SkinFrictionLoop : LoadReduction {
     Kernel kernel;
     Fluid fluid;
     LoadPoints points;
+    RelativeDensity relative;
     Array<double> coefficient;
     double dt;
 
@@ -63,7 +64,7 @@ struct SkinFrictionLoop : LoadReduction {
         for (int k = 0; k < 3; ++k) {
             const double lost = along[k] * (rate / (1 + rate));
             fluid.velocity(i, k) -= lost;
-            force[k] = fluid.constants.mass * lost / dt;
+            force[k] = fluid.constants.mass * relative(i) * lost / dt;
         }
         const auto& x = fluid.solid.among;
         const double shares = wall.coefficient * wall.weights;
@@ -87,7 +88,8 @@ void apply_skin_friction(const SphOptions& options, const Constants& constants, 
     BodyLoads own(loads.size(), 0.0);
     with_kernel(options.kernel, constants.dimensions, constants.support, [&](const auto& kernel) {
         using Kernel = std::decay_t<decltype(kernel)>;
-        const SkinFrictionLoop<Kernel> loop{{own.size()}, kernel, fluid, friction.points, coefficient, friction.dt};
+        const SkinFrictionLoop<Kernel> loop{
+            {own.size()}, kernel, fluid, friction.points, relative_density(constants, liquid), coefficient, friction.dt};
         Kokkos::parallel_reduce("treacle::skin_friction", fluid.count, loop, host_sums(own));
     });
     for (std::size_t k = 0; k < loads.size(); ++k) loads[k] += own[k];

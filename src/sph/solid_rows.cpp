@@ -4,8 +4,6 @@
 #include "sph/laplacian.hpp"
 #include "sph/pressure_system.hpp"
 
-#include <algorithm>
-
 namespace treacle::sph {
 
 namespace {
@@ -80,6 +78,7 @@ struct JointLoop {
     Array<double> volume, solid_volume;
     PressureSystem::Block own, other;
     Array<double> diagonal;
+    PressureSystem::HaloPlaces places;
     int first, rows;
 
     KOKKOS_INLINE_FUNCTION bool mine(int column) const { return column >= first && column < first + rows; }
@@ -121,7 +120,7 @@ struct JointLoop {
             if (mine(c)) {
                 insert(column, value, here, c - first, a);
             } else {
-                insert(other.column.data() + other.offset(r), other.value.data() + other.offset(r), there, c, a);
+                insert(other.column.data() + other.offset(r), other.value.data() + other.offset(r), there, places(c), a);
             }
         });
     }
@@ -190,6 +189,7 @@ void PressureSystem::assemble_joint(const SphOptions& options, const Constants& 
     number_joint_rows(comm, joint);
     const auto& l = joint.liquid;
     const auto& s = joint.solid;
+    connect_halo(comm, {{l.store, l.row()}, {s.store, s.row()}});
     const int n = l.store.owned(), walls = s.store.owned(), first = static_cast<int>(first_row_);
     const auto n_rows = static_cast<std::size_t>(rows_);
     for (auto* block : {&own_, &other_}) reserve(block->offset, n_rows + 1);
@@ -201,12 +201,12 @@ void PressureSystem::assemble_joint(const SphOptions& options, const Constants& 
         const auto rows_of_liquid = [&] {
             return JointLoop<Kernel>{laplacian, pairs(joint.neighbours.liquid, l.store, l.store),
                                      pairs(joint.neighbours.solid, l.store, s.store), l.row(), l.row(), s.row(),
-                                     l.volume(), s.volume(), own_, other_, l.diagonal(), first, rows_};
+                                     l.volume(), s.volume(), own_, other_, l.diagonal(), places_, first, rows_};
         };
         const auto rows_of_solid = [&] {
             return JointLoop<Kernel>{laplacian, pairs(joint.around.liquid, s.store, l.store),
                                      pairs(joint.around.solid, s.store, s.store), s.row(), l.row(), s.row(),
-                                     s.volume(), s.volume(), own_, other_, s.diagonal(), first, rows_};
+                                     s.volume(), s.volume(), own_, other_, s.diagonal(), places_, first, rows_};
         };
         const auto count = [](const char* label, int size, const JointLoop<Kernel>& loop) {
             Kokkos::parallel_for(label, size, KOKKOS_LAMBDA(int i) { loop.count(i); });
@@ -225,26 +225,10 @@ void PressureSystem::assemble_joint(const SphOptions& options, const Constants& 
         fill("treacle::fill_liquid_rows", n, rows_of_liquid());
         fill("treacle::fill_solid_rows", walls, rows_of_solid());
     });
-    number_joint_halo(comm);
     Kokkos::deep_copy(right_hand_side_, 0.0); // of solids: they are compressed by nothing but what their rows say
     write_vectors(n, first, l.row(), l.source(), right_hand_side_);
     write_vectors(n, first, l.row(), l.pressure(), solution_);
     write_vectors(walls, first, s.row(), s.pressure(), solution_);
-}
-
-// Puts places in the halo in the stead of the global numbers of other ranks' columns.
-void PressureSystem::number_joint_halo(const Comm& comm) {
-    const auto column = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), other_.column);
-    int* first = column.data();
-    int* last = first + other_entries_;
-    halo_rows_.assign(first, last);
-    std::sort(halo_rows_.begin(), halo_rows_.end());
-    halo_rows_.erase(std::unique(halo_rows_.begin(), halo_rows_.end()), halo_rows_.end());
-    for (int* c = first; c != last; ++c) {
-        *c = static_cast<int>(std::lower_bound(halo_rows_.begin(), halo_rows_.end(), *c) - halo_rows_.begin());
-    }
-    Kokkos::deep_copy(other_.column, column);
-    halo_.connect(comm, first_row_, halo_rows_);
 }
 
 void PressureSystem::store_solid_pressure(SolidParticles& solid) const {

@@ -20,11 +20,13 @@ SHORTENED = {
     "floating_cube": {"time.end": "0.04"},
     "hanging_ball": {"domain.spacing": "0.02", "time.end": "0.07"},
     "hydrostatic_column": {"time.end": "0.02"},
+    "layered_tank": {"time.end": "0.02"},
     "koshizuka_oka": {"domain.spacing": "0.0146", "time.end": "0.08"},
     "martin_moyce": {"domain.spacing": "0.0057", "time.end": "0.06"},
     "neutral_ball": {"time.end": "0.03"},
     "periodic_tank": {"domain.spacing": "0.02", "time.end": "0.12"},
     "stirrer": {"time.end": "0.05"},
+    "two_liquids": {"domain.spacing": "0.05", "time.end": "0.07"},
 }
 
 # Of the spacing, after at most 50 steps: the solver's 1e-10, amplified by the motion.

@@ -116,5 +116,5 @@ def linear_scaling(context):
 
 bodies.add_rows(TABLE)
 iisph.add_rows(TABLE)
-peer.add_rows(TABLE)
 surfaces.add_rows(TABLE)
+peer.add_rows(TABLE)

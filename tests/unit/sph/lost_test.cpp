@@ -109,7 +109,7 @@ TEST(Totals, AreSumsOverTheParticlesOfAllRanks) {
     const double m = sample.setup.constants.mass;
     for (auto& point : sample.liquid) {
         for (double& u : point.u) u = random.unit() - 0.5;
-        const auto& [x, u, pressure] = point;
+        const auto& [x, u, pressure, which] = point;
         double u2 = 0;
         for (std::size_t k = 0; k < 3; ++k) {
             p[k] += m * u[k];
@@ -124,7 +124,7 @@ TEST(Totals, AreSumsOverTheParticlesOfAllRanks) {
     LiquidParticles liquid;
     SolidParticles solid;
     put(comm, sample, liquid, solid);
-    const auto totals = measure_totals(comm, liquid, m, {0, 0, -9.81});
+    const auto totals = measure_totals(comm, liquid, sample.setup.constants, {0, 0, -9.81});
     EXPECT_EQ(totals.particles, std::int64_t(sample.liquid.size()));
     for (std::size_t k = 0; k < 3; ++k) {
         EXPECT_NEAR(totals.momentum[k], p[k], 1e-12 * m * 96);
@@ -135,7 +135,7 @@ TEST(Totals, AreSumsOverTheParticlesOfAllRanks) {
     EXPECT_NEAR(totals.potential_energy, potential, 1e-12 * potential);
     EXPECT_NEAR(totals.max_speed, fastest, 1e-14 * fastest);
     const LiquidParticles none;
-    EXPECT_EQ(measure_totals(comm, none, m, {0, 0, -9.81}).max_speed, 0);
+    EXPECT_EQ(measure_totals(comm, none, sample.setup.constants, {0, 0, -9.81}).max_speed, 0);
 }
 
 } // namespace treacle::sph

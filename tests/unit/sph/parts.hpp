@@ -40,7 +40,8 @@ struct Parts {
         neighbours.liquid.build(liquid.store, liquid.store, setup.grid, liquid_cells, support);
         neighbours.solid.build(liquid.store, solid.store, setup.grid, solid_cells, support);
         compute_density(setup.options, setup.constants, liquid, solid, neighbours);
-        halo.gather(liquid.store, {liquid.volume_field(), liquid.velocity_field(), liquid.pressure_field()});
+        halo.gather(liquid.store, {liquid.volume_field(), liquid.velocity_field(), liquid.pressure_field(),
+                                   liquid.liquid_field()});
     }
 
     RoleCounts predict_roles(LastPressures pressures, double dt) {

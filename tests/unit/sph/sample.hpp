@@ -16,6 +16,7 @@ struct LiquidPoint {
     Vec3 x;
     Vec3 u{0, 0, 0};
     double p = 0;
+    int liquid = 0;
 };
 struct SolidPoint {
     Vec3 x;
@@ -153,7 +154,7 @@ inline void put(const Comm& comm, const Sample& sample, LiquidParticles& liquid,
         for (std::size_t i = 0; i < drops.size(); ++i) v(i) = sample.liquid[drops[i]].p;
     });
     test::edit(liquid.liquid(), [&](auto& v) {
-        for (std::size_t i = 0; i < drops.size(); ++i) v(i) = 0;
+        for (std::size_t i = 0; i < drops.size(); ++i) v(i) = sample.liquid[drops[i]].liquid;
     });
     points.clear();
     const auto bricks = share(sample.solid.size());

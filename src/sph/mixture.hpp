@@ -1,0 +1,135 @@
+#pragma once
+#include "kokkos/lanes.hpp"
+
+#include <span>
+
+namespace treacle::sph {
+
+struct LiquidMaterial {
+    double density = 1000; // at rest [kg/m3]
+    double viscosity = 0;  // [Pa s]
+};
+
+// Several liquids in one scene. Every particle has the same rest volume, so that its density over its rest density,
+// the sum of V0 W, knows nothing of what the particles around it weigh: no false pressure stands where two liquids
+// meet (Solenthaler & Pajarola 2008). In the sums of the pressure system, densities are therefore those of particles
+// that all weigh the first liquid's mass; what a particle truly weighs enters where forces become accelerations.
+// Formulas: README. Empty for one liquid.
+struct Mixture {
+    // Of liquid i beside liquid j, with their densities s over the first one's and their viscosities.
+    enum Table {
+        conductance, // 2 / (s_i + s_j): symmetric
+        own_load,    // 2 s_j / (s_i (s_i + s_j)): of the own pressure in the acceleration
+        laminar,     // harmonic mean of the viscosities over s_i [Pa s]
+        colliding,   // 2 s_j / (s_i + s_j)
+        tables
+    };
+    int count = 1;
+    // Time in which a compressed particle expands again, when a step is shorter [s]. A light one between a heavy liquid
+    // and a wall would take all the speed that expanding within a short step asks for, and make the next step shorter.
+    double recovery = 0;
+    // Of the step of one liquid: the root of the lightest over the heaviest density. The pressure that stops a heavy
+    // liquid moves a light one faster by its inverse.
+    double step_share = 1;
+    Array<double> density;   // [count] over Constants::rest_density
+    Array<double> viscosity; // [count] [Pa s]
+    Array<double> pair;      // [tables][count][count]
+
+    KOKKOS_INLINE_FUNCTION bool several() const { return count > 1; }
+};
+
+// For liquids whose first one has the density of Constants. Throws std::invalid_argument without liquids. Needs Kokkos.
+Mixture make_mixture(std::span<const LiquidMaterial> liquids);
+
+// Whether the liquids differ, so that make_mixture is needed.
+bool differ(std::span<const LiquidMaterial> liquids);
+
+// Mixture::step_share of the liquids.
+double step_share(std::span<const LiquidMaterial> liquids);
+
+// Of all pairs of liquids the largest viscosity over density of the one that gives way [m2/s].
+double largest_kinematic_viscosity(std::span<const LiquidMaterial> liquids);
+
+// Rest density of a particle's liquid over the first liquid's.
+struct RelativeDensity {
+    bool several;
+    Array<int> liquid;
+    Array<double> density;
+
+    KOKKOS_INLINE_FUNCTION double operator()(int i) const { return several ? density(liquid(i)) : 1.0; }
+};
+
+// What the liquids of a pair change in its terms: nothing.
+struct OneLiquid {
+    struct Partners {
+        KOKKOS_INLINE_FUNCTION Lanes conduct(const int*, Lanes a) const { return a; }
+        KOKKOS_INLINE_FUNCTION Lanes loads(const int*, double own, Lanes other) const { return own + other; }
+        KOKKOS_INLINE_FUNCTION Lanes drag(const int*, double laminar, double colliding, Lanes approach) const {
+            return laminar * approach + colliding * math::min(approach, Lanes(0.0));
+        }
+    };
+    double viscosity_; // [Pa s]
+
+    KOKKOS_INLINE_FUNCTION Partners partners(int) const { return {}; }
+    KOKKOS_INLINE_FUNCTION double conductance(int, int) const { return 1; }
+    KOKKOS_INLINE_FUNCTION double colliding(int, int) const { return 1; }
+    KOKKOS_INLINE_FUNCTION double density(int) const { return 1; }
+    KOKKOS_INLINE_FUNCTION double viscosity(int) const { return viscosity_; }
+    KOKKOS_INLINE_FUNCTION double recovered(double excess, double) const { return excess; }
+    // Factor of the terms of OneLiquid::Partners::drag that the viscosity enters by.
+    KOKKOS_INLINE_FUNCTION double scale() const { return viscosity_; }
+};
+
+// The same for several liquids; `index` points at the first of some neighbours in a row of a list.
+struct SeveralLiquids {
+    struct Partners {
+        const int* liquid;
+        const double* row; // of the first table, for the particle's own liquid
+        int stride;        // between tables
+
+        KOKKOS_INLINE_FUNCTION Lanes of(Mixture::Table table, const int* index) const {
+            const IntLanes which = gather_ints(liquid, load_ints(index));
+            return gather_lanes(row + table * stride, which);
+        }
+        KOKKOS_INLINE_FUNCTION Lanes conduct(const int* index, Lanes a) const {
+            return a * of(Mixture::conductance, index);
+        }
+        KOKKOS_INLINE_FUNCTION Lanes loads(const int* index, double own, Lanes other) const {
+            return own * of(Mixture::own_load, index) + other * of(Mixture::conductance, index);
+        }
+        KOKKOS_INLINE_FUNCTION Lanes drag(const int* index, double laminar, double colliding, Lanes approach) const {
+            return laminar * of(Mixture::laminar, index) * approach +
+                   colliding * of(Mixture::colliding, index) * math::min(approach, Lanes(0.0));
+        }
+    };
+    Mixture mixture;
+    Array<int> liquid;
+
+    KOKKOS_INLINE_FUNCTION Partners partners(int i) const {
+        return {liquid.data(), mixture.pair.data() + liquid(i) * mixture.count, mixture.count * mixture.count};
+    }
+    KOKKOS_INLINE_FUNCTION double of(Mixture::Table table, int i, int j) const {
+        return mixture.pair((table * mixture.count + liquid(i)) * mixture.count + liquid(j));
+    }
+    KOKKOS_INLINE_FUNCTION double conductance(int i, int j) const { return of(Mixture::conductance, i, j); }
+    KOKKOS_INLINE_FUNCTION double colliding(int i, int j) const { return of(Mixture::colliding, i, j); }
+    KOKKOS_INLINE_FUNCTION double density(int i) const { return mixture.density(liquid(i)); }
+    KOKKOS_INLINE_FUNCTION double viscosity(int i) const { return mixture.viscosity(liquid(i)); }
+    // The part of a density beyond the rest density that a step takes back.
+    KOKKOS_INLINE_FUNCTION double recovered(double excess, double dt) const {
+        return excess > 0 && dt < mixture.recovery ? excess * (dt / mixture.recovery) : excess;
+    }
+    KOKKOS_INLINE_FUNCTION double scale() const { return 1; }
+};
+
+// Calls work(pairing) with a OneLiquid or a SeveralLiquids, so that one liquid pays nothing for several.
+template <class Work>
+void with_liquids(const Mixture& mixture, const Array<int>& liquid, double viscosity, const Work& work) {
+    if (mixture.several()) {
+        work(SeveralLiquids{mixture, liquid});
+    } else {
+        work(OneLiquid{viscosity});
+    }
+}
+
+} // namespace treacle::sph
