@@ -41,6 +41,10 @@ void check_supported(const Input& input) {
         problems.push_back({liquids[1].where, "liquids that differ in density or viscosity need method.pressure.solver: isph",
                             "the other solvers are there to compare with and know one liquid", "leave the solver out"});
     }
+    if (sph::differ(liquid_materials(input)) && input.method.pressure.solid_term == sph::SolidTerm::unknowns) {
+        problems.push_back({liquids[1].where, "liquids that differ in density or viscosity, with method.pressure.solid_term: unknowns",
+                            "solids as unknowns are there to compare with and know one liquid", "take another solid_term"});
+    }
     for (const auto& liquid : liquids) {
         if (liquid.surface_tension > 0 && !is_of_preset(liquid)) {
             problems.push_back({liquid.where, "liquids." + liquid.name + ".surface_tension is not modelled by method sph",

@@ -16,6 +16,7 @@ struct RowSums {
     double weights = 0;        // sum_j a_ij [1/m2]
     double weighted = 0;       // sum_j a_ij p_j [Pa/m2]
     double solid_weights = 0;  // sum_s a_is [1/m2]
+    double cover = 0;          // of the full lattice's sum_j a_ij, what is there, all at rest volumes [1/m2]
     double liquid_vector[3] = {0, 0, 0}; // sum_j V_ij grad W [1/m]
     double wall_vector[3] = {0, 0, 0};   // sum_s V_s grad W [1/m]
 
@@ -77,6 +78,7 @@ struct PredictionLoop {
                 out.liquid_vector[2] += half * dz;
             });
         }
+        if (options.dirichlet == DirichletRule::ghosts) out.cover = cover(i);
         double solid = 0;
         const double weight = liquids.density(i);
         fluid.solid.each(i, [&](int s, double dx, double dy, double dz, double r2) {
@@ -93,6 +95,18 @@ struct PredictionLoop {
         return out;
     }
 
+    KOKKOS_INLINE_FUNCTION double cover(int i) const {
+        const double rest = fluid.constants.rest_volume;
+        double sum = 0, walls = 0;
+        fluid.liquid.each(i, [&](int, double, double, double, double r2) {
+            sum += laplacian.weight(2 * rest, r2, math::sqrt(r2));
+        });
+        fluid.solid.each(i, [&](int s, double, double, double, double r2) {
+            walls += laplacian.weight(rest + fluid.solid_volume(s), r2, math::sqrt(r2));
+        });
+        return sum + fluid.constants.wall_cover * walls;
+    }
+
     KOKKOS_INLINE_FUNCTION double solid_term(int i, const RowSums& sum) const {
         if (options.solid_term == SolidTerm::none || options.solid_term == SolidTerm::unknowns) return 0;
         // The exact source needs the last pressures; without them only the Neumann problem itself is exact.
@@ -104,10 +118,9 @@ struct PredictionLoop {
     }
 
     // What neighbours at zero pressure, in the place of those that lack, would add to the diagonal (README).
-    KOKKOS_INLINE_FUNCTION double ghost_term(const RowSums& sum) const {
+    KOKKOS_INLINE_FUNCTION double ghost_term(int i, const RowSums& sum) const {
         if (options.dirichlet != DirichletRule::ghosts) return 0;
-        const Constants& c = fluid.constants;
-        return math::max(0.0, c.laplacian_diagonal - sum.weights - c.wall_cover * sum.solid_weights);
+        return math::max(0.0, fluid.constants.laplacian_diagonal - sum.cover) / liquids.density(i);
     }
 
     // `weights` are those of the system without walls.
@@ -153,7 +166,7 @@ struct PredictionLoop {
         const double alpha = solid_term(i, sum);
         const double answered = answer == Answer::bodies ? response(i) : 0;
         const bool linked = options.solid_term == SolidTerm::unknowns && sum.solid_weights > 0;
-        const double ghosts = sum.weights > 0 || linked ? ghost_term(sum) : 0;
+        const double ghosts = sum.weights > 0 || linked ? ghost_term(i, sum) : 0;
         const double weights = sum.weights + ghosts;
         wall_term(i) = alpha + ghosts;
         diagonal(i) = weights + alpha + (linked ? sum.solid_weights : 0);

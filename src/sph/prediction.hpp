@@ -18,7 +18,8 @@ enum class LastPressures { none, known };
 // With answering bodies, the field `response` tells what the bodies that give way add to each row with p^t
 // (body_response.hpp).
 // Reads ghost velocities u*, densities and pressures p^t. Writes role, source (right-hand side), diagonal
-// (sum_j a_ij + wall term), wall_term.
+// (sum_j a_ij + wall term), wall_term: what walls and ghosts add. With solids as unknowns the diagonal has their a_is
+// too, and wall_term waits for SolidRows. Other rules than Eq. 2.6 and clamped sources: README.
 // Returns this rank's counts.
 enum class Answer { none, bodies };
 RoleCounts predict(const SphOptions& options, const Constants& constants, LiquidParticles& liquid,

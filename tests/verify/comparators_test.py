@@ -66,6 +66,9 @@ class Comparators(Workplace):
         done = self.treacle("check", os.path.join(INPUTS, "floating_cube", "scene.yaml"),
                             "--set", "method.pressure.solid_term=unknowns", code=2)
         self.assertIn("is dynamic, with method.pressure.solid_term: unknowns", done.stdout + done.stderr)
+        done = self.treacle("check", os.path.join(INPUTS, "cube_drop", "scene.yaml"), "--set", "liquids.1.density=1000",
+                            "--set", "method.pressure.solid_term=unknowns", code=2)
+        self.assertIn("liquids that differ in density", done.stdout + done.stderr)
 
 
 if __name__ == "__main__":

@@ -2,15 +2,16 @@
 
 import csv
 
+from claims_lib.iisph import OURS
 from claims_lib.run import built, execute, launched, treacle
 from claims_lib.surfaces import RULES, STABLE, THEIRS, Scene, cube_drop, largest_stable, try_step
 
 from .entries import entry
 
 FRAME = 1 / 60  # [s]
-SOLVE = ("predict", "assemble", "hand over", "solve")
-PHASES = ("sort", "neighbours", "density", "forces", *SOLVE, "pressure force", "move")
-PICTURE_AT = 0.2  # [s]
+PHASES = ("sort", "neighbours", "density", "forces", *OURS, "pressure force", "move")
+PICTURE_AT = 0.3  # [s]
+FRAMES = 6         # until then
 
 SCENE = """schema_version: 1
 title: {title}
@@ -74,7 +75,7 @@ def cost_of(run):
     steps = run.steps()
     frames = steps["time"][-1] / FRAME
     return (float(steps["poisson"].mean()), float(steps["dirichlet"].mean()), float(steps["pressure iterations"].mean()),
-            float(sum(steps[name].sum() for name in SOLVE) / frames),
+            float(sum(steps[name].sum() for name in OURS) / frames),
             float(sum(steps[name].sum() for name in PHASES) / frames))
 
 
@@ -117,12 +118,12 @@ def step_table(results, name, scene, found, printed):
 def draw(context, results, scene, name, step, settings, field="pressure"):
     """A picture at PICTURE_AT of a run of that step."""
     trial = try_step(context, scene, results.folder / "runs" / f"picture {name}", step, settings, results.ranks,
-                     interval=PICTURE_AT / 2)
-    if len(trial.run.frames()) < 3:
+                     interval=PICTURE_AT / FRAMES)
+    if len(trial.run.frames()) <= FRAMES:
         results.say(f"{name} at {1e3 * step:.2f} ms ends before its picture: {trial.why}")
         return trial
     into = results.folder / name.replace(" ", "_")
-    treacle(context, "render", trial.run.folder, "--field", field, "--frames", "2", "--no-movie", "--out", into,
+    treacle(context, "render", trial.run.folder, "--field", field, "--frames", FRAMES, "--no-movie", "--out", into,
             ranks=results.ranks)
     results.files += sorted(into.glob("*.png"))
     return trial
