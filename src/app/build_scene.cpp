@@ -12,7 +12,7 @@ namespace treacle::app {
 
 namespace {
 // Densities of liquids in one scene over each other, up to which they were tried (src/sph/README.md).
-constexpr double sure_density_ratio = 100;
+constexpr double sure_density_ratio = 10;
 
 // Spacings over the reference speed in which compressed particles of several liquids expand again.
 constexpr double recovery_cfl = 0.1;
