@@ -1,6 +1,6 @@
 """Rows of `pressure`: the multilevel pressure solve beside what it replaces."""
 
-from . import bodies, iisph
+from . import bodies, iisph, liquids
 from .bench import pressure_bench
 from .gtest import run_gtest
 from .table import Figure, Table
@@ -91,3 +91,4 @@ def work(context):
 
 bodies.add_rows(TABLE)
 iisph.add_rows(TABLE)
+liquids.add_rows(TABLE)
