@@ -104,12 +104,12 @@ std::size_t ParticleStore::bytes() const {
 
 int components(const Field& field) { return std::holds_alternative<Array3>(field.array) ? 3 : 1; }
 
-CellBox occupied_cells(const ParticleStore& store, const CellGrid& grid) {
+CellBox occupied_cells(const ParticleStore& store, const CellGrid& grid, int first) {
     CellBox box;
-    if (store.owned() == 0) return box;
+    if (store.owned() == first) return box;
     const auto x = store.position();
     Kokkos::parallel_reduce(
-        "treacle::occupied_cells", store.owned(),
+        "treacle::occupied_cells", Kokkos::RangePolicy<>(first, store.owned()),
         KOKKOS_LAMBDA(int i, int& lx, int& ly, int& lz, int& hx, int& hy, int& hz) {
             int c[3];
             grid.locate(x(i, 0), x(i, 1), x(i, 2), c);

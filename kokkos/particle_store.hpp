@@ -73,8 +73,8 @@ private:
 // Number of doubles that one row of a field takes in a message or a file.
 int components(const Field& field);
 
-// Smallest block of cells that holds the owned particles; empty without particles.
-CellBox occupied_cells(const ParticleStore& store, const CellGrid& grid);
+// Smallest block of cells that holds the owned particles from row `first` on; empty without particles.
+CellBox occupied_cells(const ParticleStore& store, const CellGrid& grid, int first = 0);
 
 // Sorts the owned particles by cell and, within a cell, by id, and fills the cell list's owned part. The
 // window is `owned_cells` and a layer of halo around it, whose cells are left empty.

@@ -57,30 +57,49 @@ int select_rows(const Destinations& of, int self, Chosen which, const Array<int>
     return count;
 }
 
-int find_destinations(const ParticleStore& store, const Decomposition& decomposition,
-                      const Array<int>& destination) {
+// Writes each row's rank; counts those that leave, and finds the block of cells of those that stay.
+Migration::Outcome find_destinations(const ParticleStore& store, const Decomposition& decomposition,
+                                     const Array<int>& destination) {
+    Migration::Outcome out;
+    if (store.owned() == 0) return out;
     const auto grid = decomposition.grid();
     const auto box = decomposition.box();
     const auto tree = decomposition.tree();
     const int self = decomposition.comm().rank();
     const auto x = store.position();
-    int leaving = 0;
-    Kokkos::parallel_reduce("treacle::find_destinations", store.owned(), KOKKOS_LAMBDA(int i, int& sum) {
-        int c[3];
-        grid.locate(x(i, 0), x(i, 1), x(i, 2), c);
-        destination(i) = box.contains(c) ? self : tree.owner(c);
-        sum += static_cast<int>(destination(i) != self);
-    }, leaving);
-    return leaving;
+    auto& cells = out.cells;
+    Kokkos::parallel_reduce(
+        "treacle::find_destinations", store.owned(),
+        KOKKOS_LAMBDA(int i, int& lx, int& ly, int& lz, int& hx, int& hy, int& hz, std::int64_t& left) {
+            int c[3];
+            grid.locate(x(i, 0), x(i, 1), x(i, 2), c);
+            if (!box.contains(c)) {
+                destination(i) = tree.owner(c);
+                ++left;
+                return;
+            }
+            destination(i) = self;
+            lx = math::min(lx, c[0]);
+            ly = math::min(ly, c[1]);
+            lz = math::min(lz, c[2]);
+            hx = math::max(hx, c[0] + 1);
+            hy = math::max(hy, c[1] + 1);
+            hz = math::max(hz, c[2] + 1);
+        },
+        Kokkos::Min<int>(cells.lo[0]), Kokkos::Min<int>(cells.lo[1]), Kokkos::Min<int>(cells.lo[2]),
+        Kokkos::Max<int>(cells.hi[0]), Kokkos::Max<int>(cells.hi[1]), Kokkos::Max<int>(cells.hi[2]),
+        Kokkos::Sum<std::int64_t>(out.left));
+    return out;
 }
 } // namespace
 
-std::int64_t Migration::to_owner(ParticleStore& store, const Decomposition& decomposition) {
+Migration::Outcome Migration::to_owner(ParticleStore& store, const Decomposition& decomposition) {
     const Comm& comm = decomposition.comm();
-    if (comm.size() == 1) return 0;
+    if (comm.size() == 1) return {0, occupied_cells(store, decomposition.grid())};
     const int n = store.owned();
     reserve(destination_, static_cast<std::size_t>(n));
-    const int leaving = find_destinations(store, decomposition, destination_);
+    auto outcome = find_destinations(store, decomposition, destination_);
+    const int leaving = static_cast<int>(outcome.left);
     const int width = state_width(store);
 
     std::vector<Message> outgoing;
@@ -127,8 +146,9 @@ std::int64_t Migration::to_owner(ParticleStore& store, const Decomposition& deco
         const int count = static_cast<int>(arriving_bytes / sizeof(double)) / width;
         store.resize_owned(first + count);
         unpack_state(store, first, count, arrived);
+        outcome.cells = join(outcome.cells, occupied_cells(store, decomposition.grid(), first));
     }
-    return leaving;
+    return outcome;
 }
 
 } // namespace treacle

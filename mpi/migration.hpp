@@ -8,9 +8,12 @@ namespace treacle {
 // Sends each owned particle whose cell belongs to another rank there, with all its state fields.
 class Migration {
 public:
+    struct Outcome {
+        std::int64_t left = 0; // particles that left this rank
+        CellBox cells;         // smallest block that holds those that it has now
+    };
     // Collective. Positions must lie in the grid. Rows keep no order afterwards: sort next.
-    // Returns the number of particles that left this rank.
-    std::int64_t to_owner(ParticleStore& store, const Decomposition& decomposition);
+    Outcome to_owner(ParticleStore& store, const Decomposition& decomposition);
 
 private:
     Array<int> destination_{"treacle::destination", 0};

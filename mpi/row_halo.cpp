@@ -18,6 +18,8 @@ void RowHalo::connect(const Comm& comm, std::int64_t first_row, std::span<const 
     to_.clear();
     from_.clear();
     rows_.clear();
+    requests_.clear();
+    columns_.assign(columns.begin(), columns.end());
     values_.resize(columns.size());
     if (comm.size() == 1) return;
     const auto firsts = comm.all_gather(first_row);
@@ -46,7 +48,8 @@ void RowHalo::connect(const Comm& comm, std::int64_t first_row, std::span<const 
     requests_.resize(to_.size() + from_.size());
 }
 
-std::span<const double> RowHalo::gather(std::span<const double> rows) {
+void RowHalo::start(std::span<const double> rows) {
+    if (requests_.empty()) return;
     const MPI_Comm mpi = native(comm_);
     auto* request = reinterpret_cast<MPI_Request*>(requests_.data());
     int count = 0;
@@ -59,12 +62,18 @@ std::span<const double> RowHalo::gather(std::span<const double> rows) {
         MPI_Isend(&outgoing_[partner.first], static_cast<int>(partner.size), MPI_DOUBLE, partner.rank, row_tag, mpi,
                   &request[count++]);
     }
-    MPI_Waitall(count, request, MPI_STATUSES_IGNORE);
+}
+
+std::span<const double> RowHalo::finish() {
+    if (!requests_.empty()) {
+        MPI_Waitall(static_cast<int>(requests_.size()), reinterpret_cast<MPI_Request*>(requests_.data()),
+                    MPI_STATUSES_IGNORE);
+    }
     return values_;
 }
 
 std::size_t RowHalo::bytes() const {
-    return 4 * rows_.capacity() + 8 * (outgoing_.capacity() + values_.capacity());
+    return 4 * (rows_.capacity() + columns_.capacity()) + 8 * (outgoing_.capacity() + values_.capacity());
 }
 
 } // namespace treacle

@@ -12,9 +12,16 @@ class RowHalo {
 public:
     // Collective. columns: global numbers, rising, of the rows of other ranks that this one needs.
     void connect(const Comm& comm, std::int64_t first_row, std::span<const int> columns);
-    // Returns the values of the columns, valid until the next call, from every rank's own rows. Ranks without a
-    // partner have nothing to wait for.
-    std::span<const double> gather(std::span<const double> rows);
+    std::span<const int> columns() const { return columns_; }
+
+    // Sends off what others need of this rank's own rows; finish() returns the values of the columns, valid until the
+    // next start(). Ranks without a partner have nothing to wait for.
+    void start(std::span<const double> rows);
+    std::span<const double> finish();
+    std::span<const double> gather(std::span<const double> rows) {
+        start(rows);
+        return finish();
+    }
 
     std::size_t bytes() const;
 
@@ -25,7 +32,8 @@ private:
     };
     Comm comm_ = Comm::self();
     std::vector<Partner> to_, from_;
-    std::vector<int> rows_; // local numbers of what goes out
+    std::vector<int> columns_; // global numbers
+    std::vector<int> rows_;    // local numbers of what goes out
     std::vector<double> outgoing_, values_;
     std::vector<std::intptr_t> requests_;
 };

@@ -69,9 +69,6 @@ public:
                                          : step.phases[static_cast<std::size_t>(found - at_.phases.begin())];
     }
     double outside(const StepSample& step) const { return step.step - phase(step, "solve"); }
-    double assembly(const StepSample& step) const {
-        return phase(step, "assemble") + phase(step, "hand over");
-    }
     // Seconds in all phases together; what a step takes beyond is spent between them.
     double between(const StepSample& step) const {
         double sum = 0;
@@ -95,13 +92,12 @@ public:
         out.emplace_back("between phases", [this](const StepSample& s) { return between(s); });
         out.emplace_back("step", [](const StepSample& s) { return s.step; });
         out.emplace_back("outside the solve", [this](const StepSample& s) { return outside(s); });
-        out.emplace_back("assembly, hand-over", [this](const StepSample& s) { return assembly(s); });
         return out;
     }
     Spread lowest_floor(const std::string& name) const {
         return over_steps([&](const StepSample& s) {
             if (name == "outside the solve") return outside_floor(s);
-            return floor(s, name == "assembly, hand-over" ? "assemble" : name);
+            return floor(s, name);
         });
     }
     double per_particle(double bytes) const { return bytes / std::max(1.0, double(at_.liquid)); }

@@ -164,6 +164,11 @@ private:
                                 "IISPH is there to compare with and knows no bodies that give way",
                                 "write kind: kinematic, or method.pressure.solver: isph"});
         }
+        if (dynamic(body(b)) && input_.method.pressure.solid_term == sph::SolidTerm::unknowns) {
+            problems.push_back({body(b).where, name + " is dynamic, with method.pressure.solid_term: unknowns",
+                                "solids as unknowns are there to compare with and know no bodies that give way",
+                                "write kind: kinematic, or another solid_term"});
+        }
         if (dynamic(body(b)) && thinner_than_spacing(geometry_.bodies[b], geometry_)) {
             problems.push_back({body(b).where, name + " is thinner than domain.spacing",
                                 "liquid on one side would feel the liquid on the other, and it could not float",

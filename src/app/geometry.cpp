@@ -193,6 +193,11 @@ sph::Constants make_constants(const Input& input) {
     out.rest_volume = lattice.volume;
     out.mass = out.rest_density * lattice.volume;
     out.number_density = lattice.number_density;
+    out.laplacian_diagonal = lattice.laplacian_diagonal;
+    if (input.method.pressure.dirichlet == sph::DirichletRule::ghosts) {
+        out.wall_cover = sph::wall_cover(
+            {input.method.kernel, domain.dimensions, out.support, domain.spacing, domain.spacing}, input.method.density);
+    }
     return out;
 }
 

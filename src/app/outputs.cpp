@@ -11,8 +11,8 @@ namespace treacle::app {
 
 namespace {
 // In the order in which a step goes through them.
-constexpr const char* phases[] = {"sort", "neighbours", "density", "forces", "predict", "assemble", "hand over",
-                                  "solve", "pressure force", "move"};
+constexpr const char* phases[] = {"sort", "neighbours", "density", "forces", "predict", "assemble", "solve",
+                                  "pressure force", "move"};
 
 std::vector<std::string> step_columns(const Input& input) {
     const std::string mass = input.scene.domain.dimensions == 3 ? "kg" : "kg/m";

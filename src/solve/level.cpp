@@ -1,5 +1,7 @@
 #include "solve/level.hpp"
 
+#include "solve/gather_sum.hpp"
+
 #include <algorithm>
 
 namespace treacle::solve {
@@ -19,20 +21,6 @@ CellKey spread_bits(CellKey x) {
     return x;
 }
 constexpr CellKey lane = 0x1249249249249249; // the bits of x
-
-inline double gather_sum(const Index* columns, const double* values, Index begin, Index end, const double* z) {
-    double a = 0, b = 0, c = 0, d = 0;
-    Index k = begin;
-    for (; k + 4 <= end; k += 4) {
-        a += values[k] * z[columns[k]];
-        b += values[k + 1] * z[columns[k + 1]];
-        c += values[k + 2] * z[columns[k + 2]];
-        d += values[k + 3] * z[columns[k + 3]];
-    }
-    for (; k < end; ++k) a += values[k] * z[columns[k]];
-    const double sum = (a + b) + (c + d);
-    return sum;
-}
 
 // No column comes twice in a row.
 void scatter(const Index* columns, const double* values, Index begin, Index end, double factor, double* t) {
@@ -72,10 +60,8 @@ void Level::refer_to(const Matrix& matrix) {
     global_rows = matrix.global_rows();
     own_ = {blocks.diagonal_offsets, blocks.diagonal_columns, blocks.diagonal_values};
     other_ = {blocks.off_offsets, blocks.off_columns, blocks.off_values};
-    const auto columns = matrix.halo_columns();
-    halo_columns_.assign(columns.begin(), columns.end());
     find_diagonals();
-    halo_.connect(matrix.comm(), first_row, halo_columns_);
+    borrowed_halo_ = blocks.halo;
     t.resize(static_cast<std::size_t>(rows));
 }
 
@@ -96,12 +82,13 @@ void Level::take(const Comm& comm, MadeRows& made, Index first, Index global) {
     walls.swap(made.walls);
     const auto& given = made.matrix;
     const auto inside = [&](Index column) { return column >= first && column < first + rows; };
-    halo_columns_.clear();
+    auto& others = halo_columns_;
+    others.clear();
     for (const Index column : given.columns) {
-        if (!inside(column)) halo_columns_.push_back(column);
+        if (!inside(column)) others.push_back(column);
     }
-    std::sort(halo_columns_.begin(), halo_columns_.end());
-    halo_columns_.erase(std::unique(halo_columns_.begin(), halo_columns_.end()), halo_columns_.end());
+    std::sort(others.begin(), others.end());
+    others.erase(std::unique(others.begin(), others.end()), others.end());
     own_store_.clear();
     other_store_.clear();
     for (std::size_t i = 0; i < static_cast<std::size_t>(rows); ++i) {
@@ -109,8 +96,8 @@ void Level::take(const Comm& comm, MadeRows& made, Index first, Index global) {
             const auto at = static_cast<std::size_t>(k);
             const Index column = given.columns[at];
             auto& store = inside(column) ? own_store_ : other_store_;
-            const auto place = std::lower_bound(halo_columns_.begin(), halo_columns_.end(), column);
-            const auto halo_place = static_cast<Index>(place - halo_columns_.begin());
+            const auto place = std::lower_bound(others.begin(), others.end(), column);
+            const auto halo_place = static_cast<Index>(place - others.begin());
             store.columns.push_back(inside(column) ? column - first : halo_place);
             store.values.push_back(given.values[at]);
         }
@@ -120,7 +107,7 @@ void Level::take(const Comm& comm, MadeRows& made, Index first, Index global) {
     own_ = {own_store_.offsets.data(), own_store_.columns.data(), own_store_.values.data()};
     other_ = {other_store_.offsets.data(), other_store_.columns.data(), other_store_.values.data()};
     find_diagonals();
-    halo_.connect(comm, first, halo_columns_);
+    halo_.connect(comm, first, others);
     for (auto* vector : {&r, &z, &t}) vector->resize(static_cast<std::size_t>(rows));
 }
 
@@ -138,7 +125,7 @@ void Level::sweep_down_from_zero(std::span<const double> r_, std::span<double> z
         // What is left is -U z, U the transpose of the part of the row that was just read.
         scatter(columns, values, begin, diagonal, z_[at], t_.data());
     }
-    const auto around = halo_.gather(z_);
+    const auto around = halo().gather(z_);
     for (Index i = 0; i < rows; ++i) {
         if (other_.offsets[i] == other_.offsets[i + 1]) continue;
         t_[static_cast<std::size_t>(i)] -=
@@ -153,14 +140,14 @@ double Level::product(std::span<const double> z_, std::span<const double> around
 }
 
 void Level::sweep_down(std::span<const double> r_, std::span<double> z_) {
-    const auto around = halo_.gather(z_);
+    const auto around = halo().gather(z_);
     for (std::size_t i = 0; i < static_cast<std::size_t>(rows); ++i) {
         z_[i] += divide(r_[i] - product(z_, around, i), own_.values[diagonal_[i]]);
     }
 }
 
 void Level::sweep_up(std::span<const double> r_, std::span<double> z_) {
-    const auto around = halo_.gather(z_);
+    const auto around = halo().gather(z_);
     for (std::size_t i = static_cast<std::size_t>(rows); i-- > 0;) {
         // Rows fall while each row's entries rise, which hardware does not foresee.
         if (i >= ahead) fetch(own_.columns, own_.values, own_.offsets[i - ahead], own_.offsets[i - ahead + 1]);
@@ -169,7 +156,7 @@ void Level::sweep_up(std::span<const double> r_, std::span<double> z_) {
 }
 
 void Level::residual(std::span<const double> r_, std::span<const double> z_, std::span<double> t_) {
-    const auto around = halo_.gather(z_);
+    const auto around = halo().gather(z_);
     for (std::size_t i = 0; i < static_cast<std::size_t>(rows); ++i) {
         t_[i] = r_[i] - product(z_, around, i);
     }

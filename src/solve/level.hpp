@@ -91,8 +91,7 @@ public:
     };
     const Block& own() const { return own_; }     // columns are local rows
     const Block& other() const { return other_; } // columns are places in the halo
-    RowHalo& halo() { return halo_; }
-    std::span<const Index> halo_columns() const { return halo_columns_; }
+    RowHalo& halo() { return borrowed_halo_ ? *borrowed_halo_ : halo_; }
 
 private:
     double product(std::span<const double> z, std::span<const double> around, std::size_t row) const;
@@ -100,9 +99,10 @@ private:
 
     Block own_, other_;
     Csr own_store_, other_store_;
-    std::vector<Index> halo_columns_; // global
+    std::vector<Index> halo_columns_; // scratch of take()
     std::vector<Index> diagonal_;     // place of the diagonal entry in own
     RowHalo halo_;
+    RowHalo* borrowed_halo_ = nullptr; // the matrix's own
 };
 
 } // namespace treacle::solve

@@ -1,5 +1,5 @@
 #pragma once
-#include "mpi/comm.hpp"
+#include "mpi/row_halo.hpp"
 
 #include <cstdint>
 #include <functional>
@@ -19,8 +19,9 @@ struct CsrBlocks {
     Index* diagonal_columns = nullptr; // local: 0 … rows - 1
     double* diagonal_values = nullptr;
     Index* off_offsets = nullptr; // [rows + 1], from 0
-    Index* off_columns = nullptr; // global; the Matrix overwrites them: fill them anew for the next one
+    Index* off_columns = nullptr; // places in halo->columns()
     double* off_values = nullptr;
+    RowHalo* halo = nullptr; // connected to the other ranks' columns; null: nothing to exchange
     Index first_row = 0; // global number of this rank's first row
     Index rows = 0;      // rows on this rank, may be 0
     Index global_rows = 0;
@@ -30,10 +31,11 @@ struct CsrBlocks {
 void check_pattern(const CsrBlocks& blocks);
 
 // A square symmetric distributed matrix around the caller's arrays, without a copy: a value changed there is
-// changed here. Making one anew for a new pattern costs 1 to 3 products with it.
+// changed here. Making one costs nothing; PETSc's own, of which preconditioners of PETSc and HYPRE are made, comes
+// into being when one of them asks for it, at the cost of 1 to 3 products.
 class Matrix {
 public:
-    // Collective. Debug builds check the pattern first.
+    // Debug builds check the pattern first, collectively.
     Matrix(const Comm& comm, const CsrBlocks& blocks);
     ~Matrix();
     Matrix(Matrix&&) noexcept;
@@ -58,13 +60,11 @@ public:
     std::int64_t revision() const { return revision_; }
     // Stored entries on this rank.
     std::int64_t entries() const { return entries_; }
-    // The caller's arrays, as they are now: off_columns count the places in halo_columns().
     const CsrBlocks& blocks() const { return blocks_; }
-    // Global numbers, rising, of the other ranks' columns that this rank's rows have.
-    std::span<const Index> halo_columns() const;
 
+    // PETSc's, made by the first call, which is collective.
     struct Native;
-    Native& native() const { return *native_; }
+    Native& native();
 
 private:
     Comm comm_;

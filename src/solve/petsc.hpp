@@ -4,6 +4,7 @@
 #include "solve/matrix.hpp"
 
 #include <petscksp.h>
+#include <vector>
 
 namespace treacle::solve {
 
@@ -41,6 +42,7 @@ using PcHandle = Handle<PC, PCDestroy>;
 using OptionsHandle = Handle<PetscOptions, PetscOptionsDestroy>;
 
 struct Matrix::Native {
+    std::vector<Index> off_columns; // global numbers, until PETSc has taken them
     MatHandle mat;
     // Two vectors without memory of their own: each operation lends them the caller's arrays.
     VecHandle in;

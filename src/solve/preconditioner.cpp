@@ -104,7 +104,6 @@ void BuiltPreconditioner::set_up_user(Matrix& matrix) {
 }
 
 bool BuiltPreconditioner::set_up(Matrix& matrix, const std::string& prefix, const KrylovOptions& options) {
-    native_ = &matrix.native();
     comm_ = matrix.comm();
     null_space_ = options.null_space;
     global_rows_ = matrix.global_rows();
@@ -114,6 +113,7 @@ bool BuiltPreconditioner::set_up(Matrix& matrix, const std::string& prefix, cons
         set_up_user(matrix);
         return true;
     }
+    native_ = &matrix.native();
     Mat current = nullptr;
     if (pc_) check(PCGetOperators(pc_, &current, nullptr));
     if (current != native_->mat) {

@@ -106,17 +106,17 @@ void IsphStep::rebalance() {
 }
 
 void IsphStep::place_liquid() {
-    migration_.to_owner(liquid_.store, decomposition_);
-    sort_.sort(liquid_.store, setup_.grid, occupied_cells(liquid_.store, setup_.grid), cells_);
+    auto window = migration_.to_owner(liquid_.store, decomposition_).cells;
+    if (solids_unknown()) window = decomposition_.box(); // solids look for liquid of other ranks as well
+    sort_.sort(liquid_.store, setup_.grid, window, cells_);
     halo_.rebuild(liquid_.store, cells_);
 }
 
 void IsphStep::place_solids() {
-    migration_.to_owner(solid_.store, decomposition_);
+    const auto occupied = migration_.to_owner(solid_.store, decomposition_).cells;
     // The whole box, not only the cells with solids: liquid anywhere in it meets the solids of other ranks, and it
     // moves on before the solids are placed anew.
-    const auto window = join(decomposition_.box(), occupied_cells(solid_.store, setup_.grid));
-    sort_.sort(solid_.store, setup_.grid, window, solid_cells_);
+    sort_.sort(solid_.store, setup_.grid, join(decomposition_.box(), occupied), solid_cells_);
     solid_halo_.rebuild(solid_.store, solid_cells_);
     solid_halo_.gather(solid_.store, {solid_.volume_field(), solid_.body_field(), solid_.velocity_field()});
 }
@@ -125,6 +125,14 @@ void IsphStep::find_neighbours() {
     const double support = setup_.constants.support;
     neighbours_.liquid.build(liquid_.store, liquid_.store, setup_.grid, cells_, support);
     neighbours_.solid.build(liquid_.store, solid_.store, setup_.grid, solid_cells_, support);
+    if (!solids_unknown()) return;
+    solid_rows_.liquid.build(solid_.store, liquid_.store, setup_.grid, cells_, support);
+    solid_rows_.solid.build(solid_.store, solid_.store, setup_.grid, solid_cells_, support);
+}
+
+bool IsphStep::solids_unknown() const {
+    const auto& pressure = setup_.options.pressure;
+    return pressure.solver == PressureSolver::isph && pressure.solid_term == SolidTerm::unknowns;
 }
 
 void IsphStep::update_density(StepReport& report) {
@@ -142,16 +150,6 @@ void IsphStep::refresh() {
     find_neighbours();
     compute_density(setup_.options, setup_.constants, liquid_, solid_, neighbours_);
     Kokkos::deep_copy(liquid_.role(), static_cast<int>(Role::poisson));
-}
-
-PressureSystem::HostSystem IsphStep::hand_over() {
-    const auto phase = timers_.scope("hand over");
-    return system_.to_host();
-}
-
-solve::Matrix IsphStep::wrap_matrix(const PressureSystem::HostSystem& host) {
-    const auto phase = timers_.scope("hand over");
-    return {comm_, system_.blocks(host)};
 }
 
 namespace {
@@ -210,6 +208,15 @@ void IsphStep::accelerate(StepReport& report, double dt) {
     bodies_.set_velocities(solid_);
 }
 
+void IsphStep::assemble_system() {
+    if (solids_unknown()) {
+        system_.assemble_joint(setup_.options, setup_.constants, comm_,
+                               {liquid_, solid_, neighbours_, solid_rows_, halo_, solid_halo_});
+    } else {
+        system_.assemble(setup_.options, setup_.constants, comm_, liquid_, neighbours_, halo_);
+    }
+}
+
 void IsphStep::find_pressures(StepReport& report, double dt) {
     const auto& options = setup_.options;
     const auto& constants = setup_.constants;
@@ -224,20 +231,25 @@ void IsphStep::find_pressures(StepReport& report, double dt) {
                                answering ? Answer::bodies : Answer::none); // (S5), (S6)
         last_pressures_ = LastPressures::known;
         halo_.gather(liquid_.store, {liquid_.role_field()});
+        if (solids_unknown()) {
+            report.roles.poisson += solid_rows_.predict(options, constants, liquid_, solid_, neighbours_, solid_halo_);
+        }
         report.anchored = anchoring_.anchor(options, constants, comm_, liquid_, neighbours_, halo_);
     }
+    PressureSystem::HostSystem host;
     {
         const auto phase = timers_.scope("assemble");
-        system_.assemble(options, constants, comm_, liquid_, neighbours_, halo_);
+        assemble_system();
+        host = system_.to_host();
     }
     {
-        const auto host = hand_over();
-        auto matrix = wrap_matrix(host);
+        solve::Matrix matrix(comm_, system_.blocks(host));
         if (answering) matrix.set_addition(response_.addition(comm_, liquid_, system_));
         if (matrix_observer_) matrix_observer_(matrix);
         const auto phase = timers_.scope("solve");
         solve_pressure(matrix, host, dt, report); // (S7)
         system_.store_pressure(liquid_);
+        if (solids_unknown()) system_.store_solid_pressure(solid_);
     }
 }
 

@@ -98,14 +98,14 @@ private:
     void place_liquid();
     void place_solids();
     void find_neighbours();
+    bool solids_unknown() const;
+    void assemble_system();
     void update_density(StepReport& report);
-    PressureSystem::HostSystem hand_over();
     void accelerate(StepReport& report, double dt);
     void find_pressures(StepReport& report, double dt);
     void find_pressures_by_iisph(StepReport& report, double dt);
     void push_by_pressure(StepReport& report, double dt);
     void move(StepReport& report, double dt);
-    solve::Matrix wrap_matrix(const PressureSystem::HostSystem& host);
     void solve_pressure(solve::Matrix& matrix, const PressureSystem::HostSystem& host, double dt,
                         StepReport& report);
     void collect(StepReport& report);
@@ -122,6 +122,7 @@ private:
     Neighbourhood neighbours_;
     Anchoring anchoring_;
     PressureSystem system_;
+    SolidRows solid_rows_; // of solids as unknowns
     Iisph iisph_;
     Bodies bodies_;
     BodyResponse response_;

@@ -73,16 +73,22 @@ PlanarWall measure_at(const Kernel& kernel, const WallSetup& setup, double gap, 
             if (r >= setup.support * edge) continue;
             wall_w += kernel.value(r);
             wall_n += number.value(r);
+            out.laplacian -= (lattice.volume + out.wall_volume) * r * r * kernel.gradient(r) /
+                             (r * r + 0.01 * setup.support * setup.support);
             out.wall_vector += out.wall_volume * kernel.gradient(r) * gap;
             out.wall_neighbours += 1;
         }
     }
     double liquid_w = 0, liquid_n = 0;
+    out.missing = lattice.laplacian_diagonal;
     for_lattice(setup.dimensions, static_cast<int>(std::ceil(setup.support / d)), [&](int i, int j, int k) {
         const double r = d * std::sqrt(double(i * i + j * j + k * k));
         if (j < 0 || r >= setup.support * edge) return;
         liquid_w += kernel.value(r);
-        if (r > 0) liquid_n += number.value(r);
+        if (r == 0) return;
+        liquid_n += number.value(r);
+        out.missing += 2 * lattice.volume * r * r * kernel.gradient(r) /
+                       (r * r + 0.01 * setup.support * setup.support);
     });
     out.solid_ratio = out.wall_volume * wall_w;
     out.density_ratio = lattice.volume * liquid_w + out.solid_ratio;
@@ -105,6 +111,8 @@ PlanarWall measure_wall(const WallSetup& setup, double gap) {
             mean.wall_term += one.wall_term / 3;
             mean.wall_vector += one.wall_vector / 3;
             mean.solid_ratio += one.solid_ratio / 3;
+            mean.laplacian += one.laplacian / 3;
+            mean.missing += one.missing / 3;
             mean.wall_neighbours += one.wall_neighbours / 3;
         }
     });
@@ -131,6 +139,11 @@ double rest_gap(const WallSetup& setup, const DensityOptions& density) {
         (ratio > 1 ? lo : hi) = gap;
     }
     return (lo + hi) / 2;
+}
+
+double wall_cover(const WallSetup& setup, const DensityOptions& density) {
+    const auto wall = measure_aligned(setup, rest_gap(setup, density));
+    return wall.missing / wall.laplacian;
 }
 
 } // namespace treacle::sph

@@ -26,6 +26,8 @@ struct PlanarWall {
     double wall_vector = 0;    // |sum_s V_s grad W| [1/m]
     double wall_neighbours = 0;// M
     double solid_ratio = 0;    // the wall's share of density_ratio
+    double laplacian = 0;      // sum_s a_is [1/m^2]
+    double missing = 0;        // what sum_j a_ij lacks of the full lattice's [1/m^2]
 };
 struct WallSetup {
     KernelKind kind;
@@ -39,5 +41,9 @@ PlanarWall measure_wall(const WallSetup& setup, double gap);
 
 // The distance from a wall layer at which the first layer of a resting lattice has its rest density [m].
 double rest_gap(const WallSetup& setup, const DensityOptions& density);
+
+// How many times the a_is of such a wall must count so that the first layer at that distance lacks no neighbours: one
+// layer of solid particles stands for all that lies behind it.
+double wall_cover(const WallSetup& setup, const DensityOptions& density);
 
 } // namespace treacle::sph

@@ -14,6 +14,8 @@ struct Constants {
     double rest_density = 0;   // rho0 [kg/m3]; of the first liquid
     double rest_volume = 0;    // V0 [m^D]
     double number_density = 0; // n0
+    double laplacian_diagonal = 0; // sum_j a_ij on the full lattice [1/m2]
+    double wall_cover = 1;         // how many times a_is count as cover (lattice.hpp)
     int dimensions = 3;
     Mixture mixture;           // of several liquids, otherwise empty
 };

@@ -46,9 +46,23 @@ void PressureOptions::declare(Declaration& d) {
     d.number("jacobi_weight", jacobi_weight, unit::none, range_between(0, 1),
              "Weight of the Jacobi iteration of `iisph_jacobi`, and of the gradient steps of `iisph_cg`; 0: the published "
              "0.5, or less for kernels wide enough that it would diverge.");
-    d.choice("dirichlet", dirichlet, {{"predicted", DirichletRule::predicted}, {"source", DirichletRule::source}},
+    d.choice("dirichlet", dirichlet,
+             {{"predicted", DirichletRule::predicted},
+              {"source", DirichletRule::source},
+              {"density", DirichletRule::density},
+              {"predicted_density", DirichletRule::predicted_density},
+              {"surface", DirichletRule::surface},
+              {"ghosts", DirichletRule::ghosts}},
              "Which particles keep zero pressure: those that one Jacobi step from the last pressures predicts to "
-             "have none (Eq. 2.6), or those with a negative source.");
+             "have none (Eq. 2.6); those with a negative source; those whose density, or predicted density, is below "
+             "`surface_density`; those with an uncovered side; or none, the missing neighbours being ghosts at zero "
+             "pressure (Nair & Tomar 2014).");
+    d.number("surface_density", surface_density, unit::none, range_above_to(0, 1),
+             "Share of the rest density below which a particle lies at the surface, with `dirichlet: density` and "
+             "`predicted_density`; 0.97 is that of Koshizuka et al. 1996, 0.99 that of Shao & Lo 2003.");
+    d.choice("clamping", clamping, {{"pressures", Clamping::pressures}, {"sources", Clamping::sources}},
+             "What keeps pressures from being negative: those that the solve leaves negative are set to zero; or the "
+             "negative sources of unknowns are, so that none arises.");
     d.number("prediction", prediction, unit::none, range_between(0, 1),
              "Share of the last step's pressures that the prediction starts from (gamma of Eq. 2.6).");
     d.choice("solid_term", solid_term,
@@ -56,9 +70,11 @@ void PressureOptions::declare(Declaration& d) {
               {"decomposed", SolidTerm::decomposed},
               {"unified", SolidTerm::unified},
               {"amplified", SolidTerm::amplified},
-              {"exact", SolidTerm::exact}},
-             "What solids add to the pressure system: nothing; Eq. 2.10; Eq. 3.2; Eq. 3.3; or Eq. 3.2 with the "
-             "source that makes the system's solution that of the Neumann problem.");
+              {"exact", SolidTerm::exact},
+              {"unknowns", SolidTerm::unknowns}},
+             "What solids add to the pressure system: nothing; Eq. 2.10; Eq. 3.2; Eq. 3.3; Eq. 3.2 with the source "
+             "that makes the system's solution that of the Neumann problem; or solid particles as unknowns "
+             "(Koshizuka et al. 1996, Shao & Lo 2003), without dynamic bodies.");
     d.number("amplification_limit", amplification_limit, unit::none, range_at_least(1),
              "Largest amplification of the source near solids (gamma of Eq. 3.3).");
     d.choice("body_coupling", body_coupling,
@@ -76,6 +92,13 @@ void PressureOptions::declare(Declaration& d) {
               {"multilevel_grids", PressurePreconditioner::multilevel_grids}},
              "Preconditioner of the conjugate gradients: the two multilevel ones coarsen particles to cells, by sums "
              "of the matrix's entries or by finite differences (dissertation, section 3.5).");
+    d.check(solid_term != SolidTerm::unknowns || preconditioner != PressurePreconditioner::multilevel_grids,
+            "preconditioner", {"cannot be multilevel_grids with solid_term: unknowns",
+                               "its coarse grids know the liquid alone", "take multilevel"});
+    d.check(solid_term != SolidTerm::unknowns || dirichlet != DirichletRule::ghosts, "dirichlet",
+            {"cannot be ghosts with solid_term: unknowns",
+             "solids count as cover there, and as neighbours with pressures of their own here",
+             "take another of the two"});
     d.block("multilevel", multilevel, "The multilevel preconditioners.");
     d.choice("stop", stop, {{"density_error", StoppingRule::density_error}, {"residual", StoppingRule::residual}},
              "Iterate until the mean compression, or until the relative residual, is small enough.");

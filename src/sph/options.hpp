@@ -8,8 +8,9 @@ class Declaration;
 namespace treacle::sph {
 
 enum class DensityKind { blended, smooth, spiky };
-enum class DirichletRule { predicted, source };
-enum class SolidTerm { none, decomposed, unified, amplified, exact };
+enum class DirichletRule { predicted, source, density, predicted_density, surface, ghosts };
+enum class Clamping { pressures, sources };
+enum class SolidTerm { none, decomposed, unified, amplified, exact, unknowns };
 enum class BodyCoupling { implicit, one_step_late };
 enum class StoppingRule { density_error, residual };
 enum class PressureSolver { isph, iisph_jacobi, iisph_cg };
@@ -58,6 +59,8 @@ struct PressureOptions {
     double jacobi_weight = 0;       // omega of IISPH; 0: the published 0.5, or less where that diverges (README)
     DirichletRule dirichlet = DirichletRule::predicted;
     double prediction = 1;          // gamma of Eq. 2.6; the dissertation's 0.5 is noisier (README)
+    double surface_density = 0.97;  // of the rest density, below which `density` and `predicted_density` see a surface
+    Clamping clamping = Clamping::pressures;
     SolidTerm solid_term = SolidTerm::exact;
     double amplification_limit = 2; // gamma of Eq. 3.3; the dissertation's 5 ejects lone particles (README)
     BodyCoupling body_coupling = BodyCoupling::implicit;

@@ -78,7 +78,12 @@ public:
         : velocity_(store.add<Array3>("velocity", "m/s", FieldRole::state)),
           volume_(store.add<Array<double>>("volume", "m3", FieldRole::state)),
           body_(store.add<Array<int>>("body", "", FieldRole::state, true)),
-          reference_(store.add<Array3>("reference", "m", FieldRole::state)) {}
+          reference_(store.add<Array3>("reference", "m", FieldRole::state)),
+          pressure_(store.add<Array<double>>("pressure", "Pa", FieldRole::state, true)),
+          diagonal_(store.add<Array<double>>("diagonal", "1/m2", FieldRole::work)),
+          hold_(store.add<Array<double>>("hold", "", FieldRole::work)),
+          role_(store.add<Array<int>>("role", "", FieldRole::work, true)),
+          row_(store.add<Array<int>>("row", "", FieldRole::work)) {}
 
     ParticleStore store;
     const Array3& position() const { return store.position(); }
@@ -88,13 +93,23 @@ public:
     const Array<int>& body() const { return store.get<Array<int>>(body_); }           // 0: the domain's walls
 
     const Array3& reference() const { return store.get<Array3>(reference_); }         // position at the start
+    // With solids as unknowns (solid_rows.hpp); pressures are 0 without.
+    const Array<double>& pressure() const { return store.get<Array<double>>(pressure_); }
+    const Array<double>& diagonal() const { return store.get<Array<double>>(diagonal_); }
+    const Array<double>& hold() const { return store.get<Array<double>>(hold_); }
+    const Array<int>& role() const { return store.get<Array<int>>(role_); }
+    const Array<int>& row() const { return store.get<Array<int>>(row_); }
 
     int volume_field() const { return volume_; }
     int body_field() const { return body_; }
     int velocity_field() const { return velocity_; }
+    int pressure_field() const { return pressure_; }
+    int hold_field() const { return hold_; }
+    int role_field() const { return role_; }
+    int row_field() const { return row_; }
 
 private:
-    int velocity_, volume_, body_, reference_;
+    int velocity_, volume_, body_, reference_, pressure_, diagonal_, hold_, role_, row_;
 };
 
 } // namespace treacle::sph

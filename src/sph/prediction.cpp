@@ -1,6 +1,7 @@
 #include "sph/prediction.hpp"
 
 #include "sph/laplacian.hpp"
+#include "sph/surface.hpp"
 
 namespace treacle::sph {
 
@@ -93,7 +94,7 @@ struct PredictionLoop {
     }
 
     KOKKOS_INLINE_FUNCTION double solid_term(int i, const RowSums& sum) const {
-        if (options.solid_term == SolidTerm::none) return 0;
+        if (options.solid_term == SolidTerm::none || options.solid_term == SolidTerm::unknowns) return 0;
         // The exact source needs the last pressures; without them only the Neumann problem itself is exact.
         const bool starting = pressures == LastPressures::none && options.solid_term == SolidTerm::exact;
         if (starting && sum.weights > 0) return 0;
@@ -102,36 +103,64 @@ struct PredictionLoop {
         return ratio * ratio * sum.wall_square() / liquids.density(i); // alpha_i of Eq. 3.2
     }
 
-    KOKKOS_INLINE_FUNCTION double right_hand_side(int i, const RowSums& sum, double b, double alpha,
+    // What neighbours at zero pressure, in the place of those that lack, would add to the diagonal (README).
+    KOKKOS_INLINE_FUNCTION double ghost_term(const RowSums& sum) const {
+        if (options.dirichlet != DirichletRule::ghosts) return 0;
+        const Constants& c = fluid.constants;
+        return math::max(0.0, c.laplacian_diagonal - sum.weights - c.wall_cover * sum.solid_weights);
+    }
+
+    // `weights` are those of the system without walls.
+    KOKKOS_INLINE_FUNCTION double right_hand_side(int i, const RowSums& sum, double b, double alpha, double weights,
                                                   double answered) const {
         if (alpha == 0 || sum.weights == 0) return b;
-        const double amplified = math::min(options.amplification_limit, 1 + alpha / sum.weights) * b;
+        const double amplified = math::min(options.amplification_limit, 1 + alpha / weights) * b;
         if (options.solid_term == SolidTerm::amplified) return amplified + alpha * fluid.pressure(i); // (3.3)
         // Without p_i = p_j: the fixed point is that of the system without alpha.
-        if (options.solid_term == SolidTerm::exact) return amplified + alpha * (sum.weighted - answered) / sum.weights;
+        if (options.solid_term == SolidTerm::exact) return amplified + alpha * (sum.weighted - answered) / weights;
         return b;
+    }
+
+    // (S6) Whether a particle with neighbours is an unknown.
+    KOKKOS_INLINE_FUNCTION bool unknown(int i, const RowSums& sum, double predicted, double answered) const {
+        const double rest = fluid.constants.rest_density;
+        switch (options.dirichlet) {
+        case DirichletRule::ghosts: return true;
+        case DirichletRule::surface: return role(i) == Role::poisson; // as mark_surface left it
+        case DirichletRule::density: return blended(i) / liquids.density(i) >= options.surface_density * rest;
+        case DirichletRule::predicted_density: return predicted >= options.surface_density * rest;
+        case DirichletRule::source:
+        case DirichletRule::predicted: break;
+        }
+        double numerator = (predicted - rest) / (dt * dt); // (2.6), times the positive denominator
+        if (pressures == LastPressures::none) {
+            numerator += start_slack * rest / (dt * dt);
+        } else if (options.dirichlet == DirichletRule::predicted) {
+            numerator += options.prediction * (sum.weighted + fluid.pressure(i) * sum.solid_weights - answered);
+        }
+        return numerator > 0;
     }
 
     KOKKOS_INLINE_FUNCTION void operator()(int i, int& poissons, int& separates) const {
         const RowSums sum = sums(i);
         const double rest = fluid.constants.rest_density;
         const double excess = liquids.recovered(blended(i) / liquids.density(i) - rest, dt);
-        const double b = (excess + dt * sum.divergence) / (dt * dt); // (2.4)
+        const double predicted = rest + (excess + dt * sum.divergence); // (2.4), over the liquid's share of rest
+        double b = (predicted - rest) / (dt * dt);
+        const bool pushed = b > 0;
+        if (options.clamping == Clamping::sources) b = math::max(b, 0.0);
         const double alpha = solid_term(i, sum);
         const double answered = answer == Answer::bodies ? response(i) : 0;
-        double numerator = b; // (2.6), times the positive denominator
-        if (pressures == LastPressures::none) {
-            numerator += start_slack * rest / (dt * dt);
-        } else if (options.dirichlet == DirichletRule::predicted) {
-            numerator += options.prediction * (sum.weighted + fluid.pressure(i) * sum.solid_weights - answered);
-        }
-        wall_term(i) = alpha;
-        diagonal(i) = sum.weights + alpha;
-        source(i) = right_hand_side(i, sum, b, alpha, answered);
-        if (sum.weights > 0) {
-            role(i) = numerator > 0 ? Role::poisson : Role::dirichlet;
+        const bool linked = options.solid_term == SolidTerm::unknowns && sum.solid_weights > 0;
+        const double ghosts = sum.weights > 0 || linked ? ghost_term(sum) : 0;
+        const double weights = sum.weights + ghosts;
+        wall_term(i) = alpha + ghosts;
+        diagonal(i) = weights + alpha + (linked ? sum.solid_weights : 0);
+        source(i) = right_hand_side(i, sum, b, alpha, weights, answered);
+        if (sum.weights > 0 || linked) {
+            role(i) = unknown(i, sum, predicted, answered) ? Role::poisson : Role::dirichlet;
         } else {
-            role(i) = alpha > 0 && b > 0 ? Role::separated : Role::dirichlet;
+            role(i) = alpha > 0 && pushed ? Role::separated : Role::dirichlet;
         }
         poissons += static_cast<int>(role(i) == Role::poisson);
         separates += static_cast<int>(role(i) == Role::separated);
@@ -144,6 +173,7 @@ RoleCounts predict(const SphOptions& options, const Constants& constants, Liquid
                    double dt, Answer answer) {
     write_places(liquid, liquid.volume());
     write_motions(liquid);
+    if (options.pressure.dirichlet == DirichletRule::surface) mark_surface(constants, liquid, solid, neighbours);
     const auto fluid = gather_fluid(constants, liquid, solid, neighbours);
     int poissons = 0, separates = 0;
     with_kernel(options.kernel, constants.dimensions, constants.support, [&](const auto& kernel) {

@@ -50,6 +50,7 @@ solve::MultilevelOptions algebra(const SphOptions& options, const Constants& con
 PressureHierarchy::PressureHierarchy(const Comm& comm, const SphOptions& options, const Constants& constants,
                                      const DomainBox& domain, const CellGrid& grid)
     : grid_(finest_grid(options, constants, grid)), domain_(domain),
+      solids_unknown_(options.pressure.solid_term == SolidTerm::unknowns),
       multilevel_(comm, algebra(options, constants, grid)) {}
 
 solve::UserPreconditioner PressureHierarchy::preconditioner() {
@@ -57,21 +58,25 @@ solve::UserPreconditioner PressureHierarchy::preconditioner() {
             [this](solve::Matrix& matrix) { set_up(matrix); }};
 }
 
-void PressureHierarchy::locate_rows(int first_row, int rows) {
-    reserve(cells_, 3 * static_cast<std::size_t>(rows));
-    reserve(walls_, static_cast<std::size_t>(rows));
-    const auto x = liquid_->position();
-    const auto row = liquid_->row();
-    const auto wall = liquid_->wall_term();
+template <class Particles>
+void PressureHierarchy::locate_rows(const Particles& particles, int first_row) {
+    const auto x = particles.position();
+    const auto row = particles.row();
     const auto cells = cells_;
-    const auto walls = walls_;
     const auto grid = grid_;
-    Kokkos::parallel_for("treacle::locate_rows", liquid_->store.owned(), KOKKOS_LAMBDA(int i) {
+    Kokkos::parallel_for("treacle::locate_rows", particles.store.owned(), KOKKOS_LAMBDA(int i) {
         if (row(i) < 0) return;
         int c[3];
         grid.locate(x(i, 0), x(i, 1), x(i, 2), c);
         for (int k = 0; k < 3; ++k) cells(3 * (row(i) - first_row) + k) = c[k];
-        walls(row(i) - first_row) = wall(i);
+    });
+}
+
+void PressureHierarchy::find_walls(int first_row) {
+    const auto row = liquid_->row();
+    const auto wall = liquid_->wall_term(), walls = walls_;
+    Kokkos::parallel_for("treacle::find_walls", liquid_->store.owned(), KOKKOS_LAMBDA(int i) {
+        if (row(i) >= 0) walls(row(i) - first_row) = wall(i);
     });
 }
 
@@ -116,8 +121,12 @@ void PressureHierarchy::find_dirichlet_cells() {
 }
 
 void PressureHierarchy::set_up(solve::Matrix& matrix) {
-    locate_rows(matrix.first_row(), matrix.rows());
     const auto rows = static_cast<std::size_t>(matrix.rows());
+    reserve(cells_, 3 * rows);
+    reserve(walls_, rows);
+    locate_rows(*liquid_, matrix.first_row());
+    if (solids_unknown_) locate_rows(*solid_, matrix.first_row());
+    find_walls(matrix.first_row());
     const auto cells = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), cells_);
     const auto walls = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), walls_);
     solve::MultilevelCells where;

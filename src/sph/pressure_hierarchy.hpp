@@ -30,13 +30,16 @@ public:
     std::size_t bytes() const;
 
     // Part of the above; not private, since nvcc takes no kernel in a private function.
-    void locate_rows(int first_row, int rows);
+    template <class Particles>
+    void locate_rows(const Particles& particles, int first_row);
+    void find_walls(int first_row);
 
 private:
     void find_dirichlet_cells();
 
     CellGrid grid_;      // of the finest level
     DomainBox domain_;
+    bool solids_unknown_;
     const LiquidParticles* liquid_ = nullptr;
     const SolidParticles* solid_ = nullptr;
     solve::Multilevel multilevel_;

@@ -3,6 +3,8 @@
 #include "kokkos/scan.hpp"
 #include "sph/laplacian.hpp"
 
+#include <algorithm>
+
 namespace treacle::sph {
 
 void PressureSystem::number_rows(const Comm& comm, LiquidParticles& liquid, Halo& halo) {
@@ -22,6 +24,36 @@ void PressureSystem::number_rows(const Comm& comm, LiquidParticles& liquid, Halo
     global_rows_ = comm.sum(static_cast<std::int64_t>(rows_));
     if (first_row_ > 0) count_rows(static_cast<int>(first_row_));
     halo.gather(liquid.store, {liquid.row_field()});
+}
+
+// On the host, where the halo is: four bytes for each ghost.
+void PressureSystem::connect_halo(const Comm& comm, std::initializer_list<RowsOf> particles) {
+    auto& columns = halo_columns_;
+    columns.clear();
+    for (const auto& of : particles) {
+        const auto ghosts = std::pair(of.store.owned(), of.store.total());
+        const auto row = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), Kokkos::subview(of.row, ghosts));
+        for (std::size_t g = 0; g < row.extent(0); ++g) {
+            const int r = row(g);
+            if (r >= 0 && (r < first_row_ || r >= first_row_ + rows_)) columns.push_back(r);
+        }
+    }
+    std::sort(columns.begin(), columns.end());
+    columns.erase(std::unique(columns.begin(), columns.end()), columns.end());
+    places_.size = static_cast<int>(columns.size());
+    reserve(places_.column, columns.size());
+    const Kokkos::View<const int*, Kokkos::HostSpace, Kokkos::MemoryUnmanaged> host(columns.data(), columns.size());
+    Kokkos::deep_copy(Kokkos::subview(places_.column, std::pair(0, places_.size)), host);
+    halo_.connect(comm, first_row_, columns);
+}
+
+void PressureSystem::place_ghosts(const LiquidParticles& liquid) {
+    reserve(ghost_place_, static_cast<std::size_t>(liquid.store.ghosts()));
+    const auto row = liquid.row(), place = ghost_place_;
+    const auto places = places_;
+    const int owned = liquid.store.owned();
+    Kokkos::parallel_for("treacle::place_ghosts", liquid.store.ghosts(),
+                         KOKKOS_LAMBDA(int g) { place(g) = places(row(owned + g)); });
 }
 
 namespace {
@@ -63,11 +95,15 @@ struct RowWriter {
         value[k] = v;
     }
     KOKKOS_INLINE_FUNCTION void add_each(unsigned bits, IntLanes columns, Lanes values) {
+        add_each(bits, columns, values, [](int column) { return column; });
+    }
+    template <class ColumnOf>
+    KOKKOS_INLINE_FUNCTION void add_each(unsigned bits, IntLanes keys, Lanes values, const ColumnOf& column) {
         int c[lanes];
         double v[lanes];
-        store_ints(columns, c);
+        store_ints(keys, c);
         store_lanes(values, v);
-        for (; bits != 0; bits &= bits - 1) add(c[lowest_bit(bits)], v[lowest_bit(bits)]);
+        for (; bits != 0; bits &= bits - 1) add(column(c[lowest_bit(bits)]), v[lowest_bit(bits)]);
     }
     // The columns rise and lie behind those that are there.
     KOKKOS_INLINE_FUNCTION void append(unsigned bits, IntLanes columns, Lanes values) {
@@ -82,7 +118,7 @@ struct FillLoop {
     Pairs pairs;
     Array4 place;
     PressureSystem::Block own, other;
-    Array<int> row;
+    Array<int> row, ghost_place;
     Array<double> diagonal, source, pressure, right_hand_side, solution;
     int first, rows, owned;
 
@@ -116,7 +152,9 @@ struct FillLoop {
             } else {
                 here.add_each(inside, column, value);
             }
-            if (inside != unknown) there.add_each(unknown & ~inside, global, value);
+            if (inside != unknown) {
+                there.add_each(unknown & ~inside, index, value, [&](int j) { return ghost_place(j - owned); });
+            }
         }
         if (!diagonal_written) here.add(r, diagonal(i));
         right_hand_side(r) = source(i);
@@ -139,6 +177,8 @@ void PressureSystem::count_entries(const LiquidParticles& liquid, const Neighbou
 void PressureSystem::assemble(const SphOptions& options, const Constants& constants, const Comm& comm,
                               LiquidParticles& liquid, const Neighbourhood& neighbours, Halo& halo) {
     number_rows(comm, liquid, halo);
+    connect_halo(comm, {{liquid.store, liquid.row()}});
+    place_ghosts(liquid);
     count_entries(liquid, neighbours);
     write_places(liquid, liquid.volume());
     for (const auto& [block, entries] : {std::pair(&own_, own_entries_), std::pair(&other_, other_entries_)}) {
@@ -170,7 +210,7 @@ PressureSystem::HostSystem PressureSystem::to_host() const {
             mirror(solution_)};
 }
 
-solve::CsrBlocks PressureSystem::blocks(const HostSystem& host) const {
+solve::CsrBlocks PressureSystem::blocks(const HostSystem& host) {
     solve::CsrBlocks blocks;
     blocks.diagonal_offsets = host.own.offset.data();
     blocks.diagonal_columns = host.own.column.data();
@@ -178,6 +218,7 @@ solve::CsrBlocks PressureSystem::blocks(const HostSystem& host) const {
     blocks.off_offsets = host.other.offset.data();
     blocks.off_columns = host.other.column.data();
     blocks.off_values = host.other.value.data();
+    blocks.halo = &halo_;
     blocks.first_row = static_cast<int>(first_row_);
     blocks.rows = rows_;
     blocks.global_rows = static_cast<int>(global_rows_);
@@ -200,7 +241,8 @@ void PressureSystem::store_pressure(LiquidParticles& liquid) const {
 }
 
 std::size_t PressureSystem::bytes() const {
-    std::size_t total = 8 * (right_hand_side_.span() + solution_.span());
+    std::size_t total = 8 * (right_hand_side_.span() + solution_.span()) + halo_.bytes() +
+                        4 * (ghost_place_.span() + places_.column.span() + halo_columns_.capacity());
     for (const auto* block : {&own_, &other_}) {
         total += 4 * (block->offset.span() + block->column.span()) + 8 * block->value.span();
     }

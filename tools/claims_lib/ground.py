@@ -251,7 +251,7 @@ def outside_the_solve(context):
            asked="≤ 6 WU; no second copy of the matrix")
 def assembly(context):
     runs = [bench(context, size(context), ranks=2) for _ in range(2)]
-    work = better(runs, "WU", "assembly, hand-over")
+    work = better(runs, "WU", "assemble")
     particles = runs[0]["liquid particles"]
     matrix = (12 * runs[0]["entries"]["max"] + 4 * runs[0]["rows"]["max"]) / particles
     # Besides PETSc's vectors, MPI and HDF5; a second copy would add as much as the matrix has.
@@ -262,7 +262,7 @@ def assembly(context):
                   work <= 6 and borrowed.ok)
 
 
-SUMS = ("between phases", "step", "outside the solve", "assembly, hand-over", "solve")
+SUMS = ("between phases", "step", "outside the solve", "solve")
 
 
 @TABLE.row("2 ranks against 1", claim="300k particles on 2 ranks against 1",

@@ -67,6 +67,13 @@ class Context:
     quick: bool = False
     peers: dict = dataclasses.field(default_factory=dict)
     commands: list = dataclasses.field(default_factory=list)
+    kept: dict = dataclasses.field(default_factory=dict)
+
+    def once(self, key, measure):
+        """What measure() returned, for rows that look at the same runs; measured once in a call of tools/claims."""
+        if key not in self.kept:
+            self.kept[key] = measure()
+        return self.kept[key]
 
     def note(self, command):
         self.commands.append(shlex.join(str(word) for word in command))

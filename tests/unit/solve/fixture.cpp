@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <gtest/gtest.h>
+#include <iterator>
 #include <memory>
+#include <set>
 
 namespace treacle::solve {
 
@@ -39,6 +41,9 @@ TestSystem::TestSystem(const Comm& comm, Index n, Row definition, int owners)
         diagonal_offsets.push_back(static_cast<Index>(diagonal_columns.size()));
         off_offsets.push_back(static_cast<Index>(off_columns.size()));
     }
+    const std::set<Index> others(off_columns.begin(), off_columns.end());
+    halo.connect(comm, first, std::vector<Index>(others.begin(), others.end()));
+    for (Index& column : off_columns) column = static_cast<Index>(std::distance(others.begin(), others.find(column)));
 }
 
 CsrBlocks TestSystem::blocks() {
@@ -49,6 +54,7 @@ CsrBlocks TestSystem::blocks() {
     blocks.off_offsets = off_offsets.data();
     blocks.off_columns = off_columns.data();
     blocks.off_values = off_values.data();
+    blocks.halo = &halo;
     blocks.first_row = first;
     blocks.rows = rows;
     blocks.global_rows = global_rows;

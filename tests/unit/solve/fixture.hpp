@@ -23,6 +23,7 @@ struct TestSystem {
     Index global_rows = 0;
     std::vector<Index> diagonal_offsets{0}, diagonal_columns, off_offsets{0}, off_columns;
     std::vector<double> diagonal_values, off_values;
+    RowHalo halo;
     Row row;
 
     // Rows shared out evenly among the first `owners` ranks; the others have none.

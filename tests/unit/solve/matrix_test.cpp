@@ -62,13 +62,17 @@ class Pattern : public testing::Test {
 protected:
     // Rows 2 and 3 of 6 as one rank of several would hold them.
     std::vector<Index> diagonal_offsets{0, 2, 4}, diagonal_columns{0, 1, 0, 1};
-    std::vector<Index> off_offsets{0, 2, 3}, off_columns{0, 5, 4};
+    std::vector<Index> off_offsets{0, 2, 3}, off_columns{0, 2, 1};
+    RowHalo halo;
+    void have_halo(std::vector<Index> columns) { halo.connect(Comm::self(), 2, columns); }
+    void SetUp() override { have_halo({0, 4, 5}); }
     CsrBlocks blocks() {
         CsrBlocks out;
         out.diagonal_offsets = diagonal_offsets.data();
         out.diagonal_columns = diagonal_columns.data();
         out.off_offsets = off_offsets.data();
         out.off_columns = off_columns.data();
+        out.halo = &halo;
         out.first_row = 2;
         out.rows = 2;
         out.global_rows = 6;
@@ -89,12 +93,20 @@ TEST_F(Pattern, column_beyond_the_local_block_is_refused) {
     diagonal_columns[3] = 2;
     EXPECT_THROW(check_pattern(blocks()), std::logic_error);
 }
+TEST_F(Pattern, column_beyond_the_halo_is_refused) {
+    off_columns[1] = 3;
+    EXPECT_THROW(check_pattern(blocks()), std::logic_error);
+}
 TEST_F(Pattern, column_beyond_the_matrix_is_refused) {
-    off_columns[1] = 6;
+    have_halo({0, 4, 6});
     EXPECT_THROW(check_pattern(blocks()), std::logic_error);
 }
 TEST_F(Pattern, local_column_in_the_off_diagonal_part_is_refused) {
-    off_columns[2] = 3;
+    have_halo({0, 3, 5});
+    EXPECT_THROW(check_pattern(blocks()), std::logic_error);
+}
+TEST_F(Pattern, unsorted_halo_is_refused) {
+    have_halo({0, 5, 4});
     EXPECT_THROW(check_pattern(blocks()), std::logic_error);
 }
 TEST_F(Pattern, missing_diagonal_entry_is_refused) {

@@ -16,7 +16,7 @@ Sample free_space(SolidTerm term = SolidTerm::exact) {
     return {make_setup(make_domain(3, {-reach, -reach, -reach}, {reach, reach, reach}), options), {}, {}};
 }
 
-Eigen::VectorXd eigenvalues(const Parts& parts) {
+Eigen::VectorXd eigenvalues(Parts& parts) {
     const auto system = gather_system(parts);
     EXPECT_EQ((system.matrix - system.matrix.transpose()).cwiseAbs().maxCoeff(), 0);
     return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(system.matrix, Eigen::EigenvaluesOnly)
@@ -25,7 +25,7 @@ Eigen::VectorXd eigenvalues(const Parts& parts) {
 
 // The least eigenvalue of a graph anchored at one of n particles is about 1 / n of the largest; round-off of
 // a singular one is 1e-16 of it.
-void expect_positive_definite(const Parts& parts, const char* what) {
+void expect_positive_definite(Parts& parts, const char* what) {
     const auto values = eigenvalues(parts);
     ASSERT_GT(values.size(), 0) << what;
     EXPECT_GT(values(0), 1e-7 * values(values.size() - 1)) << what;

@@ -19,6 +19,7 @@ struct Parts {
     Halo halo, solid_halo;
     Neighbourhood neighbours;
     PressureSystem system;
+    CellList liquid_cells, solid_cells;
 
     Parts(const Comm& group, const Sample& sample)
         : comm(group), setup(sample.setup), decomposition(group, sample.setup.grid) {
@@ -29,7 +30,6 @@ struct Parts {
             cells.insert(cells.end(), cell.begin(), cell.end());
         }
         decomposition.recut(cells, std::vector<double>(cells.size() / 3, 1.0));
-        CellList liquid_cells, solid_cells;
         place(liquid.store, halo, liquid_cells);
         place(solid.store, solid_halo, solid_cells);
         const double support = setup.constants.support;
@@ -97,46 +97,41 @@ struct DenseSystem {
     Eigen::VectorXd right_hand_side;
 };
 
-inline solve::CsrBlocks blocks_of(const PressureSystem& system) {
-    solve::CsrBlocks blocks;
-    blocks.diagonal_offsets = system.own().offset.data();
-    blocks.diagonal_columns = system.own().column.data();
-    blocks.diagonal_values = system.own().value.data();
-    blocks.off_offsets = system.other().offset.data();
-    blocks.off_columns = system.other().column.data();
-    blocks.off_values = system.other().value.data();
-    blocks.first_row = static_cast<int>(system.first_row());
-    blocks.rows = system.rows();
-    blocks.global_rows = static_cast<int>(system.global_rows());
-    return blocks;
-}
+// Particles with rows, and what is added to their ids so that they differ from those of others.
+struct RowsOf {
+    const ParticleStore* store;
+    Array<int> row;
+    std::int64_t shift;
+};
 
-inline DenseSystem gather_system(const Parts& parts) {
-    const auto& system = parts.system;
+inline DenseSystem gather_rows(Parts& parts, const std::vector<RowsOf>& particles) {
+    auto& system = parts.system;
     const auto& comm = parts.comm;
-    EXPECT_NO_THROW(solve::check_pattern(blocks_of(system)));
+    EXPECT_NO_THROW(solve::check_pattern(system.blocks(system.to_host())));
     std::vector<std::int64_t> row_ids(static_cast<std::size_t>(system.rows()), -1);
-    const auto id = test::on_host(parts.liquid.id());
-    const auto row = test::on_host(parts.liquid.row());
-    for (int i = 0; i < parts.liquid.store.owned(); ++i) {
-        if (row(i) >= 0) row_ids[std::size_t(row(i) - system.first_row())] = id(i);
+    for (const auto& of : particles) {
+        const auto id = test::on_host(of.store->id());
+        const auto row = test::on_host(of.row);
+        for (int i = 0; i < of.store->owned(); ++i) {
+            if (row(i) >= 0) row_ids[std::size_t(row(i) - system.first_row())] = id(i) + of.shift;
+        }
     }
     row_ids = comm.all_gather(std::span<const std::int64_t>(row_ids));
     std::vector<std::int64_t> places;
     std::vector<double> values, sources;
-    const auto add_block = [&](const PressureSystem::Block& block, std::int64_t shift) {
+    const auto add_block = [&](const PressureSystem::Block& block, const auto& global) {
         const auto offset = test::on_host(block.offset), column = test::on_host(block.column);
         const auto value = test::on_host(block.value);
         for (int r = 0; r < system.rows(); ++r) {
             for (int k = offset(r); k < offset(r + 1); ++k) {
                 places.push_back(system.first_row() + r);
-                places.push_back(column(k) + shift);
+                places.push_back(global(column(k)));
                 values.push_back(value(k));
             }
         }
     };
-    add_block(system.own(), system.first_row());
-    add_block(system.other(), 0);
+    add_block(system.own(), [&](int column) { return system.first_row() + column; });
+    add_block(system.other(), [&](int place) { return system.halo().columns()[std::size_t(place)]; });
     const auto b = test::on_host(system.right_hand_side());
     for (int r = 0; r < system.rows(); ++r) sources.push_back(b(r));
     places = comm.all_gather(std::span<const std::int64_t>(places));
@@ -159,6 +154,10 @@ inline DenseSystem gather_system(const Parts& parts) {
     }
     for (Eigen::Index r = 0; r < n; ++r) out.right_hand_side(place(r)) = sources[std::size_t(r)];
     return out;
+}
+
+inline DenseSystem gather_system(Parts& parts) {
+    return gather_rows(parts, {{&parts.liquid.store, parts.liquid.row(), 0}});
 }
 
 } // namespace treacle::sph

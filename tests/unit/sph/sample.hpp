@@ -61,6 +61,8 @@ inline IsphSetup make_setup(const scene::Domain& domain, const SphOptions& optio
     c.rest_volume = lattice.volume;
     c.mass = rest_density * lattice.volume;
     c.number_density = lattice.number_density;
+    c.laplacian_diagonal = lattice.laplacian_diagonal;
+    c.wall_cover = wall_cover({options.kernel, c.dimensions, c.support, c.spacing, c.spacing}, options.density);
     setup.domain = make_domain_box(domain, 1.5 * domain.spacing);
     setup.grid = make_cell_grid(domain, c.support);
     setup.forces.gravity = {0, 0, 0};
@@ -167,6 +169,9 @@ inline void put(const Comm& comm, const Sample& sample, LiquidParticles& liquid,
         for (std::size_t i = 0; i < 3 * bricks.size(); ++i) v(i / 3, i % 3) = 0;
     });
     test::edit(solid.volume(), [&](auto& v) {
+        for (std::size_t i = 0; i < bricks.size(); ++i) v(i) = 0;
+    });
+    test::edit(solid.pressure(), [&](auto& v) {
         for (std::size_t i = 0; i < bricks.size(); ++i) v(i) = 0;
     });
     test::edit(solid.body(), [&](auto& v) {

@@ -1,0 +1,116 @@
+"""What can be reproduced, and what a reproduction writes.
+
+A module of this folder declares one with
+
+    @entry("figure-3.9", "what it shows")
+    def figure(context, results): ...
+
+context is that of the claims, for run_scene and its like; with context.quick it should end within minutes.
+"""
+
+import contextlib
+import csv
+import dataclasses
+import importlib
+import json
+import pathlib
+import sys
+import time
+
+
+@dataclasses.dataclass(frozen=True)
+class Entry:
+    name: str
+    title: str
+    run: object  # function of a Context and Results
+
+
+_entries = {}
+
+
+def entry(name, title):
+    if name in _entries:
+        raise ValueError(f"two entries named {name!r}")
+
+    def declare(run):
+        _entries[name] = Entry(name, title, run)
+        return run
+
+    return declare
+
+
+def known():
+    """All entries by name: those of every module in this folder."""
+    for path in sorted(pathlib.Path(__file__).parent.glob("*.py")):
+        if path.stem not in ("__init__", "entries"):
+            importlib.import_module(f"{__package__}.{path.stem}")
+    return dict(_entries)
+
+
+def text_of(value):
+    return f"{value:.4g}" if isinstance(value, float) else str(value)
+
+
+class Results:
+    """The files of one entry, under its folder."""
+
+    def __init__(self, folder, ranks, out=sys.stdout):
+        self.folder = pathlib.Path(folder)
+        self.ranks = ranks
+        self.files = []
+        self._out = out
+
+    def say(self, text):
+        print(text, file=self._out, flush=True)
+
+    def table(self, name, header, rows):
+        """Writes NAME.csv, and prints it. header: titles with units, "time [s]"; rows: of texts, numbers or None."""
+        path = self._new(f"{name}.csv")
+        rows = [["" if value is None else value for value in row] for row in rows]
+        with open(path, "w", newline="") as file:
+            csv.writer(file, lineterminator="\n").writerows([header, *rows])
+        lines = [header, *([text_of(value) for value in row] for row in rows)]
+        widths = [max(len(line[k]) for line in lines) for k in range(len(header))]
+        for line in lines:
+            self.say("  ".join(word.rjust(width) for word, width in zip(line, widths)))
+
+    def curves(self, name, header, rows):
+        """Writes NAME.csv without printing it: the points of a figure."""
+        with open(self._new(f"{name}.csv"), "w", newline="") as file:
+            csv.writer(file, lineterminator="\n").writerows([header, *rows])
+
+    @contextlib.contextmanager
+    def figure(self, name, columns=1, size=(5.5, 4)):
+        """Pyplot's axes of NAME.png, one or a row of them; written on leaving."""
+        import matplotlib
+
+        matplotlib.use("Agg")
+        from matplotlib import pyplot
+
+        figure, axes = pyplot.subplots(1, columns, figsize=(size[0] * columns, size[1]))
+        try:
+            yield axes
+            figure.tight_layout()
+            figure.savefig(self._new(f"{name}.png"), dpi=120)
+        finally:
+            pyplot.close(figure)
+
+    def _new(self, name):
+        self.folder.mkdir(parents=True, exist_ok=True)
+        path = self.folder / name
+        self.files.append(path)
+        return path
+
+
+def reproduce(one, context, folder, ranks, out=sys.stdout):
+    """Runs an entry; its folder gets its files and commands.json, which says what was run."""
+    results = Results(folder, ranks, out)
+    start = time.monotonic()
+    results.say(f"{one.name}: {one.title}")
+    one.run(context, results)
+    record = {"name": one.name, "quick": context.quick, "ranks": ranks, "commands": context.commands,
+              "seconds": round(time.monotonic() - start, 1)}
+    (results._new("commands.json")).write_text(json.dumps(record, indent=2) + "\n")
+    for path in results.files:
+        results.say(f"written to {path}")
+    return results
