@@ -12,7 +12,7 @@ namespace treacle::app {
 
 namespace {
 // Densities of liquids in one scene over each other, up to which they were tried (src/sph/README.md).
-constexpr double sure_density_ratio = 100;
+constexpr double sure_density_ratio = 10;
 
 // Spacings over the reference speed in which compressed particles of several liquids expand again.
 constexpr double recovery_cfl = 0.1;
@@ -34,17 +34,25 @@ std::vector<std::string> load_names(const Input& input) {
     return names;
 }
 
+namespace {
+// What is there to compare with knows one liquid.
+void check_comparators(const Input& input, std::vector<Diagnostic>& problems) {
+    const auto& pressure = input.method.pressure;
+    const auto& where = input.scene.liquids[1].where;
+    const std::string what = "liquids that differ in density or viscosity cannot go with method.pressure.";
+    const auto refuse = [&](const std::string& key, const std::string& cure) {
+        problems.push_back({where, what + key, "it is there to compare with and knows one liquid", cure});
+    };
+    if (pressure.solver != sph::PressureSolver::isph) refuse("solver other than isph", "write solver: isph");
+    if (pressure.solid_term == sph::SolidTerm::unknowns) refuse("solid_term: unknowns", "take another solid_term");
+    if (pressure.dirichlet == sph::DirichletRule::ghosts) refuse("dirichlet: ghosts", "take another rule");
+}
+} // namespace
+
 void check_supported(const Input& input) {
     std::vector<Diagnostic> problems;
     const auto& liquids = input.scene.liquids;
-    if (sph::differ(liquid_materials(input)) && input.method.pressure.solver != sph::PressureSolver::isph) {
-        problems.push_back({liquids[1].where, "liquids that differ in density or viscosity need method.pressure.solver: isph",
-                            "the other solvers are there to compare with and know one liquid", "leave the solver out"});
-    }
-    if (sph::differ(liquid_materials(input)) && input.method.pressure.solid_term == sph::SolidTerm::unknowns) {
-        problems.push_back({liquids[1].where, "liquids that differ in density or viscosity, with method.pressure.solid_term: unknowns",
-                            "solids as unknowns are there to compare with and know one liquid", "take another solid_term"});
-    }
+    if (sph::differ(liquid_materials(input))) check_comparators(input, problems);
     for (const auto& liquid : liquids) {
         if (liquid.surface_tension > 0 && !is_of_preset(liquid)) {
             problems.push_back({liquid.where, "liquids." + liquid.name + ".surface_tension is not modelled by method sph",

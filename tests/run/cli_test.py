@@ -40,6 +40,8 @@ BAD_SCENES = {
     "bounded_iisph": ["method.pressure.dirichlet", "complementarity needs solver: isph"],
     "bounded_gamg": ["method.pressure.preconditioner", "complementarity"],
     "relaxed_cholesky": ["method.pressure.relaxation", "sor_jacobi"],
+    "iisph_liquids": ["differ in density or viscosity", "solver: isph"],
+    "unknown_liquid": ["measurements", "wine"],
     "thin_body": ["bodies.raft", "thinner than domain.spacing"],
     "body_in_body": ["bodies.post overlaps bodies.raft", "0.02 m"],
     "body_in_wall": ["bodies.raft", "wall x_max"],
@@ -157,6 +159,12 @@ class Serial(Workplace):
             self.assertRegex(out, pattern)
         self.assertEqual(os.listdir(self.folder), [])
 
+    def test_check_tells_particles_and_mass_of_each_liquid(self):
+        out = self.treacle("check", os.path.join(SCENES, "layers.yaml")).stdout
+        # 6 x 6 x 4 and 10 x 6 x 6 particles of nearly 8 cm3.
+        for pattern in [r"144 particles, 0\.11\d+ kg\n", r"360 particles, 2\.8\d+ kg\n", r"Atwood number +0\.8182"]:
+            self.assertRegex(out, pattern)
+
     def test_check_warns_of_thin_liquid(self):
         out = self.treacle("check", COLUMN, "--set", "domain.spacing=8 cm").stdout
         self.assertRegex(out, r"warning: liquids\.water: 100 % of it is thinner than three spacings")
@@ -170,7 +178,11 @@ class Serial(Workplace):
         raft = os.path.join(SCENES, "raft.yaml")
         self.assertIn("no warnings", self.treacle("check", raft).stdout)
         light = self.treacle("check", raft, "--set", "bodies.raft.density=10").stdout
-        self.assertIn("warning: bodies.raft has 0.01 times the liquid's density", light)
+        self.assertIn("warning: bodies.raft has 0.01 times the density of water", light)
+        layers = os.path.join(SCENES, "layers.yaml")
+        self.assertIn("no warnings", self.treacle("check", layers).stdout)
+        heavy = self.treacle("check", layers, "--set", "liquids.heavy.density=5000").stdout
+        self.assertIn("warning: liquids: heavy has 50 times the density of light", heavy)
 
     def test_thin_bodies_are_told(self):
         thin = ["--set", "bodies.post.shape.box.max=[0.281, 0.1]"]

@@ -13,6 +13,7 @@ from harness import SCENES, TIGHT, Workplace
 
 DAM = os.path.join(SCENES, "dam.yaml")
 RAFT = os.path.join(SCENES, "raft.yaml")
+LAYERS = os.path.join(SCENES, "layers.yaml")
 SPACING = 0.02
 # On the same ranks nothing but the checkpoint lies between the two; on others sums are in another order.
 SAME_RANKS = 1e-12
@@ -84,6 +85,18 @@ class Resume(Workplace):
                 self.assertGreater(abs(one["raft velocity y [m/s]"][-1]), 1e-3, "it moves")
                 self.assertEqual(len(os.listdir(self.path("straight", "frames"))),
                                  len(os.listdir(self.path("run", "frames"))), "solids of every frame")
+                shutil.rmtree(self.path("run"))
+                shutil.rmtree(self.path("straight"))
+
+    def test_with_two_liquids(self):
+        for written, read, tolerance in [(2, 2, SAME_RANKS), (3, 1, OTHER_RANKS)]:
+            with self.subTest(written=written, read=read):
+                self.run_scene(LAYERS, "run", written, TIGHT)
+                shutil.copytree(self.path("run"), self.path("straight"))
+                self.remove_newest(2)
+                self.treacle("resume", "run", ranks=read)
+                self.expect_the_same_end(tolerance)
+                self.assertEqual(sorted(set(self.frame("run")["liquid"])), [0, 1])
                 shutil.rmtree(self.path("run"))
                 shutil.rmtree(self.path("straight"))
 

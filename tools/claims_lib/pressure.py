@@ -1,6 +1,6 @@
 """Rows of `pressure`: the multilevel pressure solve beside what it replaces."""
 
-from . import bodies, iisph, peer, surfaces
+from . import bodies, iisph, liquids, peer, surfaces
 from .bench import bench, pressure_bench
 from .gtest import run_gtest
 from .table import Figure, Table
@@ -116,5 +116,6 @@ def linear_scaling(context):
 
 bodies.add_rows(TABLE)
 iisph.add_rows(TABLE)
+liquids.add_rows(TABLE)
 surfaces.add_rows(TABLE)
 peer.add_rows(TABLE)

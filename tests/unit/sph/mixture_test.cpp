@@ -154,6 +154,25 @@ TEST(Mixture, ViscousForcesCancelAndTakeEnergy) {
     EXPECT_LT(measure_totals(parts.comm, parts.liquid, parts.setup.constants, {0, 0, 0}).kinetic_energy, energy);
 }
 
+TEST(Mixture, XsphMovesNoMomentum) {
+    auto sample = layers(materials);
+    sample.setup.options.viscosity.xsph = 0.3;
+    Parts parts(Comm::world(), sample);
+    compute_xsph(parts.setup.options, parts.setup.constants, parts.liquid, parts.solid, parts.neighbours);
+    const auto c = test::on_host(parts.liquid.acceleration());
+    const auto liquid = test::on_host(parts.liquid.liquid());
+    double sum[4] = {0, 0, 0, 0};
+    for (int i = 0; i < parts.liquid.store.owned(); ++i) {
+        for (int k = 0; k < 3; ++k) {
+            sum[k] += density_of(liquid(i)) * c(i, k);
+            sum[3] += density_of(liquid(i)) * std::abs(c(i, k));
+        }
+    }
+    parts.comm.sum(std::span<double>(sum));
+    ASSERT_GT(sum[3], 1);
+    for (int k = 0; k < 3; ++k) EXPECT_NEAR(sum[k], 0, tolerance * sum[3]);
+}
+
 TEST(Mixture, OfEqualLiquidsIsOneLiquid) {
     auto sample = layers({{rest_density, 0.5}, {rest_density, 0.5}});
     sample.setup.forces.viscosity = 0.5;
