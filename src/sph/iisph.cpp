@@ -143,8 +143,8 @@ void write_ghost_accelerations(LiquidParticles& liquid) {
 }
 
 // Half the last pressures as q; returns the sum of the squares of b where q > 0 or b > 0, and how many b > 0.
-std::array<double, 2> start_from_last(const Comm& comm, const LiquidParticles& liquid, const Array<double>& p, double share,
-                                      const Array<double>& q, const Array<double>& diagonal) {
+std::array<double, 2> start_from_last(const Comm& comm, const LiquidParticles& liquid, const Array<double>& p,
+                                      double share, const Array<double>& q, const Array<double>& diagonal) {
     const auto rho = liquid.density(), b = liquid.source();
     std::array<double, 2> sums{};
     Kokkos::parallel_reduce("treacle::iisph_start", liquid.store.owned(),
@@ -200,7 +200,8 @@ BoundedGoal divergence_goal(const SphOptions& options, const Constants& constant
 }
 
 int lattice_neighbours(const Constants& constants) {
-    const int reach = static_cast<int>(constants.support / constants.spacing), third = constants.dimensions == 3 ? reach : 0;
+    const int reach = static_cast<int>(constants.support / constants.spacing);
+    const int third = constants.dimensions == 3 ? reach : 0;
     int count = -1; // itself
     for (int z = -third; z <= third; ++z) {
         for (int y = -reach; y <= reach; ++y) {
@@ -272,7 +273,8 @@ void Iisph::prepare(const IisphParts& parts, double dt, Aim aim) {
     with_kernel(parts.options.kernel, parts.constants.dimensions, parts.constants.support, [&](const auto& kernel) {
         using Kernel = std::decay_t<decltype(kernel)>;
         Kokkos::parallel_for("treacle::iisph_prepare", fluid.count,
-                             PrepareLoop<Kernel>{kernel, fluid, dt, aim, needed, liquid.density(), liquid.source(), diagonal_, own_});
+                             PrepareLoop<Kernel>{kernel, fluid, dt, aim, needed, liquid.density(), liquid.source(),
+                                                 diagonal_, own_});
     });
 }
 

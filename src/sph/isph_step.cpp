@@ -292,12 +292,14 @@ void IsphStep::find_pressures_by_iisph(StepReport& report, double dt) {
 void IsphStep::remove_divergence(StepReport& report, double dt) {
     const auto phase = timers_.scope("solve");
     const auto& last = liquid_.store.get<Array<double>>(divergence_field_);
-    report.pressure = iisph_.solve_divergence({setup_.options, setup_.constants, comm_, liquid_, solid_, neighbours_, halo_},
-                                              dt, last);
+    const IisphParts parts{setup_.options, setup_.constants, comm_, liquid_, solid_, neighbours_, halo_};
+    report.pressure = iisph_.solve_divergence(parts, dt, last);
     if (!report.pressure.converged()) {
-        fail(report.pressure, comm_.sum(static_cast<std::int64_t>(liquid_.store.owned())), "method.pressure.solver: isph");
+        const auto particles = comm_.sum(static_cast<std::int64_t>(liquid_.store.owned()));
+        fail(report.pressure, particles, "method.pressure.solver: isph");
     }
-    report.loads = apply_pressure(setup_.options, setup_.constants, liquid_, solid_, neighbours_, bodies_.load_points(), dt);
+    report.loads = apply_pressure(setup_.options, setup_.constants, liquid_, solid_, neighbours_,
+                                  bodies_.load_points(), dt);
     halo_.gather(liquid_.store, {liquid_.velocity_field()});
 }
 

@@ -89,10 +89,12 @@ def figure_3_9(context, results):
     results.table("iterations", ["solver", *(f"{size} unknowns" for size in sizes)],
                   [[name, *(max(row[2] for row in histories if row[:2] == [name, size]) for size in sizes)]
                    for name in ("multilevel", "multilevel_grids", "CG")])
-    with results.figure("figure-3.9", columns=3) as (left, middle, right):
+    with results.figure("figure-3.9", columns=4) as (first, left, middle, right):
         for name in PROFILE:
             of = [row for row in costs if row[0] == name]
+            first.plot([row[3] for row in of], [row[2] for row in of], ".-", label=name)
             left.plot([row[4] for row in of], [row[2] for row in of], ".-", label=f"{name} ({at[name][3]:.0f})")
+        first.set(xlabel="iterations a step", ylabel="density error", xscale="log", yscale="log")
         left.set(xlabel="pressure solve [s a step]", ylabel="density error", xscale="log", yscale="log")
         for name in sums:
             of = [row for row in spent if row[0] == name]
@@ -105,7 +107,7 @@ def figure_3_9(context, results):
                 of = [row for row in histories if row[:2] == [name, size]]
                 right.plot([row[2] for row in of], [row[3] for row in of], label=f"{name}, {size}")
         right.set(xlabel="iteration", ylabel="residual", xscale="log", yscale="log")
-        for axes in (left, middle, right):
+        for axes in (first, left, middle, right):
             axes.legend(fontsize=7)
 
 
