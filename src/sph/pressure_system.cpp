@@ -195,9 +195,9 @@ void PressureSystem::assemble(const SphOptions& options, const Constants& consta
                 "treacle::fill_matrix", liquid.store.owned(),
                 FillLoop<Kernel, Liquids>{laplacian_weight(kernel, constants, liquid), liquids,
                                           pairs(neighbours.liquid, liquid.store, liquid.store), liquid.place, own_,
-                                          other_, liquid.row(), liquid.diagonal(), liquid.source(), liquid.pressure(),
-                                          right_hand_side_, solution_, static_cast<int>(first_row_), rows_,
-                                          liquid.store.owned()});
+                                          other_, liquid.row(), ghost_place_, liquid.diagonal(), liquid.source(),
+                                          liquid.pressure(), right_hand_side_, solution_,
+                                          static_cast<int>(first_row_), rows_, liquid.store.owned()});
         });
     });
 }
