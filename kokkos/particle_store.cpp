@@ -1,5 +1,7 @@
 #include "kokkos/particle_store.hpp"
 
+#include "kokkos/bounds.hpp"
+
 #include <utility>
 
 namespace treacle {
@@ -105,25 +107,11 @@ std::size_t ParticleStore::bytes() const {
 int components(const Field& field) { return std::holds_alternative<Array3>(field.array) ? 3 : 1; }
 
 CellBox occupied_cells(const ParticleStore& store, const CellGrid& grid, int first) {
-    CellBox box;
-    if (store.owned() == first) return box;
     const auto x = store.position();
-    Kokkos::parallel_reduce(
-        "treacle::occupied_cells", Kokkos::RangePolicy<>(first, store.owned()),
-        KOKKOS_LAMBDA(int i, int& lx, int& ly, int& lz, int& hx, int& hy, int& hz) {
-            int c[3];
-            grid.locate(x(i, 0), x(i, 1), x(i, 2), c);
-            lx = math::min(lx, c[0]);
-            ly = math::min(ly, c[1]);
-            lz = math::min(lz, c[2]);
-            hx = math::max(hx, c[0]);
-            hy = math::max(hy, c[1]);
-            hz = math::max(hz, c[2]);
-        },
-        Kokkos::Min<int>(box.lo[0]), Kokkos::Min<int>(box.lo[1]), Kokkos::Min<int>(box.lo[2]),
-        Kokkos::Max<int>(box.hi[0]), Kokkos::Max<int>(box.hi[1]), Kokkos::Max<int>(box.hi[2]));
-    for (int& end : box.hi) ++end;
-    return box;
+    int none = 0;
+    return reduce_bounds("treacle::occupied_cells", first, store.owned(), none,
+                         KOKKOS_LAMBDA(int i, Bounds& around, int&) { around.include(x(i, 0), x(i, 1), x(i, 2)); })
+        .cells(grid);
 }
 
 namespace {

@@ -3,6 +3,7 @@
 #include "mpi/pack.hpp"
 
 #include <cstring>
+#include <numeric>
 
 namespace treacle {
 
@@ -51,7 +52,8 @@ void Halo::select_sent_rows(const ParticleStore& store, const CellList& cells, s
     // The counts of border cells pass through the host: they are the message that announces the ghosts.
     const auto begin = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), cells.begin);
     const auto end = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), cells.end);
-    std::vector<int> rows;
+    auto& rows = chosen_;
+    rows.clear();
     for (const auto& neighbour : neighbours_) {
         const CellBox region = intersect(neighbour.region, cells.window);
         if (store.owned() == 0 || region.empty()) continue;
@@ -67,8 +69,10 @@ void Halo::select_sent_rows(const ParticleStore& store, const CellList& cells, s
             for (int y = region.lo[1]; y < region.hi[1]; ++y) {
                 for (int x = region.lo[0]; x < region.hi[0]; ++x) {
                     const int c = cells.window.index(x, y, z);
+                    const auto first = rows.size();
                     counts.push_back(end(c) - begin(c));
-                    for (int i = begin(c); i < end(c); ++i) rows.push_back(i);
+                    rows.resize(first + static_cast<std::size_t>(counts.back()));
+                    std::iota(rows.begin() + static_cast<std::ptrdiff_t>(first), rows.end(), begin(c));
                 }
             }
         }

@@ -1,5 +1,6 @@
 #include "mpi/migration.hpp"
 
+#include "kokkos/bounds.hpp"
 #include "mpi/pack.hpp"
 
 #include <algorithm>
@@ -37,98 +38,115 @@ void unpack_state(const ParticleStore& store, int first, int n, const Array<doub
 }
 
 namespace {
-struct Destinations {
-    const Array<int>& rank;
-    int first, last; // the rows looked at, half-open
+// Inside of a box of cells by more than round-off; what is nearer to its sides is looked up.
+struct Inside {
+    double lo[3], hi[3];
+
+    Inside(const CellGrid& grid, const CellBox& box) {
+        constexpr double margin = 1e-6; // cells
+        for (int k = 0; k < 3; ++k) {
+            lo[k] = grid.origin[k] + (box.lo[k] + margin) / grid.inverse_width[k];
+            hi[k] = grid.origin[k] + (box.hi[k] - margin) / grid.inverse_width[k];
+        }
+    }
+    KOKKOS_INLINE_FUNCTION bool surely(double x, double y, double z) const {
+        return x > lo[0] && x < hi[0] && y > lo[1] && y < hi[1] && z > lo[2] && z < hi[2];
+    }
 };
-enum class Chosen { staying, leaving };
 
-// Writes the chosen rows to a list, in order; returns how many.
-int select_rows(const Destinations& of, int self, Chosen which, const Array<int>& list) {
-    const auto rank = of.rank;
-    const int first = of.first;
-    const bool staying = which == Chosen::staying;
-    int count = 0;
-    Kokkos::parallel_scan("treacle::select_rows", of.last - of.first, KOKKOS_LAMBDA(int k, int& sum, bool last) {
-        const bool chosen = (rank(first + k) == self) == staying;
-        if (last && chosen) list(sum) = first + k;
-        sum += static_cast<int>(chosen);
-    }, count);
-    return count;
-}
-
-// Writes each row's rank; counts those that leave, and finds the block of cells of those that stay.
-Migration::Outcome find_destinations(const ParticleStore& store, const Decomposition& decomposition,
-                                     const Array<int>& destination) {
-    Migration::Outcome out;
-    if (store.owned() == 0) return out;
+// Lists the rows that leave, in any order, and finds the block of cells of those that stay.
+Migration::Outcome find_leaving(const ParticleStore& store, const Decomposition& decomposition,
+                                const Array<int>& leave, const Array<int>& listed) {
     const auto grid = decomposition.grid();
     const auto box = decomposition.box();
-    const auto tree = decomposition.tree();
-    const int self = decomposition.comm().rank();
+    const Inside inside(grid, box);
     const auto x = store.position();
-    auto& cells = out.cells;
-    Kokkos::parallel_reduce(
-        "treacle::find_destinations", store.owned(),
-        KOKKOS_LAMBDA(int i, int& lx, int& ly, int& lz, int& hx, int& hy, int& hz, std::int64_t& left) {
-            int c[3];
-            grid.locate(x(i, 0), x(i, 1), x(i, 2), c);
-            if (!box.contains(c)) {
-                destination(i) = tree.owner(c);
-                ++left;
-                return;
+    Kokkos::deep_copy(listed, 0);
+    int left = 0;
+    const auto bounds = reduce_bounds("treacle::find_leaving", 0, store.owned(), left,
+        KOKKOS_LAMBDA(int i, Bounds& around, int& count) {
+            bool stays = inside.surely(x(i, 0), x(i, 1), x(i, 2));
+            if (!stays) {
+                int c[3];
+                grid.locate(x(i, 0), x(i, 1), x(i, 2), c);
+                stays = box.contains(c);
             }
-            destination(i) = self;
-            lx = math::min(lx, c[0]);
-            ly = math::min(ly, c[1]);
-            lz = math::min(lz, c[2]);
-            hx = math::max(hx, c[0] + 1);
-            hy = math::max(hy, c[1] + 1);
-            hz = math::max(hz, c[2] + 1);
-        },
-        Kokkos::Min<int>(cells.lo[0]), Kokkos::Min<int>(cells.lo[1]), Kokkos::Min<int>(cells.lo[2]),
-        Kokkos::Max<int>(cells.hi[0]), Kokkos::Max<int>(cells.hi[1]), Kokkos::Max<int>(cells.hi[2]),
-        Kokkos::Sum<std::int64_t>(out.left));
-    return out;
+            if (stays) {
+                around.include(x(i, 0), x(i, 1), x(i, 2));
+            } else {
+                ++count;
+                leave(Kokkos::atomic_fetch_add(&listed(0), 1)) = i;
+            }
+        });
+    return {left, bounds.cells(grid)};
 }
+
+void find_owners(const ParticleStore& store, const Decomposition& decomposition, const Array<int>& rows, int n,
+                 const Array<int>& owner) {
+    const auto grid = decomposition.grid();
+    const auto tree = decomposition.tree();
+    const auto x = store.position();
+    Kokkos::parallel_for("treacle::find_owners", n, KOKKOS_LAMBDA(int k) {
+        int c[3];
+        grid.locate(x(rows(k), 0), x(rows(k), 1), x(rows(k), 2), c);
+        owner(k) = tree.owner(c);
+    });
+}
+
+auto first_of(const Array<int>& list, int n) { return Kokkos::subview(list, std::pair(0, n)); }
 } // namespace
+
+// Packs the rows that leave, by receiver, and closes the gaps. The migrants alone pass through the host.
+std::vector<Message> Migration::take_out(ParticleStore& store, const Decomposition& decomposition, int leaving) {
+    const int width = state_width(store);
+    const int staying = store.owned() - leaving;
+    for (auto* list : {&owner_, &fill_}) reserve(*list, static_cast<std::size_t>(leaving));
+    reserve(packed_, static_cast<std::size_t>(leaving) * static_cast<std::size_t>(width));
+
+    const auto rows = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), first_of(leave_, leaving));
+    std::sort(rows.data(), rows.data() + leaving);
+    Kokkos::deep_copy(first_of(leave_, leaving), rows);
+    find_owners(store, decomposition, leave_, leaving, owner_);
+    pack_state(store, leave_, leaving, packed_);
+    const auto owners = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), first_of(owner_, leaving));
+    const auto packed = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), packed_);
+
+    std::vector<int> order(static_cast<std::size_t>(leaving));
+    std::iota(order.begin(), order.end(), 0);
+    std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return owners(a) < owners(b); });
+    const std::size_t row_bytes = static_cast<std::size_t>(width) * sizeof(double);
+    std::vector<Message> outgoing;
+    for (const int k : order) {
+        if (outgoing.empty() || outgoing.back().rank != owners(k)) outgoing.push_back({owners(k), {}});
+        auto& bytes = outgoing.back().bytes;
+        bytes.resize(bytes.size() + row_bytes);
+        std::memcpy(bytes.data() + bytes.size() - row_bytes, packed.data() + std::size_t(k) * width, row_bytes);
+    }
+
+    // The holes are the first of those that leave; the last rows that stay fill them.
+    const auto fill = Kokkos::create_mirror_view(Kokkos::HostSpace(), fill_);
+    int moving = 0;
+    const int* gone = std::lower_bound(rows.data(), rows.data() + leaving, staying);
+    for (int row = staying; row < store.owned(); ++row) {
+        if (gone != rows.data() + leaving && *gone == row) {
+            ++gone;
+        } else {
+            fill(moving++) = row;
+        }
+    }
+    Kokkos::deep_copy(fill_, fill);
+    store.fill_holes(leave_, fill_, moving, staying);
+    return outgoing;
+}
 
 Migration::Outcome Migration::to_owner(ParticleStore& store, const Decomposition& decomposition) {
     const Comm& comm = decomposition.comm();
     if (comm.size() == 1) return {0, occupied_cells(store, decomposition.grid())};
-    const int n = store.owned();
-    reserve(destination_, static_cast<std::size_t>(n));
-    auto outcome = find_destinations(store, decomposition, destination_);
-    const int leaving = static_cast<int>(outcome.left);
+    reserve(leave_, static_cast<std::size_t>(store.owned()));
+    auto outcome = find_leaving(store, decomposition, leave_, listed_);
     const int width = state_width(store);
-
     std::vector<Message> outgoing;
-    if (leaving > 0) {
-        reserve(leave_, static_cast<std::size_t>(leaving));
-        reserve(fill_, static_cast<std::size_t>(leaving));
-        select_rows({destination_, 0, n}, comm.rank(), Chosen::leaving, leave_);
-        // The migrants alone pass through the host, to be dealt out by receiver.
-        const Array<double> packed("treacle::migrants", static_cast<std::size_t>(leaving) * width);
-        pack_state(store, leave_, leaving, packed);
-        const auto host = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), packed);
-        const auto rows = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), leave_);
-        const auto targets = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), destination_);
-        std::vector<int> order(static_cast<std::size_t>(leaving));
-        std::iota(order.begin(), order.end(), 0);
-        std::stable_sort(order.begin(), order.end(),
-                         [&](int a, int b) { return targets(rows(a)) < targets(rows(b)); });
-        const std::size_t row_bytes = static_cast<std::size_t>(width) * sizeof(double);
-        for (const int k : order) {
-            const int target = targets(rows(k));
-            if (outgoing.empty() || outgoing.back().rank != target) outgoing.push_back({target, {}});
-            auto& bytes = outgoing.back().bytes;
-            bytes.resize(bytes.size() + row_bytes);
-            std::memcpy(bytes.data() + bytes.size() - row_bytes, host.data() + std::size_t(k) * width, row_bytes);
-        }
-        const int staying = n - leaving;
-        const int moving = select_rows({destination_, staying, n}, comm.rank(), Chosen::staying, fill_);
-        store.fill_holes(leave_, fill_, moving, staying); // the holes are the first of those that leave
-    }
+    if (outcome.left > 0) outgoing = take_out(store, decomposition, static_cast<int>(outcome.left));
 
     const auto incoming = exchange_sparse(comm, outgoing);
     std::size_t arriving_bytes = 0;

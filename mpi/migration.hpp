@@ -16,9 +16,13 @@ public:
     Outcome to_owner(ParticleStore& store, const Decomposition& decomposition);
 
 private:
-    Array<int> destination_{"treacle::destination", 0};
+    std::vector<Message> take_out(ParticleStore& store, const Decomposition& decomposition, int leaving);
+
+    Array<int> leave_{"treacle::leave", 0}; // rows
+    Array<int> listed_{"treacle::listed", 1};
+    Array<int> owner_{"treacle::owner", 0};
     Array<int> fill_{"treacle::fill", 0};
-    Array<int> leave_{"treacle::leave", 0};
+    Array<double> packed_{"treacle::migrants", 0};
 };
 
 // Number of 8-byte words of one particle's state in a message.
