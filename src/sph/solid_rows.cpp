@@ -3,6 +3,7 @@
 #include "kokkos/scan.hpp"
 #include "sph/laplacian.hpp"
 #include "sph/pressure_system.hpp"
+#include "sph/row_writer.hpp"
 
 namespace treacle::sph {
 
@@ -99,28 +100,18 @@ struct JointLoop {
         own.offset(row(i) - first) = here;
         other.offset(row(i) - first) = there;
     }
-    KOKKOS_INLINE_FUNCTION static void insert(int* column, double* value, int& size, int c, double v) {
-        int k = size++;
-        for (; k > 0 && column[k - 1] > c; --k) {
-            column[k] = column[k - 1];
-            value[k] = value[k - 1];
-        }
-        column[k] = c;
-        value[k] = v;
-    }
     KOKKOS_INLINE_FUNCTION void fill(int i) const {
         if (row(i) < 0) return;
         const int r = row(i) - first;
-        int here = 0, there = 0;
-        int* column = own.column.data() + own.offset(r);
-        double* value = own.value.data() + own.offset(r);
-        insert(column, value, here, r, diagonal(i));
+        RowWriter here{own.column.data() + own.offset(r), own.value.data() + own.offset(r)};
+        RowWriter there{other.column.data() + other.offset(r), other.value.data() + other.offset(r)};
+        here.add(r, diagonal(i));
         each_unknown(i, [&](int c, double v, double r2) {
             const double a = -laplacian.weight(volume(i) + v, r2, math::sqrt(r2));
             if (mine(c)) {
-                insert(column, value, here, c - first, a);
+                here.add(c - first, a);
             } else {
-                insert(other.column.data() + other.offset(r), other.value.data() + other.offset(r), there, places(c), a);
+                there.add(places(c), a);
             }
         });
     }

@@ -1,4 +1,4 @@
-#include "parts.hpp"
+#include "change.hpp"
 
 namespace treacle::sph {
 namespace {
@@ -18,28 +18,6 @@ Sample blob(int dimensions, std::array<bool, 3> periodic) {
         for (int k = 0; k < dimensions; ++k) point.u[std::size_t(k)] = 2 * random.unit() - 1;
     }
     return sample;
-}
-
-struct Change {
-    Vec3 momentum{}, angular{}; // [kg m/s], [kg m2/s] about the origin
-    double size = 0;            // sum of |m du|
-};
-Change change(const Parts& parts, const std::map<std::int64_t, State>& before) {
-    Change out;
-    const double m = parts.setup.constants.mass;
-    for (const auto& [id, now] : all_states(parts.comm, parts.liquid)) {
-        Vec3 p;
-        for (std::size_t k = 0; k < 3; ++k) {
-            p[k] = m * (now.u[k] - before.at(id).u[k]);
-            out.momentum[k] += p[k];
-            out.size += std::abs(p[k]);
-        }
-        for (std::size_t k = 0; k < 3; ++k) {
-            const std::size_t a = (k + 1) % 3, b = (k + 2) % 3;
-            out.angular[k] += now.x[a] * p[b] - now.x[b] * p[a];
-        }
-    }
-    return out;
 }
 
 } // namespace

@@ -1,0 +1,39 @@
+#pragma once
+#include "kokkos/lanes.hpp"
+
+namespace treacle::sph {
+
+// Writes one row and keeps its columns rising. Neighbours come in the order of their rows except at borders, so that
+// an entry hardly ever moves.
+struct RowWriter {
+    int* column;
+    double* value;
+    int size = 0;
+
+    KOKKOS_INLINE_FUNCTION void add(int c, double v) {
+        int k = size++;
+        for (; k > 0 && column[k - 1] > c; --k) {
+            column[k] = column[k - 1];
+            value[k] = value[k - 1];
+        }
+        column[k] = c;
+        value[k] = v;
+    }
+    KOKKOS_INLINE_FUNCTION void add_each(unsigned bits, IntLanes columns, Lanes values) {
+        add_each(bits, columns, values, [](int column) { return column; });
+    }
+    template <class ColumnOf>
+    KOKKOS_INLINE_FUNCTION void add_each(unsigned bits, IntLanes keys, Lanes values, const ColumnOf& column) {
+        int c[lanes];
+        double v[lanes];
+        store_ints(keys, c);
+        store_lanes(values, v);
+        for (; bits != 0; bits &= bits - 1) add(column(c[lowest_bit(bits)]), v[lowest_bit(bits)]);
+    }
+    // The columns rise and lie behind those that are there.
+    KOKKOS_INLINE_FUNCTION void append(unsigned bits, IntLanes columns, Lanes values) {
+        size += write_lanes(bits, columns, values, column + size, value + size);
+    }
+};
+
+} // namespace treacle::sph
