@@ -269,7 +269,7 @@ SUMS = ("between phases", "step", "outside the solve", "solve")
            asked="≥ 1.7 times faster in every phase outside the solve; the solve within 15 % of what the bandwidth "
                  "of 1 and 2 processes allows")
 def two_ranks_against_one(context):
-    ones, twos = ([bench(context, size(context), ranks=ranks) for _ in range(2)] for ranks in (1, 2))
+    ones, twos = ([bench(context, size(context), ranks=ranks) for _ in range(3)] for ranks in (1, 2))
     faster = {name: better(ones, "seconds", name) / better(twos, "seconds", name)
               for name in ones[0]["seconds"] if name not in SUMS}
     solve = better(ones, "seconds", "solve") / better(twos, "seconds", "solve")
@@ -277,7 +277,7 @@ def two_ranks_against_one(context):
     imbalance = max(run["imbalance"]["median"] for run in twos)
     iterations = [runs[0]["iterations"]["median"] for runs in (ones, twos)]
     text = ", ".join(f"{name} {factor:.2f}" for name, factor in faster.items())
-    return Figure(f"{ones[0]['liquid particles']} particles, {SHARED}: {text}; solve {solve:.2f} of {allowed:.2f} by "
+    return Figure(f"{ones[0]['liquid particles']} particles, the best of three runs: {text}; solve {solve:.2f} of {allowed:.2f} by "
                   f"the triad ({iterations[0]:.0f} and {iterations[1]:.0f} iterations); imbalance {imbalance:.3f}",
                   min(faster.values()) >= 1.7 and solve >= 0.85 * allowed)
 
