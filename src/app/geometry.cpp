@@ -194,9 +194,12 @@ sph::Constants make_constants(const Input& input) {
     out.mass = out.rest_density * lattice.volume;
     out.number_density = lattice.number_density;
     out.laplacian_diagonal = lattice.laplacian_diagonal;
+    const sph::WallSetup wall{input.method.kernel, domain.dimensions, out.support, domain.spacing, domain.spacing};
     if (input.method.pressure.dirichlet == sph::DirichletRule::ghosts) {
-        out.wall_cover = sph::wall_cover(
-            {input.method.kernel, domain.dimensions, out.support, domain.spacing, domain.spacing}, input.method.density);
+        out.wall_cover = sph::wall_cover(wall, input.method.density);
+    }
+    if (input.method.pressure.wall_force == sph::WallForce::balanced) {
+        out.wall_push = sph::wall_push(wall, input.method.density);
     }
     return out;
 }

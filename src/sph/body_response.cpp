@@ -37,7 +37,8 @@ struct ResponseLoop {
     KOKKOS_INLINE_FUNCTION void fill(int i, int body, double* u) const {
         const Constants& c = fluid.constants;
         const auto& x = fluid.solid.among;
-        const double scale = fluid.volume(i) / math::sqrt(c.mass) * c.rest_density;
+        // The root, since the product has these rows twice, and the force has the push once.
+        const double scale = fluid.volume(i) * math::sqrt(c.wall_push / c.mass) * c.rest_density;
         for (int k = 0; k < 6; ++k) u[k] = 0;
         fluid.solid.each(i, [&](int s, double dx, double dy, double dz, double r2) {
             if (fluid.solid_body(s) != body) return;

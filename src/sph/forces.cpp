@@ -89,7 +89,7 @@ struct PressureForceLoop {
         }
         double ax = sum_lanes(fx), ay = sum_lanes(fy), az = sum_lanes(fz);
         if (own > 0) {
-            const double load = own / liquids.density(i);
+            const double load = fluid.constants.wall_push * own / liquids.density(i);
             fluid.solid.each(i, [&](int s, double dx, double dy, double dz, double r2) {
                 const double f =
                     -c.rest_density * fluid.solid_volume(s) * load * kernel.gradient(math::sqrt(r2));
@@ -118,7 +118,7 @@ struct BodyLoadLoop : LoadReduction {
     }
     KOKKOS_INLINE_FUNCTION void operator()(int i, value_type sum) const {
         const Constants& c = fluid.constants;
-        const double own = fluid.load(i);
+        const double own = c.wall_push * fluid.load(i);
         if (!(own > 0)) return;
         fluid.solid.each(i, [&](int s, double dx, double dy, double dz, double r2) {
             const double f = c.mass * c.rest_density * fluid.solid_volume(s) * own *

@@ -87,6 +87,7 @@ PlanarWall measure_at(const Kernel& kernel, const WallSetup& setup, double gap, 
         liquid_w += kernel.value(r);
         if (r == 0) return;
         liquid_n += number.value(r);
+        out.liquid_vector -= lattice.volume * kernel.gradient(r) * j * d;
         out.missing += 2 * lattice.volume * r * r * kernel.gradient(r) /
                        (r * r + 0.01 * setup.support * setup.support);
     });
@@ -110,6 +111,7 @@ PlanarWall measure_wall(const WallSetup& setup, double gap) {
             mean.number_ratio += one.number_ratio / 3;
             mean.wall_term += one.wall_term / 3;
             mean.wall_vector += one.wall_vector / 3;
+            mean.liquid_vector += one.liquid_vector / 3;
             mean.solid_ratio += one.solid_ratio / 3;
             mean.laplacian += one.laplacian / 3;
             mean.missing += one.missing / 3;
@@ -144,6 +146,11 @@ double rest_gap(const WallSetup& setup, const DensityOptions& density) {
 double wall_cover(const WallSetup& setup, const DensityOptions& density) {
     const auto wall = measure_aligned(setup, rest_gap(setup, density));
     return wall.missing / wall.laplacian;
+}
+
+double wall_push(const WallSetup& setup, const DensityOptions& density) {
+    const auto wall = measure_aligned(setup, rest_gap(setup, density));
+    return 2 * wall.liquid_vector / wall.wall_vector;
 }
 
 } // namespace treacle::sph

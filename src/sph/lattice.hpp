@@ -24,6 +24,7 @@ struct PlanarWall {
     double number_ratio = 0;   // n / n0 (Eq. 2.2)
     double wall_term = 0;      // |sum_s V_s grad W|^2 (alpha at rho = rho0) [1/m^2]
     double wall_vector = 0;    // |sum_s V_s grad W| [1/m]
+    double liquid_vector = 0;  // |sum_j V0 grad W|, of the liquid on the other side [1/m]
     double wall_neighbours = 0;// M
     double solid_ratio = 0;    // the wall's share of density_ratio
     double laplacian = 0;      // sum_s a_is [1/m^2]
@@ -45,5 +46,9 @@ double rest_gap(const WallSetup& setup, const DensityOptions& density);
 // How many times the a_is of such a wall must count so that the first layer at that distance lacks no neighbours: one
 // layer of solid particles stands for all that lies behind it.
 double wall_cover(const WallSetup& setup, const DensityOptions& density);
+
+// How many times the one-sided pressure of such a wall must push so that the first layer at that distance is in balance
+// when all pressures are equal.
+double wall_push(const WallSetup& setup, const DensityOptions& density);
 
 } // namespace treacle::sph

@@ -16,6 +16,7 @@ struct Constants {
     double number_density = 0; // n0
     double laplacian_diagonal = 0; // sum_j a_ij on the full lattice [1/m2]
     double wall_cover = 1;         // how many times a_is count as cover (lattice.hpp)
+    double wall_push = 1;          // how many times Akinci's one-sided pressure of solids acts (lattice.hpp)
     int dimensions = 3;
     Mixture mixture;           // of several liquids, otherwise empty
 };

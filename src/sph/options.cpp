@@ -81,6 +81,12 @@ void PressureOptions::declare(Declaration& d) {
              "(Koshizuka et al. 1996, Shao & Lo 2003), without dynamic bodies.");
     d.number("amplification_limit", amplification_limit, unit::none, range_at_least(1),
              "Largest amplification of the source near solids (gamma of Eq. 3.3).");
+    d.choice("wall_force", wall_force, {{"one_sided", WallForce::one_sided}, {"balanced", WallForce::balanced}},
+             "How hard solids push back: by the pressure of the liquid alone (Akinci et al. 2012), which lets the first "
+             "layer sink until its pressure is several times that of the next; or as many times more as keeps liquid "
+             "at rest beside a flat wall in balance, for large time steps.");
+    d.check(wall_force == WallForce::one_sided || solver == PressureSolver::isph, "wall_force",
+            {"balanced needs solver: isph", "the others' solids push as their equations say", "leave one of the two out"});
     d.choice("body_coupling", body_coupling,
              {{"implicit", BodyCoupling::implicit}, {"explicit", BodyCoupling::one_step_late}},
              "Whether the pressures know that dynamic bodies give way to them, or these feel the pressures that stop "

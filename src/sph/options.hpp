@@ -11,6 +11,7 @@ enum class DensityKind { blended, smooth, spiky };
 enum class DirichletRule { predicted, source, density, predicted_density, surface, ghosts, complementarity };
 enum class Clamping { pressures, sources };
 enum class SolidTerm { none, decomposed, unified, amplified, exact, unknowns };
+enum class WallForce { one_sided, balanced };
 enum class BodyCoupling { implicit, one_step_late };
 enum class StoppingRule { density_error, residual };
 enum class PressureSolver { isph, iisph_jacobi, iisph_cg, dfsph };
@@ -64,6 +65,7 @@ struct PressureOptions {
     Clamping clamping = Clamping::pressures;
     SolidTerm solid_term = SolidTerm::exact;
     double amplification_limit = 2; // gamma of Eq. 3.3; the dissertation's 5 ejects lone particles (README)
+    WallForce wall_force = WallForce::one_sided;
     BodyCoupling body_coupling = BodyCoupling::implicit;
     PressurePreconditioner preconditioner = PressurePreconditioner::multilevel;
     double relaxation = 1;          // omega of ssor and sor_jacobi

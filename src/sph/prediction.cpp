@@ -114,7 +114,7 @@ struct PredictionLoop {
         if (starting && sum.weights > 0) return 0;
         if (options.solid_term == SolidTerm::decomposed) return sum.decomposed() / liquids.density(i);
         const double ratio = fluid.constants.rest_density / fluid.constants.mass * fluid.volume(i);
-        return ratio * ratio * sum.wall_square() / liquids.density(i); // alpha_i of Eq. 3.2
+        return fluid.constants.wall_push * ratio * ratio * sum.wall_square() / liquids.density(i); // alpha_i of Eq. 3.2
     }
 
     // What neighbours at zero pressure, in the place of those that lack, would add to the diagonal (README).

@@ -37,6 +37,7 @@ BAD_SCENES = {
     "several_problems": ["domain.spacing", "liquids.water.viscosity", "liquids.water.colour"],
     "massless_body": ["bodies.raft.density", "unless its mass is given"],
     "iisph_raft": ["bodies.raft", "IISPH"],
+    "balanced_iisph": ["method.pressure.wall_force", "balanced needs solver: isph"],
     "bounded_iisph": ["method.pressure.dirichlet", "complementarity needs solver: isph"],
     "bounded_gamg": ["method.pressure.preconditioner", "complementarity"],
     "relaxed_cholesky": ["method.pressure.relaxation", "sor_jacobi"],
