@@ -93,7 +93,8 @@ void find_owners(const ParticleStore& store, const Decomposition& decomposition,
     });
 }
 
-auto first_of(const Array<int>& list, int n) { return Kokkos::subview(list, std::pair(0, n)); }
+template <class View>
+auto first_of(const View& list, int n) { return Kokkos::subview(list, std::pair(0, n)); }
 } // namespace
 
 // Packs the rows that leave, by receiver, and closes the gaps. The migrants alone pass through the host.
@@ -109,7 +110,7 @@ std::vector<Message> Migration::take_out(ParticleStore& store, const Decompositi
     find_owners(store, decomposition, leave_, leaving, owner_);
     pack_state(store, leave_, leaving, packed_);
     const auto owners = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), first_of(owner_, leaving));
-    const auto packed = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), packed_);
+    const auto packed = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), first_of(packed_, leaving * width));
 
     std::vector<int> order(static_cast<std::size_t>(leaving));
     std::iota(order.begin(), order.end(), 0);
@@ -124,7 +125,8 @@ std::vector<Message> Migration::take_out(ParticleStore& store, const Decompositi
     }
 
     // The holes are the first of those that leave; the last rows that stay fill them.
-    const auto fill = Kokkos::create_mirror_view(Kokkos::HostSpace(), fill_);
+    const auto fillers = first_of(fill_, leaving);
+    const auto fill = Kokkos::create_mirror_view(Kokkos::HostSpace(), fillers);
     int moving = 0;
     const int* gone = std::lower_bound(rows.data(), rows.data() + leaving, staying);
     for (int row = staying; row < store.owned(); ++row) {
@@ -134,7 +136,7 @@ std::vector<Message> Migration::take_out(ParticleStore& store, const Decompositi
             fill(moving++) = row;
         }
     }
-    Kokkos::deep_copy(fill_, fill);
+    Kokkos::deep_copy(fillers, fill);
     store.fill_holes(leave_, fill_, moving, staying);
     return outgoing;
 }

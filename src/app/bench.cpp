@@ -4,22 +4,16 @@
 #include "app/bench_scene.hpp"
 #include "app/build_scene.hpp"
 #include "app/time_loop.hpp"
+#include "base/clock.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <cstdio>
 
 namespace treacle::app {
 
 namespace {
-using Clock = std::chrono::steady_clock;
-
 constexpr int disorder_steps = 15;
 constexpr int products_per_step = 11;
-
-double seconds_since(Clock::time_point start) {
-    return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 constexpr const char* kind_word(BenchKind kind) {
     switch (kind) {

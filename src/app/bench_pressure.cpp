@@ -3,10 +3,10 @@
 #include "app/bench_figures.hpp"
 #include "app/bench_scene.hpp"
 #include "app/build_scene.hpp"
+#include "base/clock.hpp"
 #include "io/value.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <random>
@@ -14,11 +14,6 @@
 namespace treacle::app {
 
 namespace {
-using Clock = std::chrono::steady_clock;
-double seconds_since(Clock::time_point start) {
-    return std::chrono::duration<double>(Clock::now() - start).count();
-}
-
 constexpr double jitter = 0.2;        // most displacement along each axis, in spacings
 constexpr double time_step = 4e-3;    // [s]; large, so that hardly a particle under the surface is let go
 constexpr int products_per_case = 5;

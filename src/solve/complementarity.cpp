@@ -1,5 +1,6 @@
 #include "solve/complementarity.hpp"
 
+#include "base/clock.hpp"
 #include "base/error.hpp"
 #include "solve/preconditioner.hpp"
 #include "solve/vectors.hpp"
@@ -7,17 +8,11 @@
 #include <algorithm>
 #include <array>
 #include <cassert>
-#include <chrono>
 #include <cmath>
 
 namespace treacle::solve {
 
 namespace {
-using Clock = std::chrono::steady_clock;
-double seconds_since(Clock::time_point start) {
-    return std::chrono::duration<double>(Clock::now() - start).count();
-}
-
 // Squared norm of what the set does wrong over that of the free rows' residual, above which the set changes.
 constexpr double patience = 1.0;
 // A curvature below this share of what the diagonal alone would give is that of a singular matrix.

@@ -1,5 +1,6 @@
 #include "solve/krylov.hpp"
 
+#include "base/clock.hpp"
 #include "base/error.hpp"
 #include "solve/preconditioner.hpp"
 #include "solve/vectors.hpp"
@@ -7,7 +8,6 @@
 #include <algorithm>
 #include <array>
 #include <cassert>
-#include <chrono>
 #include <cmath>
 #include <sstream>
 #include <vector>
@@ -56,11 +56,6 @@ struct KrylovSolver::State {
 };
 
 namespace {
-
-using Clock = std::chrono::steady_clock;
-double seconds_since(Clock::time_point start) {
-    return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 // One solve: what its three stages share.
 struct Run {

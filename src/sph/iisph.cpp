@@ -1,8 +1,9 @@
 #include "sph/iisph.hpp"
 
+#include "base/clock.hpp"
+
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <cmath>
 #include <vector>
 
@@ -322,11 +323,6 @@ solve::SolveReport Iisph::iterate(const IisphParts& parts, Aim aim, double dt, c
                                   std::max(1.0, report.residual.count);
     return out;
 }
-
-namespace {
-using Clock = std::chrono::steady_clock;
-double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
-} // namespace
 
 solve::SolveReport Iisph::solve(const IisphParts& parts, double dt, RoleCounts& roles) {
     const auto start = Clock::now();

@@ -75,13 +75,17 @@ void PressureHierarchy::locate_rows(const Particles& particles, int first_row) {
 
 void PressureHierarchy::find_walls(int first_row) {
     const auto row = liquid_->row();
-    const auto role = liquid_->role();
     const auto wall = liquid_->wall_term(), walls = walls_;
-    const auto fixed = fixed_;
     Kokkos::parallel_for("treacle::find_walls", liquid_->store.owned(), KOKKOS_LAMBDA(int i) {
-        if (row(i) < 0) return;
-        walls(row(i) - first_row) = wall(i);
-        fixed(row(i) - first_row) = role(i) == Role::poisson ? 0 : 1;
+        if (row(i) >= 0) walls(row(i) - first_row) = wall(i);
+    });
+}
+
+void PressureHierarchy::find_fixed(int first_row) {
+    const auto row = liquid_->row(), role = liquid_->role();
+    const auto fixed = fixed_;
+    Kokkos::parallel_for("treacle::find_fixed", liquid_->store.owned(), KOKKOS_LAMBDA(int i) {
+        if (row(i) >= 0) fixed(row(i) - first_row) = role(i) == Role::poisson ? 0 : 1;
     });
 }
 
@@ -128,18 +132,24 @@ void PressureHierarchy::find_dirichlet_cells() {
 void PressureHierarchy::set_up(solve::Matrix& matrix) {
     const auto rows = static_cast<std::size_t>(matrix.rows());
     reserve(cells_, 3 * rows);
-    reserve(walls_, rows);
-    reserve(fixed_, rows);
     locate_rows(*liquid_, matrix.first_row());
     if (solids_unknown_) locate_rows(*solid_, matrix.first_row());
-    find_walls(matrix.first_row());
+    const bool grids = multilevel_.options().coarse == solve::CoarseMatrices::grids;
+    if (grids) { // Galerkin products find walls in the matrix
+        reserve(walls_, rows);
+        find_walls(matrix.first_row());
+    }
+    if (bounded_) {
+        reserve(fixed_, rows);
+        find_fixed(matrix.first_row());
+    }
     const auto cells = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), cells_);
     const auto walls = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), walls_);
     solve::MultilevelCells where;
     where.cells = {cells.data(), 3 * rows};
     const auto fixed = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), fixed_);
     if (bounded_) where.fixed = {fixed.data(), rows};
-    if (multilevel_.options().coarse == solve::CoarseMatrices::grids) {
+    if (grids) {
         find_dirichlet_cells();
         where.dirichlet = dirichlet_;
         where.walls = {walls.data(), rows};

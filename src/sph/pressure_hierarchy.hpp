@@ -33,6 +33,7 @@ public:
     template <class Particles>
     void locate_rows(const Particles& particles, int first_row);
     void find_walls(int first_row);
+    void find_fixed(int first_row);
 
 private:
     void find_dirichlet_cells();
