@@ -31,10 +31,11 @@ class ParticleStore {
 public:
     ParticleStore();
 
-    // Returns the field's number, for get().
+    // Returns the field's number, for get(). Rows that there are already are zero.
     template <class View>
     int add(const std::string& name, const std::string& unit, FieldRole role, bool output = false) {
-        fields_.push_back({name, unit, role, output, View("treacle::" + name, 0)});
+        const std::size_t rows = fields_.empty() ? 0 : position().extent(0);
+        fields_.push_back({name, unit, role, output, View("treacle::" + name, rows)});
         return static_cast<int>(fields_.size()) - 1;
     }
     template <class View>

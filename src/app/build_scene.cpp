@@ -19,6 +19,11 @@ constexpr double recovery_cfl = 0.1;
 
 constexpr const char* side_names[domain_sides] = {"x_min", "x_max", "y_min", "y_max", "z_min", "z_max"};
 
+// As ForceOptions::slip [m].
+double slip_of(scene::Slip slip, double length) {
+    if (slip == scene::Slip::free_slip) return -1;
+    return slip == scene::Slip::slip_length ? length : 0;
+}
 double friction_of(scene::Slip slip) { return slip == scene::Slip::no_slip ? 1.0 : 0.0; }
 
 // Whether the surface tension is that of the liquid's material, rather than one that the user gave.
@@ -59,17 +64,19 @@ void check_supported(const Input& input) {
                                 "it would be ignored", "leave it out"});
         }
     }
-    for (const auto& body : input.scene.bodies) {
-        if (body.slip == scene::Slip::slip_length) {
-            problems.push_back({body.where, "bodies." + body.name + ".slip: a slip length is not modelled by method sph",
-                                "", "choose free_slip or no_slip"});
+    if (input.method.viscosity.integration == sph::ViscosityIntegration::explicit_pairs) {
+        for (const auto& body : input.scene.bodies) {
+            if (body.slip == scene::Slip::slip_length) {
+                problems.push_back({body.where, "bodies." + body.name + ".slip: a slip length needs method.viscosity.integration: implicit",
+                                    "", "choose free_slip, no_slip, or the implicit viscosity"});
+            }
         }
-    }
-    for (std::size_t k = 0; k < domain_sides; ++k) {
-        if (input.scene.domain.faces[k].slip == scene::Slip::slip_length) {
-            problems.push_back({input.scene.domain.faces[k].where, std::string("domain.boundaries.") + side_names[k] +
-                                        ".slip: a slip length is not modelled by method sph",
-                                "", "choose free_slip or no_slip"});
+        for (std::size_t k = 0; k < domain_sides; ++k) {
+            if (input.scene.domain.faces[k].slip == scene::Slip::slip_length) {
+                problems.push_back({input.scene.domain.faces[k].where, std::string("domain.boundaries.") + side_names[k] +
+                                            ".slip: a slip length needs method.viscosity.integration: implicit",
+                                    "", "choose free_slip, no_slip, or the implicit viscosity"});
+            }
         }
     }
     if (!problems.empty()) throw InputError(std::move(problems));
@@ -121,6 +128,7 @@ std::unique_ptr<sph::IsphStep> make_solver(const Comm& comm, const Input& input,
     sph::IsphSetup setup;
     setup.options = input.method;
     setup.constants = make_constants(input);
+    setup.constants.wall_depth = solid_offset(input);
     const auto& domain = input.scene.domain;
     setup.domain = sph::make_domain_box(domain, solid_offset(input) + 0.5 * domain.spacing);
     setup.grid = sph::make_cell_grid(domain, setup.constants.support);
@@ -133,6 +141,8 @@ std::unique_ptr<sph::IsphStep> make_solver(const Comm& comm, const Input& input,
     }
     for (const auto& face : domain.faces) setup.forces.friction.push_back(friction_of(face.slip));
     for (const auto& body : input.scene.bodies) setup.forces.friction.push_back(friction_of(body.slip));
+    for (const auto& face : domain.faces) setup.forces.slip.push_back(slip_of(face.slip, face.slip_length));
+    for (const auto& body : input.scene.bodies) setup.forces.slip.push_back(slip_of(body.slip, body.slip_length));
     for (const auto& face : domain.faces) setup.forces.skin_friction.push_back(face.skin_friction);
     for (const auto& body : input.scene.bodies) setup.forces.skin_friction.push_back(body.skin_friction);
     setup.reference_speed = reference_speed;
@@ -207,6 +217,7 @@ void add_liquid(const Input& input, const Geometry& geometry, const scene::Bound
 
 struct SolidSample {
     Vec3 position;
+    Vec3 normal;
     std::int64_t id;
     int body;
 };
@@ -222,15 +233,16 @@ SolidSamples sample_solids(const Geometry& geometry, const scene::Bounds& part) 
     walls.part = part;
     const auto samples = scene::sample_domain_walls(walls);
     for (std::size_t i = 0; i < samples.positions.size(); ++i) {
-        out.rows.push_back({samples.positions[i], static_cast<std::int64_t>(samples.ids[i]), samples.faces[i]});
+        out.rows.push_back({samples.positions[i], samples.normals[i], static_cast<std::int64_t>(samples.ids[i]), samples.faces[i]});
     }
     auto next = static_cast<std::int64_t>(scene::count_domain_walls(geometry.walls));
     for (std::size_t b = 0; b < geometry.bodies.size(); ++b) {
         const auto surface = scene::sample_surface(geometry.bodies[b], body_sampling(geometry, b));
         out.thin += surface.thin;
-        for (const auto& position : surface.positions) {
+        for (std::size_t i = 0; i < surface.positions.size(); ++i) {
             const std::int64_t id = next++;
-            if (inside(part, position)) out.rows.push_back({position, id, domain_sides + static_cast<int>(b)});
+            if (!inside(part, surface.positions[i])) continue;
+            out.rows.push_back({surface.positions[i], surface.normals[i], id, domain_sides + static_cast<int>(b)});
         }
     }
     return out;
@@ -241,7 +253,7 @@ std::size_t add_solids(const Geometry& geometry, const scene::Bounds& part, sph:
     const auto& samples = sampled.rows;
     auto& solid = solver.solid();
     solid.store.resize_owned(static_cast<int>(samples.size()));
-    Column x(solid.position()), v(solid.velocity());
+    Column x(solid.position()), v(solid.velocity()), normal(solid.normal());
     Column id(solid.id());
     Column body(solid.body());
     Column volume(solid.volume()), pressure(solid.pressure());
@@ -249,6 +261,7 @@ std::size_t add_solids(const Geometry& geometry, const scene::Bounds& part, sph:
         for (int k = 0; k < 3; ++k) {
             (*x)(i, k) = solver.setup().domain.wrap(k, samples[i].position[static_cast<std::size_t>(k)]);
             (*v)(i, k) = 0;
+            (*normal)(i, k) = samples[i].normal[static_cast<std::size_t>(k)];
         }
         (*id)(i) = samples[i].id;
         (*body)(i) = samples[i].body;

@@ -25,6 +25,7 @@ std::int64_t lost_against_limit(const Progress& progress) {
 } // namespace
 
 void check_time_step(const Input& input) {
+    if (input.method.viscosity.integration == sph::ViscosityIntegration::implicit) return;
     const auto& time = input.scene.time;
     const double viscosity = limiting_viscosity(input);
     const double limit = sph::viscous_step_limit(make_constants(input), viscosity);

@@ -49,8 +49,12 @@ void Bodies::upload() {
 
 void Bodies::mark_start(const SolidParticles& solid) const {
     const auto x = solid.position(), reference = solid.reference();
+    const auto normal = solid.normal(), reference_normal = solid.reference_normal();
     Kokkos::parallel_for("treacle::mark_start", solid.store.owned(), KOKKOS_LAMBDA(int s) {
-        for (int k = 0; k < 3; ++k) reference(s, k) = x(s, k);
+        for (int k = 0; k < 3; ++k) {
+            reference(s, k) = x(s, k);
+            reference_normal(s, k) = normal(s, k);
+        }
     });
 }
 
@@ -81,6 +85,7 @@ void Bodies::place(const SolidParticles& solid) {
     const auto frames = frames_;
     const auto domain = domain_;
     const auto x = solid.position(), reference = solid.reference();
+    const auto normal = solid.normal(), reference_normal = solid.reference_normal();
     const auto body = solid.body();
     Kokkos::parallel_for("treacle::place_solids", solid.store.owned(), KOKKOS_LAMBDA(int s) {
         if (!points.moves(body(s))) return;
@@ -93,6 +98,8 @@ void Bodies::place(const SolidParticles& solid) {
         }
         for (int k = 0; k < domain.dimensions; ++k) {
             const double* axes = frame + turn + 3 * k;
+            normal(s, k) = axes[0] * reference_normal(s, 0) + axes[1] * reference_normal(s, 1) +
+                           axes[2] * reference_normal(s, 2);
             double place = points.centre(4 * body(s) + k) + axes[0] * arm[0] + axes[1] * arm[1] + axes[2] * arm[2];
             const double period = domain.period[k];
             if (period > 0) place -= period * math::floor((place - domain.lo[k]) / period);

@@ -13,6 +13,11 @@ namespace treacle::sph {
 namespace {
 // A solid particle costs little: only those near liquid are looked at.
 constexpr double solid_weight = 0.05;
+
+bool implicit_viscosity(const IsphSetup& setup) {
+    return setup.options.viscosity.integration == ViscosityIntegration::implicit &&
+           setup.forces.viscosity > 0;
+}
 } // namespace
 
 IsphStep::IsphStep(const Comm& comm, const IsphSetup& setup)
@@ -21,6 +26,7 @@ IsphStep::IsphStep(const Comm& comm, const IsphSetup& setup)
       hierarchy_(make_hierarchy(comm, setup.options, setup.constants, setup.domain, setup.grid)),
       solver_(comm, "pressure", krylov_options(setup.options, setup.constants.dimensions, hierarchy_.get())),
       complementarity_(comm, solver_.options()) {
+    if (implicit_viscosity(setup)) viscosity_.emplace(liquid_, setup.forces.slip);
     if (setup.options.pressure.solver != PressureSolver::dfsph) return;
     divergence_field_ = liquid_.store.add<Array<double>>("divergence_pressure", "Pa", FieldRole::state);
 }
@@ -129,7 +135,7 @@ void IsphStep::place_solids() {
     // moves on before the solids are placed anew.
     sort_.sort(solid_.store, setup_.grid, join(decomposition_.box(), occupied), solid_cells_);
     solid_halo_.rebuild(solid_.store, solid_cells_);
-    solid_halo_.gather(solid_.store, {solid_.volume_field(), solid_.body_field(), solid_.velocity_field()});
+    solid_halo_.gather(solid_.store, {solid_.volume_field(), solid_.body_field(), solid_.velocity_field(), solid_.normal_field()});
 }
 
 void IsphStep::find_neighbours() {
@@ -216,8 +222,11 @@ bool implicit_bodies(const SphOptions& options, const Bodies& bodies) {
 void IsphStep::accelerate(StepReport& report, double dt) {
     bodies_.rigid.begin(dt);
     bodies_.set_velocities(solid_);
-    report.viscous_loads = apply_forces(setup_.options, setup_.forces, setup_.constants, liquid_, solid_, neighbours_,
-                                        dt, bodies_.load_points());
+    auto forces = setup_.forces;
+    if (viscosity_) forces.viscosity = 0;
+    report.viscous_loads = apply_forces(setup_.options, forces, setup_.constants, liquid_, solid_, neighbours_, dt,
+                                        bodies_.load_points());
+    if (viscosity_) apply_viscosity(report, dt);
     apply_skin_friction(setup_.options, setup_.constants, liquid_, solid_, neighbours_,
                         {setup_.forces.skin_friction, bodies_.load_points(), dt}, report.viscous_loads);
     halo_.gather(liquid_.store, {liquid_.velocity_field(), liquid_.pressure_field()});
@@ -226,6 +235,18 @@ void IsphStep::accelerate(StepReport& report, double dt) {
     bodies_.rigid.fall(dt);
     bodies_.rigid.push(bodies_.loads_of(report.viscous_loads), dt);
     bodies_.set_velocities(solid_);
+}
+
+void IsphStep::apply_viscosity(StepReport& report, double dt) {
+    auto result = viscosity_->solve(setup_.options, setup_.constants, setup_.forces, comm_, liquid_, solid_, neighbours_,
+                                    halo_, bodies_, dt);
+    report.viscosity = result.solve;
+    if (!result.solve.converged()) {
+        throw SimulationError({"viscosity solve", result.solve.reason,
+                               "after " + std::to_string(result.solve.iterations) + " iterations",
+                               "take a smaller time step or a larger method.viscosity.residual"});
+    }
+    for (std::size_t k = 0; k < result.loads.size(); ++k) report.viscous_loads[k] += result.loads[k];
 }
 
 void IsphStep::assemble_system() {
@@ -416,7 +437,7 @@ double IsphStep::stable_step(double cfl) const {
     const auto& g = setup_.forces.gravity;
     const double pull = std::sqrt(g[0] * g[0] + g[1] * g[1] + g[2] * g[2]);
     const double d = setup_.constants.spacing;
-    double dt = viscous_step_limit(setup_.constants, setup_.forces.viscosity);
+    double dt = viscosity_ ? 1e300 : viscous_step_limit(setup_.constants, setup_.forces.viscosity);
     cfl *= setup_.constants.mixture.step_share;
     if (speed > 0) dt = std::min(dt, cfl * d / speed);
     if (pull > 0) dt = std::min(dt, cfl * std::sqrt(d / pull));
@@ -425,7 +446,7 @@ double IsphStep::stable_step(double cfl) const {
 
 std::size_t IsphStep::bytes() const {
     return liquid_.bytes() + solid_.store.bytes() + neighbours_.liquid.bytes() + neighbours_.solid.bytes() +
-           system_.bytes() + iisph_.bytes() + (hierarchy_ ? hierarchy_->bytes() : 0);
+           system_.bytes() + iisph_.bytes() + (viscosity_ ? viscosity_->bytes() : 0) + (hierarchy_ ? hierarchy_->bytes() : 0);
 }
 
 } // namespace treacle::sph

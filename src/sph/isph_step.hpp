@@ -7,6 +7,7 @@
 #include "sph/complementarity.hpp"
 #include "sph/forces.hpp"
 #include "sph/iisph.hpp"
+#include "sph/implicit_viscosity.hpp"
 #include "sph/motion.hpp"
 #include "sph/prediction.hpp"
 #include "sph/pressure_hierarchy.hpp"
@@ -14,6 +15,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 
 namespace treacle::sph {
 
@@ -34,6 +36,7 @@ struct IsphSetup {
 struct StepReport {
     double dt = 0;                     // [s]
     solve::SolveReport pressure;
+    solve::SolveReport viscosity;      // of the implicit one
     RoleCounts roles;                  // over all ranks
     std::int64_t anchored = 0;         // Poisson particles made Dirichlet for solvability
     std::int64_t misclassified = 0;    // that (S6) gave another role than the exact solution, over all ranks
@@ -103,6 +106,7 @@ private:
     void assemble_system();
     void update_density(StepReport& report);
     void accelerate(StepReport& report, double dt);
+    void apply_viscosity(StepReport& report, double dt);
     void find_pressures(StepReport& report, double dt);
     void find_pressures_by_iisph(StepReport& report, double dt);
     void remove_divergence(StepReport& report, double dt);
@@ -127,6 +131,7 @@ private:
     PressureSystem system_;
     SolidRows solid_rows_; // of solids as unknowns
     Iisph iisph_;
+    std::optional<ImplicitViscosity> viscosity_;
     int divergence_field_ = -1; // of the liquid, with DFSPH: the pressures of the last divergence-free solve [Pa]
     Bodies bodies_;
     BodyResponse response_;

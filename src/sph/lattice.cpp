@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 namespace treacle::sph {
 
@@ -151,6 +152,64 @@ double wall_cover(const WallSetup& setup, const DensityOptions& density) {
 double wall_push(const WallSetup& setup, const DensityOptions& density) {
     const auto wall = measure_aligned(setup, rest_gap(setup, density));
     return 2 * wall.liquid_vector / wall.wall_vector;
+}
+
+namespace {
+// One layer of particles as a particle at a height above it sees it.
+struct LayerSums {
+    double push = 0;   // sum V |W'|/r y [1/m]
+    double spread = 0; // sum V |W'|/r y^2
+};
+template <class Kernel>
+LayerSums see_layer(const Kernel& kernel, const WallSetup& setup, double volume, double spacing, double height) {
+    const int reach = static_cast<int>(std::ceil(setup.support / spacing)) + 1;
+    const int depth = setup.dimensions == 3 ? reach : 0;
+    LayerSums out;
+    for (int k = -depth; k <= depth; ++k) {
+        for (int i = -reach; i <= reach; ++i) {
+            const double r = std::sqrt(spacing * spacing * double(i * i + k * k) + height * height);
+            if (r >= setup.support * edge) continue;
+            out.push -= volume * kernel.gradient(r) * height;
+            out.spread -= volume * kernel.gradient(r) * height * height;
+        }
+    }
+    return out;
+}
+
+// Force on the first layer of liquid between a wall that counts `grip` times and a uniform stress of 1, over that of a
+// layer's neighbours on one side: positive towards the wall.
+template <class Kernel>
+double layer_imbalance(const Kernel& kernel, const WallSetup& setup, double gap, double grip) {
+    const auto lattice = measure_lattice(setup.kind, setup.dimensions, setup.support, setup.spacing);
+    const auto wall = measure_aligned(setup, gap);
+    const double d = setup.spacing;
+    const int layers = static_cast<int>(std::ceil(setup.support / d));
+    const auto liquid = [&](int apart) { return see_layer(kernel, setup, lattice.volume, d, apart * d); };
+    const auto solid = [&](int layer) { return see_layer(kernel, setup, wall.wall_volume, setup.wall_spacing, gap + layer * d); };
+    std::vector<double> spread;
+    for (int at = 0; at <= layers; ++at) {
+        double sum = grip * solid(at).spread;
+        for (int apart = 1; apart <= layers; ++apart) sum += (at >= apart ? 2 : 1) * liquid(apart).spread;
+        spread.push_back(sum);
+    }
+    double out = grip * gap / (0.5 * d) * solid(0).push / spread[0];
+    for (int apart = 1; apart <= layers; ++apart) {
+        out -= liquid(apart).push * (1 / spread[0] + 1 / spread[static_cast<std::size_t>(apart)]);
+    }
+    return out;
+}
+} // namespace
+
+double wall_grip(const WallSetup& setup, const DensityOptions& density) {
+    const double gap = rest_gap(setup, density);
+    double lo = 0, hi = 10;
+    with_kernel(setup.kind, setup.dimensions, setup.support, [&](const auto& kernel) {
+        for (int k = 0; k < 60; ++k) {
+            const double grip = (lo + hi) / 2;
+            (layer_imbalance(kernel, setup, gap, grip) > 0 ? hi : lo) = grip;
+        }
+    });
+    return (lo + hi) / 2;
 }
 
 } // namespace treacle::sph

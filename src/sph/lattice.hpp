@@ -51,4 +51,8 @@ double wall_cover(const WallSetup& setup, const DensityOptions& density);
 // when all pressures are equal.
 double wall_push(const WallSetup& setup, const DensityOptions& density);
 
+// How many times the V_s of such a wall must count in the viscous sums so that the first layer at that distance is in
+// balance when the stress is uniform and the wall at rest (README, "Implicit viscosity").
+double wall_grip(const WallSetup& setup, const DensityOptions& density);
+
 } // namespace treacle::sph

@@ -104,6 +104,7 @@ struct SeveralLiquids {
     };
     Mixture mixture;
     Array<int> liquid;
+    double viscous = 1; // 0: as if none had a viscosity
 
     KOKKOS_INLINE_FUNCTION Partners partners(int i) const {
         return {liquid.data(), mixture.pair.data() + liquid(i) * mixture.count, mixture.count * mixture.count};
@@ -114,19 +115,20 @@ struct SeveralLiquids {
     KOKKOS_INLINE_FUNCTION double conductance(int i, int j) const { return of(Mixture::conductance, i, j); }
     KOKKOS_INLINE_FUNCTION double colliding(int i, int j) const { return of(Mixture::colliding, i, j); }
     KOKKOS_INLINE_FUNCTION double density(int i) const { return mixture.density(liquid(i)); }
-    KOKKOS_INLINE_FUNCTION double viscosity(int i) const { return mixture.viscosity(liquid(i)); }
+    KOKKOS_INLINE_FUNCTION double viscosity(int i) const { return viscous * mixture.viscosity(liquid(i)); }
     // The part of a density beyond the rest density that a step takes back.
     KOKKOS_INLINE_FUNCTION double recovered(double excess, double dt) const {
         return excess > 0 && dt < mixture.recovery ? excess * (dt / mixture.recovery) : excess;
     }
-    KOKKOS_INLINE_FUNCTION double scale() const { return 1; }
+    KOKKOS_INLINE_FUNCTION double scale() const { return viscous; }
 };
 
-// Calls work(pairing) with a OneLiquid or a SeveralLiquids, so that one liquid pays nothing for several.
+// Calls work(pairing) with a OneLiquid or a SeveralLiquids, so that one liquid pays nothing for several. Without a
+// viscosity [Pa s] none of several has any.
 template <class Work>
 void with_liquids(const Mixture& mixture, const Array<int>& liquid, double viscosity, const Work& work) {
     if (mixture.several()) {
-        work(SeveralLiquids{mixture, liquid});
+        work(SeveralLiquids{mixture, liquid, viscosity > 0 ? 1.0 : 0.0});
     } else {
         work(OneLiquid{viscosity});
     }

@@ -17,6 +17,8 @@ struct Constants {
     double laplacian_diagonal = 0; // sum_j a_ij on the full lattice [1/m2]
     double wall_cover = 1;         // how many times a_is count as cover (lattice.hpp)
     double wall_push = 1;          // how many times Akinci's one-sided pressure of solids acts (lattice.hpp)
+    double wall_grip = 1;          // how many times V_s counts in the viscous sums (lattice.hpp)
+    double wall_depth = 0;         // of the layer of solid particles below the surface [m]
     int dimensions = 3;
     Mixture mixture;           // of several liquids, otherwise empty
 };

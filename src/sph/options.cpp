@@ -151,6 +151,23 @@ void PressureOptions::declare(Declaration& d) {
 }
 
 void ViscosityOptions::declare(Declaration& d) {
+    d.choice("integration", integration,
+             {{"implicit", ViscosityIntegration::implicit}, {"explicit", ViscosityIntegration::explicit_pairs}},
+             "Whether the liquids' viscosity acts by a linear solve in each step, or by the pairwise form at the velocities "
+             "that the step starts with, which limits the step.");
+    d.choice("form", form,
+             {{"corrected", ViscosityForm::corrected},
+              {"adjoint", ViscosityForm::adjoint},
+              {"pairwise", ViscosityForm::pairwise},
+              {"laplacian", ViscosityForm::laplacian}},
+             "What the solve is of: the full stress (dissertation, chapter 4) of gradients that are exact for linear "
+             "velocities; of the plain ones, made symmetric; forces along the lines between particles (Weiler et al. "
+             "2018), for support_ratio 3 and more; or the Laplacian of each component, which stops rotations.");
+    d.number("checkerboard_damping", checkerboard_damping, unit::none, range_between(0, 1),
+             "Share of the viscosity that acts on what `corrected` gradients do not see of the velocities around a "
+             "particle.");
+    d.number("residual", residual, unit::none, range_above_to(0, 0.1), "Relative residual at which the solve ends.");
+    d.integer("max_iterations", max_iterations, range_between(1, 1000000), "Iterations after which the solve has failed.");
     d.number("artificial", artificial, unit::none, range_at_least(0),
              "Coefficient alpha of Monaghan's artificial viscosity alpha h c, which acts between approaching "
              "particles.");
@@ -170,7 +187,7 @@ void SphOptions::declare(Declaration& d) {
              "Support radius of the kernel in particle spacings.");
     d.block("density", density, "How densities are measured.");
     d.block("pressure", pressure, "The pressure solve.");
-    d.block("viscosity", viscosity, "Numerical viscosity that keeps particles in order.");
+    d.block("viscosity", viscosity, "The viscosity of the liquids, and numerical viscosity that keeps particles in order.");
     d.number("rebalance_above", rebalance_above, unit::none, range_at_least(1),
              "Largest over mean number of particles of a rank above which the domain is cut anew.");
 }

@@ -26,6 +26,13 @@ enum class PressurePreconditioner {
     multilevel,      // Galerkin products on cells (src/solve/README.md)
     multilevel_grids // the dissertation's grids, 3.5
 };
+enum class ViscosityIntegration { implicit, explicit_pairs };
+enum class ViscosityForm {
+    corrected, // the adjoint form of exact gradients: rotations stay what they are
+    adjoint,   // the symmetric form of section 4.4
+    pairwise,  // Weiler et al. 2018
+    laplacian  // Brookshaw 1985, component by component
+};
 enum class MultilevelCycle { v, w };
 enum class MultilevelSmoother { gauss_seidel, jacobi };
 
@@ -81,6 +88,11 @@ struct PressureOptions {
 };
 
 struct ViscosityOptions {
+    ViscosityIntegration integration = ViscosityIntegration::implicit;
+    ViscosityForm form = ViscosityForm::corrected;
+    double checkerboard_damping = 0.1; // kappa of the corrected form (README)
+    double residual = 1e-6;            // relative
+    int max_iterations = 5000;
     double artificial = 0.2;      // Monaghan's alpha
     double reference_speed = 0;   // [m/s]; 0: sqrt(g H) of the initial liquid
     double xsph = 0;              // share of the neighbours' mean velocity that moves a particle

@@ -79,6 +79,8 @@ public:
           volume_(store.add<Array<double>>("volume", "m3", FieldRole::state)),
           body_(store.add<Array<int>>("body", "", FieldRole::state, true)),
           reference_(store.add<Array3>("reference", "m", FieldRole::state)),
+          normal_(store.add<Array3>("normal", "", FieldRole::state)),
+          reference_normal_(store.add<Array3>("reference_normal", "", FieldRole::state)),
           pressure_(store.add<Array<double>>("pressure", "Pa", FieldRole::state, true)),
           diagonal_(store.add<Array<double>>("diagonal", "1/m2", FieldRole::work)),
           hold_(store.add<Array<double>>("hold", "", FieldRole::work)),
@@ -93,6 +95,8 @@ public:
     const Array<int>& body() const { return store.get<Array<int>>(body_); }           // 0: the domain's walls
 
     const Array3& reference() const { return store.get<Array3>(reference_); }         // position at the start
+    const Array3& normal() const { return store.get<Array3>(normal_); }               // unit, out of the solid
+    const Array3& reference_normal() const { return store.get<Array3>(reference_normal_); } // at the start
     // With solids as unknowns (solid_rows.hpp); pressures are 0 without.
     const Array<double>& pressure() const { return store.get<Array<double>>(pressure_); }
     const Array<double>& diagonal() const { return store.get<Array<double>>(diagonal_); }
@@ -102,6 +106,7 @@ public:
 
     int volume_field() const { return volume_; }
     int body_field() const { return body_; }
+    int normal_field() const { return normal_; }
     int velocity_field() const { return velocity_; }
     int pressure_field() const { return pressure_; }
     int hold_field() const { return hold_; }
@@ -109,7 +114,7 @@ public:
     int row_field() const { return row_; }
 
 private:
-    int velocity_, volume_, body_, reference_, pressure_, diagonal_, hold_, role_, row_;
+    int velocity_, volume_, body_, reference_, normal_, reference_normal_, pressure_, diagonal_, hold_, role_, row_;
 };
 
 } // namespace treacle::sph

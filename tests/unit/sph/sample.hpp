@@ -21,6 +21,7 @@ struct LiquidPoint {
 struct SolidPoint {
     Vec3 x;
     int body = 0;
+    Vec3 normal{0, 0, 0};
 };
 
 // Ids are the places in the lists, spread so that they follow no order in space.
@@ -167,6 +168,11 @@ inline void put(const Comm& comm, const Sample& sample, LiquidParticles& liquid,
     test::fill(solid.store, points);
     test::edit(solid.velocity(), [&](auto& v) {
         for (std::size_t i = 0; i < 3 * bricks.size(); ++i) v(i / 3, i % 3) = 0;
+    });
+    test::edit(solid.normal(), [&](auto& v) {
+        for (std::size_t i = 0; i < bricks.size(); ++i) {
+            for (std::size_t c = 0; c < 3; ++c) v(i, c) = sample.solid[bricks[i]].normal[c];
+        }
     });
     test::edit(solid.volume(), [&](auto& v) {
         for (std::size_t i = 0; i < bricks.size(); ++i) v(i) = 0;

@@ -1,0 +1,105 @@
+#pragma once
+#include "kokkos/types.hpp"
+
+namespace treacle::sph {
+
+// A symmetric 3 x 3 matrix: xx, yy, zz, xy, xz, yz.
+struct Symmetric {
+    double xx = 0, yy = 0, zz = 0, xy = 0, xz = 0, yz = 0;
+
+    KOKKOS_INLINE_FUNCTION void add_square(double weight, double x, double y, double z) {
+        xx += weight * x * x;
+        yy += weight * y * y;
+        zz += weight * z * z;
+        xy += weight * x * y;
+        xz += weight * x * z;
+        yz += weight * y * z;
+    }
+    KOKKOS_INLINE_FUNCTION void times(const double v[3], double out[3]) const {
+        out[0] = xx * v[0] + xy * v[1] + xz * v[2];
+        out[1] = xy * v[0] + yy * v[1] + yz * v[2];
+        out[2] = xz * v[0] + yz * v[1] + zz * v[2];
+    }
+    KOKKOS_INLINE_FUNCTION double trace() const { return xx + yy + zz; }
+};
+
+// Rows of a View of six numbers.
+template <class View>
+KOKKOS_INLINE_FUNCTION Symmetric read_symmetric(const View& from, int i) {
+    return {from(i, 0), from(i, 1), from(i, 2), from(i, 3), from(i, 4), from(i, 5)};
+}
+template <class View>
+KOKKOS_INLINE_FUNCTION void write_symmetric(const Symmetric& a, const View& to, int i) {
+    to(i, 0) = a.xx;
+    to(i, 1) = a.yy;
+    to(i, 2) = a.zz;
+    to(i, 3) = a.xy;
+    to(i, 4) = a.xz;
+    to(i, 5) = a.yz;
+}
+
+// Eigenvalues and eigenvectors (columns) of a symmetric matrix by cyclic Jacobi rotations (Golub & Van Loan, 8.5).
+struct Eigen3 {
+    double value[3];
+    double vector[3][3];
+};
+KOKKOS_INLINE_FUNCTION Eigen3 eigen(const Symmetric& s) {
+    double a[3][3] = {{s.xx, s.xy, s.xz}, {s.xy, s.yy, s.yz}, {s.xz, s.yz, s.zz}};
+    Eigen3 out{{0, 0, 0}, {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+    constexpr int sweeps = 8; // converges quadratically: five reach round-off
+    for (int sweep = 0; sweep < sweeps; ++sweep) {
+        for (int p = 0; p < 2; ++p) {
+            for (int q = p + 1; q < 3; ++q) {
+                if (a[p][q] == 0) continue;
+                const double theta = (a[q][q] - a[p][p]) / (2 * a[p][q]);
+                const double root = math::fabs(theta) + math::sqrt(theta * theta + 1);
+                const double t = (theta < 0 ? -1 : 1) / root, c = 1 / math::sqrt(t * t + 1), sine = t * c;
+                for (int k = 0; k < 3; ++k) {
+                    const double kp = a[k][p], kq = a[k][q];
+                    a[k][p] = c * kp - sine * kq;
+                    a[k][q] = sine * kp + c * kq;
+                }
+                for (int k = 0; k < 3; ++k) {
+                    const double pk = a[p][k], qk = a[q][k];
+                    a[p][k] = c * pk - sine * qk;
+                    a[q][k] = sine * pk + c * qk;
+                    const double vp = out.vector[k][p], vq = out.vector[k][q];
+                    out.vector[k][p] = c * vp - sine * vq;
+                    out.vector[k][q] = sine * vp + c * vq;
+                }
+            }
+        }
+    }
+    for (int k = 0; k < 3; ++k) out.value[k] = a[k][k];
+    return out;
+}
+
+// The inverse on the span of the eigenvectors whose eigenvalues exceed `least`, and the projector on that span.
+struct PartialInverse {
+    Symmetric inverse, span;
+};
+KOKKOS_INLINE_FUNCTION PartialInverse invert_above(const Symmetric& a, double least) {
+    const Eigen3 e = eigen(a);
+    PartialInverse out;
+    for (int k = 0; k < 3; ++k) {
+        if (!(e.value[k] > least)) continue;
+        const double *x = e.vector[0] + k, *y = e.vector[1] + k, *z = e.vector[2] + k;
+        out.inverse.add_square(1 / e.value[k], *x, *y, *z);
+        out.span.add_square(1, *x, *y, *z);
+    }
+    return out;
+}
+
+// The inverse of a positive definite matrix.
+KOKKOS_INLINE_FUNCTION Symmetric inverse(const Symmetric& a) {
+    const double cxx = a.yy * a.zz - a.yz * a.yz, cxy = a.xz * a.yz - a.xy * a.zz, cxz = a.xy * a.yz - a.xz * a.yy;
+    const double scale = 1 / (a.xx * cxx + a.xy * cxy + a.xz * cxz);
+    return {scale * cxx,
+            scale * (a.xx * a.zz - a.xz * a.xz),
+            scale * (a.xx * a.yy - a.xy * a.xy),
+            scale * cxy,
+            scale * cxz,
+            scale * (a.xy * a.xz - a.xx * a.yz)};
+}
+
+} // namespace treacle::sph

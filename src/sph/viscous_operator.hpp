@@ -1,0 +1,65 @@
+#pragma once
+#include "mpi/halo.hpp"
+#include "sph/forces.hpp"
+#include "sph/viscous_walls.hpp"
+
+namespace treacle::sph {
+
+// What the viscous system reads. Positions of ghosts must be current, and the neighbours those of the positions.
+struct ViscousParts {
+    const SphOptions& options;
+    const Constants& constants;
+    const ForceOptions& forces;
+    const Comm& comm;
+    LiquidParticles& liquid;
+    const SolidParticles& solid;
+    const Neighbourhood& neighbours;
+    Halo& halo;
+    const LoadPoints& points;
+    const Array<double>& slip;   // of each solid, see ViscousWalls
+    const Array<double>& motion;
+};
+
+// C u = u - dt/m f(u) on the owned particles, f being the viscous force (dissertation, chapter 4) in the form that
+// `viscosity.form` names: matrix-free, symmetric, positive definite (README, "Implicit viscosity"). Of several liquids
+// the first term has the relative density as a factor.
+class ViscousOperator {
+public:
+    // Declares the fields that are exchanged.
+    explicit ViscousOperator(LiquidParticles& liquid);
+
+    // Collective: viscosities, gradient corrections and diagonal blocks for the present places and a step of dt [s].
+    // Returns the largest dt/m V mu of all ranks [m2]; 0: C is the identity.
+    double prepare(const ViscousParts& parts, double dt);
+
+    // Whether the solids move as `motion` says, or rest.
+    enum class Walls { moving, resting };
+    // Collective: product = C u of the owned particles. Gathers the ghosts' u.
+    void multiply(const ViscousParts& parts, int u_field, Walls walls, const Array3& product);
+
+    // z = r D^-1 with the diagonal blocks, nearly; returns this rank's r.z.
+    double precondition(const LiquidParticles& liquid, const Array3& r, const Array3& z) const;
+
+    // This rank's share of the force and torque on each solid [N], [N m]. After a multiply with moving walls, whose u
+    // it is for.
+    BodyLoads loads(const ViscousParts& parts) const;
+
+    std::size_t bytes() const;
+
+private:
+    using Array6 = Kokkos::View<double* [6], Memory>;
+    void pack_motion(LiquidParticles& liquid, const Array3& u) const;
+    void exchange_stress(const ViscousParts& parts);
+    ViscousWalls walls(const ViscousParts& parts, Walls which) const;
+
+    double dt_ = 0;
+    double damping_ = 0;             // of checkerboards, 0 for forms without gradients
+    int stress_[3] = {-1, -1, -1};   // fields: rows of Q_i [m2/s]
+    int share_ = -1;                 // field: dt/m V mu [m2]
+    Array4 packed_[3] = {Array4("treacle::stress_x", 0), Array4("treacle::stress_y", 0), Array4("treacle::stress_z", 0)};
+    Array6 correction_{"treacle::gradient_correction", 0}; // B_i^+
+    Array6 span_{"treacle::gradient_span", 0};             // projector on its range
+    Array6 block_{"treacle::viscous_block", 0};            // inverses of the diagonal blocks
+};
+
+} // namespace treacle::sph

@@ -1,0 +1,47 @@
+#pragma once
+#include "sph/neighbourhood.hpp"
+#include "sph/load_points.hpp"
+
+namespace treacle::sph {
+
+// Solids in the viscous sums. The layer of solid particles lies below the surface; along the line from a liquid
+// particle to a solid one the velocity is taken to fall linearly to that of the solid at the surface, or with a slip
+// length that much behind it, and on at the same rate to the layer (Morris et al. 1997).
+struct ViscousWalls {
+    Pairs pairs;
+    Array<double> volume; // V_s
+    Array<int> body;
+    Array3 normal;        // unit, out of the solid
+    Array<double> slip;   // [body] slip length [m]; negative: free slip
+    Array<double> motion; // [body][6] velocity [m/s] and spin [rad/s]
+    LoadPoints points;
+    double grip;          // factor on V_s, Constants::wall_grip
+    double depth;         // of the layer below the surface [m]
+    double least;         // distance from the surface below which particles are not taken to be [m]
+    bool resting;         // as if no solid moved
+
+    // One liquid particle and one solid particle.
+    struct Contact {
+        double reach;       // 1 / tau: (u_i - u_w) reach is the difference at the solid particle
+        double velocity[3]; // u_w at x_i - tau x_is [m/s]
+        double place[3];    // that point [m]
+    };
+
+    KOKKOS_INLINE_FUNCTION bool grips(int s) const { return slip(body(s)) >= 0; }
+    KOKKOS_INLINE_FUNCTION Contact touch(int s, double dx, double dy, double dz) const {
+        const double height = math::max(normal(s, 0) * dx + normal(s, 1) * dy + normal(s, 2) * dz, depth + least);
+        const double tau = (height - depth + slip(body(s))) / height;
+        const auto& x = pairs.among;
+        Contact out{1 / tau, {0, 0, 0}, {x(s, 0) + (1 - tau) * dx, x(s, 1) + (1 - tau) * dy, x(s, 2) + (1 - tau) * dz}};
+        if (resting) return out;
+        double arm[3];
+        points.arm(body(s), out.place, arm);
+        const double* m = &motion(6 * body(s));
+        out.velocity[0] = m[0] + m[4] * arm[2] - m[5] * arm[1];
+        out.velocity[1] = m[1] + m[5] * arm[0] - m[3] * arm[2];
+        out.velocity[2] = m[2] + m[3] * arm[1] - m[4] * arm[0];
+        return out;
+    }
+};
+
+} // namespace treacle::sph
