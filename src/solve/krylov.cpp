@@ -56,6 +56,9 @@ struct KrylovSolver::State {
 };
 
 namespace {
+// Residuals below this share of the first one are its round-off: beside a guess far larger than the solution no
+// smaller one can be had.
+constexpr double round_off = 1e-14;
 
 // One solve: what its three stages share.
 struct Run {
@@ -69,6 +72,7 @@ struct Run {
     SolveReport report{};
     double mean_b = 0; // with a null space, what is taken off the right-hand side
     double norm_b = 0;
+    double norm_first = 0; // of the guess's residual
     double rz = 0; // r.z
 
     bool begin();
@@ -102,7 +106,8 @@ bool Run::breaks_down(double product, Outcome indefinite) {
 bool Run::judge(double rr, double measured) {
     report.error_measure = test.local ? measured : std::sqrt(rr);
     if (!std::isfinite(rr) || !std::isfinite(report.error_measure)) return end(Outcome::non_finite);
-    const bool small = std::sqrt(rr) <= std::max(test.relative * norm_b, test.absolute);
+    const bool small =
+        std::sqrt(rr) <= std::max({test.relative * norm_b, test.absolute, round_off * norm_first});
     const bool passed = small && (!test.local || measured < test.threshold);
     if (passed) return end(Outcome::converged);
     if (rr == 0) return end(Outcome::stagnated);
@@ -120,6 +125,7 @@ bool Run::begin() {
     norm_b = std::sqrt(bb);
     if (!std::isfinite(bb)) return end(Outcome::non_finite);
     if (judge(rr, measured)) return true;
+    norm_first = std::sqrt(rr);
     if (bb == 0 && !test.local) { // the solution is known, and no residual is small against ||b|| = 0
         const bool constant = options.null_space == NullSpace::constant;
         const double level = constant ? comm.sum(total(x)) / matrix.global_rows() : 0.0;

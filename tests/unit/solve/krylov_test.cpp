@@ -186,6 +186,24 @@ TEST(Krylov, zero_right_hand_side_gives_zero_whatever_the_guess) {
     EXPECT_EQ(x, b);
 }
 
+// A few particles whose last pressures are all that is left of a system: no residual is small against ||b||.
+TEST(Krylov, a_guess_far_larger_than_the_solution_ends_at_its_round_off) {
+    const auto comm = Comm::world();
+    auto system = poisson(comm, 3, Border::dirichlet);
+    Matrix matrix(comm, system.blocks());
+    for (const double size : {0.0, 1e-200, 1e-40}) {
+        auto b = system.values(noise);
+        for (double& value : b) value *= size;
+        auto x = system.values(noise);
+        auto solver = solver_with(Preconditioner::ic0);
+        const auto nothing = [](std::span<const double>) { return 0.0; };
+        const auto report = solver.solve(matrix, b, x, ConvergenceTest::measure(nothing, 1, 0.1));
+        EXPECT_TRUE(report.converged()) << report.reason;
+        EXPECT_LE(report.iterations, 27); // the unknowns
+        for (const double value : x) EXPECT_NEAR(value, 0, 1e-12); // of a guess near 1, 1e-14 times the condition
+    }
+}
+
 // Average density error: sum over rows of max(0, -r) / rows, as the pressure solve has it.
 class DensityTest : public testing::TestWithParam<Preconditioner> {};
 INSTANTIATE_TEST_SUITE_P(cheap_and_expensive, DensityTest,
