@@ -75,7 +75,7 @@ def plot_by_step(axes, rows, solvers, ours, theirs):
     axes.set(xlabel="time step [ms]", xscale="log", yscale="log")
     steps = sorted({row[0] for row in rows})
     axes.set_xticks(steps, [f"{step:g}" for step in steps])
-    axes.minorticks_off()
+    axes.tick_params(axis="x", which="minor", bottom=False, labelbottom=False)
     low, high = axes.get_ylim()
     axes.set_ylim(low, high * (high / low) ** 0.3)  # room for the legend
 

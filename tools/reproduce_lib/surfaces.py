@@ -1,11 +1,12 @@
 """Tables 2.4 and 2.5, figures 2.4 to 2.8: densities, free surfaces and solids, ours and what they replace."""
 
-from claims_lib.surfaces import RULES, STABLE, THEIRS, Scene, cube_drop, largest_stable, try_step
+from claims_lib.surfaces import FINE, RULES, STABLE, THEIRS, Scene, cube_drop, largest_stable, try_step
 
 from .costs import FRAME, bars, pressure_seconds, total_seconds
 from .entries import entry
 from .pictures import drawn
 
+FINE_SOLIDS = 12.9e-3        # of the dissertation's table 2.5 and figure 2.7 [m]
 PICTURES_AT = (0.15, 0.3)  # [s]
 SPEED = ("speed", "0:4")    # what pictures show, and its range
 
@@ -47,22 +48,22 @@ def scene_of(title, size, shape, spacing, top, body=None):
 
 def ball_drop(context):
     return scene_of("A ball of water falls", "[0.9, 0.9, 0.9]", "sphere: {centre: [0.45, 0.45, 0.45], radius: 0.26}",
-                    32e-3 if context.quick else 15e-3, 0.71)
+                    32e-3 if context.quick else FINE, 0.71)
 
 
 def column(context):
     return scene_of("A column of water falls apart", "[0.9, 0.9, 1.2]", "box: {min: [0, 0, 0], max: [0.35, 0.35, 0.9]}",
-                    32e-3 if context.quick else 15e-3, 0.9)
+                    32e-3 if context.quick else FINE, 0.9)
 
 
 def dam_with_post(context):
     return scene_of("Dam break around a post on the floor", "[1.2, 0.55, 1]", "box: {min: [0, 0, 0], max: [0.5, 0.55, 0.6]}",
-                    30e-3 if context.quick else 12.9e-3, 0.6, "box: {min: [0.8, 0.2, -0.05], max: [0.95, 0.35, 0.3]}")
+                    30e-3 if context.quick else FINE_SOLIDS, 0.6, "box: {min: [0.8, 0.2, -0.05], max: [0.95, 0.35, 0.3]}")
 
 
 def drop_on_ball(context):
     return scene_of("Water falls on a ball in the air", "[0.9, 0.9, 0.9]",
-                    "box: {min: [0.325, 0.325, 0.55], max: [0.575, 0.575, 0.85]}", 25e-3 if context.quick else 12.9e-3,
+                    "box: {min: [0.325, 0.325, 0.55], max: [0.575, 0.575, 0.85]}", 25e-3 if context.quick else FINE_SOLIDS,
                     0.85, "sphere: {centre: [0.45, 0.45, 0.4], radius: 0.13}")
 
 
@@ -95,15 +96,22 @@ def over(values, one):
     return values[one] / values["ours"] if values.get(one) is not None and values.get("ours") else None
 
 
-def step_table(results, name, scene, found, printed):
-    """Steps beside theirs, which count at their spacing: both over that of ours."""
+def draw_steps(axes, scene, found, printed, spacing):
+    """Steps over the spacing, with which they grow; theirs, printed [s], are at another one [m]."""
+    bars(axes, list(found), [best and 1e3 * best.step / (1e2 * scene.spacing) for best in found.values()],
+         [1e3 * printed.get(method, 0) / (1e2 * spacing) for method in found],
+         "largest stable step over the spacing [ms/cm]")
+
+
+def step_table(results, name, scene, found, printed, spacing=FINE):
+    """Steps beside theirs, printed [s] at a spacing [m], and both over that of ours."""
     ours = {method: best.step if best else 0 for method, best in found.items()}
     results.table(name, ["method", "step [ms]", "over ours", "theirs: step [ms]", "theirs: over ours"],
                   [[method, 1e3 * ours[method], over(ours, method),
                     1e3 * printed[method] if method in printed else None, over(printed, method)] for method in found])
     with results.figure(name, size=(7, 1.6 + 0.35 * len(found))) as axes:
-        bars(axes, list(found), [over(ours, one) for one in found], [over(printed, one) for one in found],
-             f"largest stable step over ours, {scene.name}")
+        draw_steps(axes, scene, found, printed, spacing)
+        axes.set_title(f"{scene.name}, spacing {1e3 * scene.spacing:.1f} mm, theirs {1e3 * spacing:.1f} mm", fontsize=9)
 
 
 def draw(context, results, scene, name, step, settings, shown):
@@ -118,26 +126,26 @@ def draw(context, results, scene, name, step, settings, shown):
     return trial, row
 
 
-def cost_table(results, name, found, printed):
-    """Costs of the largest stable steps, beside theirs; the plot has both over those of ours."""
+def cost_table(results, name, scene, found, printed, spacing):
+    """Costs of the largest stable steps, beside theirs at a spacing [m]."""
     header = ("liquid particles", "unknowns", "at p = 0", "step [ms]", "iterations", "pressure [s/frame]",
               "total [s/frame]")
-    theirs = ("unknowns [k]", "at p = 0 [k]", "step [ms]", "iterations", "pressure [s/frame]", "total [s/frame]")
-    rows, steps, totals = [], {}, {}
+    printed_header = ("unknowns [k]", "at p = 0 [k]", "step [ms]", "iterations", "pressure [s/frame]", "total [s/frame]")
+    rows, totals = [], {}
     for method, best in found.items():
         ours = [None] * len(header)
         if best is not None:
             poisson, dirichlet, iterations, solve, total = cost_of(best.run)
             ours = [particles_of(best.run), poisson, dirichlet, 1e3 * best.step, iterations, solve, total]
-            steps[method], totals[method] = best.step, total
+            totals[method] = total
         unknowns, at_zero, step, *rest = printed[method]
         rows.append([method, *ours, unknowns, at_zero, 1e3 * step, *rest])
-    results.table(name, ["method", *header, *(f"theirs: {title}" for title in theirs)], rows)
-    with results.figure(name, columns=2, size=(6, 1.6 + 0.35 * len(found))) as panels:
-        for axes, ours, column, title in ((panels[0], steps, 2, "largest stable step over ours"),
-                                          (panels[1], totals, 5, "seconds a frame over ours, each at its step")):
-            their = {method: values[column] for method, values in printed.items()}
-            bars(axes, list(found), [over(ours, one) for one in found], [over(their, one) for one in found], title)
+    results.table(name, ["method", *header, *(f"theirs: {title}" for title in printed_header)], rows)
+    with results.figure(name, columns=2, size=(6, 1.6 + 0.35 * len(found))) as (left, right):
+        draw_steps(left, scene, found, {method: values[2] for method, values in printed.items()}, spacing)
+        theirs = {method: values[5] for method, values in printed.items()}
+        bars(right, list(found), [over(totals, one) for one in found], [over(theirs, one) for one in found],
+             "seconds a frame over ours, each at its largest step")
 
 
 def kernel_steps(context, results, name, scene, kernel, printed):
@@ -161,7 +169,8 @@ def with_solids(context, results, name, scene, step, shown, header, values):
 @entry("table-2.4", "Largest stable step and cost of each free-surface rule, a cube of water that falls", quick=170)
 def table_2_4(context, results):
     methods = {name: {**THEIRS, **RULES[name]} for name in TABLE_2_4}
-    cost_table(results, "table-2.4", ladders(context, results, cube_drop(context), methods), TABLE_2_4)
+    scene = cube_drop(context)
+    cost_table(results, "table-2.4", scene, ladders(context, results, scene, methods), TABLE_2_4, FINE)
 
 
 @entry("figure-2.6", "Largest stable step of each free-surface rule, with and without clamped sources", quick=400)
@@ -177,7 +186,8 @@ def figure_2_6(context, results):
 
 @entry("table-2.5", "Largest stable step and cost with solids as unknowns and with ours, dam break around a solid", quick=300)
 def table_2_5(context, results):
-    cost_table(results, "table-2.5", ladders(context, results, dam_with_post(context), SOLIDS), TABLE_2_5)
+    scene = dam_with_post(context)
+    cost_table(results, "table-2.5", scene, ladders(context, results, scene, SOLIDS), TABLE_2_5, FINE_SOLIDS)
 
 
 @entry("figure-2.7", "Pressures with solids as unknowns and with ours, dam break around a solid", quick=140)
@@ -190,7 +200,7 @@ def figure_2_7(context, results):
         return float(sum(pressures) / len(pressures)), theirs[method]
 
     # Theirs for solids as unknowns: both are stable with it.
-    with_solids(context, results, "figure-2.7", scene, 0.51e-3 * scene.spacing / 12.9e-3,
+    with_solids(context, results, "figure-2.7", scene, 0.51e-3 * scene.spacing / FINE_SOLIDS,
                 ("pressure", "0:6000"), ("mean of the largest pressure [Pa]", "theirs, at 1.09 ms [Pa]"), values)
 
 
@@ -208,7 +218,7 @@ def figure_2_5(context, results):
 @entry("figure-2.8", "Water falls on a solid that floats in the air", quick=25)
 def figure_2_8(context, results):
     scene = drop_on_ball(context)
-    with_solids(context, results, "figure-2.8", scene, 0.5e-3 * scene.spacing / 12.9e-3, SPEED,
+    with_solids(context, results, "figure-2.8", scene, 0.5e-3 * scene.spacing / FINE_SOLIDS, SPEED,
                 ("largest speed [m/s]", "theirs"),
                 lambda method, trial: (float(trial.run.steps()["max speed"].max()),
                                        "stable" if method == "ours" else "not shown"))
