@@ -59,6 +59,8 @@ namespace {
 // Residuals below this share of the first one are its round-off: beside a guess far larger than the solution no
 // smaller one can be had.
 constexpr double round_off = 1e-14;
+// Of norms: products of such numbers may underflow to the zero that a breakdown is told by.
+constexpr double vanishing = 1e-140;
 
 // One solve: what its three stages share.
 struct Run {
@@ -107,7 +109,7 @@ bool Run::judge(double rr, double measured) {
     report.error_measure = test.local ? measured : std::sqrt(rr);
     if (!std::isfinite(rr) || !std::isfinite(report.error_measure)) return end(Outcome::non_finite);
     const bool small =
-        std::sqrt(rr) <= std::max({test.relative * norm_b, test.absolute, round_off * norm_first});
+        std::sqrt(rr) <= std::max({test.relative * norm_b, test.absolute, round_off * norm_first, vanishing});
     const bool passed = small && (!test.local || measured < test.threshold);
     if (passed) return end(Outcome::converged);
     if (rr == 0) return end(Outcome::stagnated);

@@ -53,9 +53,9 @@ def execute(context, command, *, expect=0, timeout=3600, env=None, cwd=None):
     return Finished(done.returncode, done.stdout, time.monotonic() - start)
 
 
-def last_words(output):
+def last_words(output, lines=3):
     """The last lines that a program itself has written, without those of mpiexec behind them."""
-    return " / ".join(output.split("-" * 40)[0].strip().splitlines()[-3:])
+    return " / ".join(output.split("-" * 40)[0].strip().splitlines()[-lines:])
 
 
 def launched(ranks, command):

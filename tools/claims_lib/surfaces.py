@@ -84,7 +84,8 @@ def judge(run, top):
     """What a run fails by; empty for a stable one."""
     steps = run.steps()
     if run.finished.code != 0:
-        cause = "particles lost" if "particles are lost" in run.finished.output else last_words(run.finished.output)
+        lost = "particles are lost" in run.finished.output
+        cause = "particles lost" if lost else last_words(run.finished.output, lines=1)
         return f"at {steps['time'][-1]:.2f} s {cause}"
     fastest = steps["max speed"].max() / math.sqrt(2 * GRAVITY * top)
     if not fastest < FASTEST:

@@ -173,7 +173,7 @@ def table_2_4(context, results):
     cost_table(results, "table-2.4", scene, ladders(context, results, scene, methods), TABLE_2_4, FINE)
 
 
-@entry("figure-2.6", "Largest stable step of each free-surface rule, with and without clamped sources", quick=400)
+@entry("figure-2.6", "Largest stable step of each free-surface rule, with and without clamped sources", quick=300)
 def figure_2_6(context, results):
     scene = cube_drop(context)
     methods = {name: {**THEIRS, **rule} for name, rule in RULES.items()}
@@ -184,7 +184,7 @@ def figure_2_6(context, results):
                                   ("ours", "source-term-based", "density-based", "surface-based")])
 
 
-@entry("table-2.5", "Largest stable step and cost with solids as unknowns and with ours, dam break around a solid", quick=300)
+@entry("table-2.5", "Largest stable step and cost with solids as unknowns and with ours, dam break around a solid", quick=120)
 def table_2_5(context, results):
     scene = dam_with_post(context)
     cost_table(results, "table-2.5", scene, ladders(context, results, scene, SOLIDS), TABLE_2_5, FINE_SOLIDS)
