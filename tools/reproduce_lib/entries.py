@@ -82,7 +82,7 @@ class Results:
 
     @contextlib.contextmanager
     def figure(self, name, columns=1, rows=1, size=(5.5, 4)):
-        """Pyplot's axes of NAME.png, one, a row of them or rows of them, each of a size [inches]; written on leaving."""
+        """Pyplot's axes of NAME.png, one, a row or rows of them, each of a size [inches]; written on leaving."""
         import matplotlib
 
         matplotlib.use("Agg")
@@ -97,16 +97,15 @@ class Results:
             pyplot.close(figure)
 
     def pictures(self, name, rows):
-        """NAME.png of pictures side by side. rows: lists of equal length of (title, path of a PNG or None)."""
+        """NAME.png of pictures side by side. rows: lists of equal length of (title, path of a PNG)."""
         from matplotlib import image
 
         cells = [cell for row in rows for cell in row]
         with self.figure(name, columns=len(rows[0]), rows=len(rows), size=(4.8, 3)) as axes:
             for one, (title, path) in zip(axes.flat, cells):
                 one.set_axis_off()
-                one.set_title(title, fontsize=10)
-                if path:
-                    one.imshow(image.imread(path))
+                one.set_title(title, fontsize=8)
+                one.imshow(image.imread(path))
 
     def new(self, name):
         """Path of a file of the entry, to be written by the caller."""

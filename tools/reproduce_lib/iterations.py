@@ -66,7 +66,8 @@ def figure_3_8(context, results):
         for share in SHARES:
             _, found = iterations(context, results, path, f"{scene.replace(' ', '_')}-{share}",
                                   {KEY + "preconditioner": "multilevel_grids", FACTOR: share * BEST_FACTOR,
-                                   KEY + "density_error": DENSITY_ERROR, "time.end": end, "output.interval": 0, "domain.spacing": spacing[scene]})
+                                   KEY + "density_error": DENSITY_ERROR, "time.end": end, "output.interval": 0,
+                                   "domain.spacing": spacing[scene]})
             means[scene, share] = mean(found) if found else "failed"
             rows += [[scene, share, time, n] for time, n in found]
     results.curves("curves", ["scene", "lambda / best", "time [s]", "iterations"], rows)

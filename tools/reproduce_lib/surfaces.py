@@ -6,9 +6,9 @@ from .costs import FRAME, bars, pressure_seconds, total_seconds
 from .entries import entry
 from .pictures import drawn
 
-FINE_SOLIDS = 12.9e-3        # of the dissertation's table 2.5 and figure 2.7 [m]
-PICTURES_AT = (0.15, 0.3)  # [s]
-SPEED = ("speed", "0:4")    # what pictures show, and its range
+FINE_SOLIDS = 12.9e-3 # of the dissertation's table 2.5 and figure 2.7 [m]
+PICTURES_AT, PICTURE_INTERVAL = (0.15, 0.3), 0.05 # [s]
+SPEED = ("speed", "0:4") # what pictures show, and its range
 
 SCENE = """schema_version: 1
 title: {title}
@@ -117,12 +117,14 @@ def step_table(results, name, scene, found, printed, spacing=FINE):
 def draw(context, results, scene, name, step, settings, shown):
     """A run of that step, and its pictures at PICTURES_AT as a row (title, path). shown: a field and its range."""
     trial = try_step(context, scene, results.folder / "runs" / f"picture {name}", step, settings, results.ranks,
-                     interval=PICTURES_AT[0])
-    row = []
-    for number, time in enumerate(PICTURES_AT, 1):
-        reached = len(trial.run.frames()) > number
-        row.append((f"{name}, {1e3 * step:.2f} ms, at {time:g} s" + ("" if reached else f": {trial.why}"),
-                    drawn(context, results, trial.run, *shown, number) if reached else None))
+                     interval=PICTURE_INTERVAL)
+    frames, row = trial.run.frames(), []
+    for time in PICTURES_AT:
+        number = min(round(time / PICTURE_INTERVAL), len(frames) - 1)
+        title = f"{name}, {1e3 * step:.2f} ms, at {frames[number][0]:.2f} s"
+        if frames[number][0] < time - PICTURE_INTERVAL / 2:
+            title += f": the last before the end, {trial.why}"
+        row.append((title, drawn(context, results, trial.run, *shown, number)))
     return trial, row
 
 
