@@ -20,7 +20,7 @@ void Joint::declare(Declaration& d) {
     const bool standard = axis == Vec3{0, 0, 1};
     const bool plane = d.plane_vectors();
     d.check(!d.parsing() || kind == JointKind::ball || d.given("axis") || (plane && kind == JointKind::hinge), "axis",
-            {"must be given", "a hinge turns about it and a slider moves along it", "write for instance axis: [0, 0, 1]"});
+            {"must be given", "a hinge turns about it and a slider moves along it", "write for instance axis: [1, 0, 0]"});
     d.check(kind != JointKind::ball || standard, "axis",
             {"has no effect", "a ball joint turns about all axes", "write kind: hinge or remove it"});
     d.check(!plane || kind != JointKind::hinge || (axis[0] == 0 && axis[1] == 0), "axis",
