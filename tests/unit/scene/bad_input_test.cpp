@@ -107,9 +107,9 @@ TEST(BadScene, JointsLinkADynamicBodyToAnother) {
     const std::string hinge = "axis: [0, 0, 1], ";
     EXPECT_TRUE(problems(joint(hinge + "body: ship")).empty());
     EXPECT_TRUE(is_problem(joint("body: ship"), "scene.yaml:10: joints.pin.axis: must be given"));
-    EXPECT_TRUE(is_problem(joint(hinge + "body: shop"), "scene.yaml:9: joints: the body shop of pin is not among"));
-    EXPECT_TRUE(is_problem(joint(hinge + "body: ship, to: quay"), "scene.yaml:9: joints: the body quay of pin"));
-    EXPECT_TRUE(is_problem(joint(hinge + "body: ship, to: ship"), "scene.yaml:9: joints: pin links ship to itself"));
+    EXPECT_TRUE(is_problem(joint(hinge + "body: shop"), "scene.yaml:10: joints: the body shop of pin is not among"));
+    EXPECT_TRUE(is_problem(joint(hinge + "body: ship, to: quay"), "scene.yaml:10: joints: the body quay of pin"));
+    EXPECT_TRUE(is_problem(joint(hinge + "body: ship, to: ship"), "scene.yaml:10: joints: pin links ship to itself"));
     EXPECT_TRUE(is_problem(joint("kind: ball, axis: [1, 0, 0], body: ship"),
                            "scene.yaml:10: joints.pin.axis = [1, 0, 0]: has no effect"));
     EXPECT_TRUE(is_problem(joint("kind: weld, body: ship"), "scene.yaml:10: joints.pin.kind = weld: must be one of"));
