@@ -64,9 +64,9 @@ Mobility RigidBodies::mobility() const {
     return {std::move(responses), joint_rows()};
 }
 
-// Impulses of the joints where the bodies are, such that the motion of the step ends with closed joints (SHAKE,
-// Ryckaert et al. 1977): no drift, and as the motion without joints symplectic. The velocities are those along the
-// chords of the step.
+// Impulses of the joints where the bodies are, such that the motion of the step ends with closed joints
+// (SHAKE, Ryckaert et al. 1977): no drift, and as the motion without joints symplectic. The velocities are
+// those along the chords of the step.
 void RigidBodies::hold(double dt) {
     if (setup_.joints.empty() || !(dt > 0)) return;
     const auto together = mobility();
@@ -88,9 +88,10 @@ void RigidBodies::hold(double dt) {
         for (const auto& joint : setup_.joints) text += (text.empty() ? "" : ", ") + joint.name;
         return text;
     };
-    throw SimulationError({"joints " + names(), "they would be " + format_number(gap) + " m apart after this step",
-                           "joints and locked degrees of freedom contradict each other, or a body turns too far in a step",
-                           "remove what contradicts, or take a smaller time step"});
+    throw SimulationError(
+        {"joints " + names(), "they would be " + format_number(gap) + " m apart after this step",
+         "joints and locked degrees of freedom contradict each other, or a body turns too far in a step",
+         "remove what contradicts, or take a smaller time step"});
 }
 
 std::array<double, 6> RigidBodies::own_momentum(std::size_t body) const {
@@ -105,7 +106,8 @@ void RigidBodies::open_ledger() {
     joint_loads_.assign(6 * size(), 0.0);
     before_.assign(6 * size(), 0.0);
     for (std::size_t b = 0; b < size(); ++b) {
-        if (dynamic(b)) std::ranges::copy(own_momentum(b), before_.begin() + static_cast<std::ptrdiff_t>(6 * b));
+        if (dynamic(b))
+            std::ranges::copy(own_momentum(b), before_.begin() + static_cast<std::ptrdiff_t>(6 * b));
     }
 }
 

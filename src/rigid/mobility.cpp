@@ -6,11 +6,13 @@
 namespace treacle::rigid {
 
 namespace {
-// Of a row's own response, what others leave of it when it says nothing new: the square of how far off roundings
-// and gaps put it.
+// Of a row's own response, what others leave of it when it says nothing new: the square of how far off
+// roundings and gaps put it.
 constexpr double redundant = 1e-9;
 
-Vec3 part(std::span<const double> numbers, std::size_t at) { return {numbers[at], numbers[at + 1], numbers[at + 2]}; }
+Vec3 part(std::span<const double> numbers, std::size_t at) {
+    return {numbers[at], numbers[at + 1], numbers[at + 2]};
+}
 
 void add(std::vector<double>& numbers, std::size_t at, const Vec3& v) {
     for (std::size_t k = 0; k < 3; ++k) numbers[at + k] += v[k];
@@ -88,7 +90,8 @@ void Mobility::factorise() {
 std::vector<double> Mobility::rates(std::span<const double> velocities) const {
     std::vector<double> out;
     for (const auto& row : rows_) {
-        double rate = dot(row.linear, part(velocities, 6 * row.body)) + dot(row.angular, part(velocities, 6 * row.body + 3));
+        double rate = dot(row.linear, part(velocities, 6 * row.body)) +
+                      dot(row.angular, part(velocities, 6 * row.body + 3));
         if (row.other >= 0) {
             const std::size_t at = 6 * static_cast<std::size_t>(row.other);
             rate -= dot(row.linear, part(velocities, at)) + dot(row.other_angular, part(velocities, at + 3));

@@ -6,8 +6,8 @@
 
 namespace treacle::rigid {
 
-// Body k responds to an impulse P and an angular impulse T about its centre with the velocity linear P and the
-// angular velocity angular T.
+// Body k responds to an impulse P and an angular impulse T about its centre with the velocity linear P and
+// the angular velocity angular T.
 struct Response {
     Matrix3 linear{};  // [1/kg]
     Matrix3 angular{}; // [1/kg/m2]
@@ -22,9 +22,9 @@ struct JointRow {
     Vec3 angular{0, 0, 0}, other_angular{0, 0, 0}; // [m]
 };
 
-// How bodies that joints link answer impulses together: the matrix M^-1 - M^-1 J^T (J M^-1 J^T)^+ J M^-1, symmetric and
-// positive semidefinite, with the rows J of the joints. Rows that say again what others say are left out. Impulses and
-// velocities are 6 numbers a body, angular ones about its centre.
+// How bodies that joints link answer impulses together: the matrix M^-1 - M^-1 J^T (J M^-1 J^T)^+ J M^-1,
+// symmetric and positive semidefinite, with the rows J of the joints. Rows that say again what others say are
+// left out. Impulses and velocities are 6 numbers a body, angular ones about its centre.
 class Mobility {
 public:
     Mobility() = default;
