@@ -67,7 +67,7 @@ def residuals(context, results):
 
 
 @entry("figure-3.9", "Convergence of multilevel, CG, ICCG, SORCG, IISPH and DFSPH; cost over a run; growth with the size",
-       quick=400)
+       quick=240)
 def figure_3_9(context, results):
     costs = time_to_error(context, results)
     at = {name: row for row in costs for name in [row[0]] if row[2] == DENSITY_ERROR}
