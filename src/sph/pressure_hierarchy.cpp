@@ -49,7 +49,7 @@ solve::MultilevelOptions algebra(const SphOptions& options, const Constants& con
 
 PressureHierarchy::PressureHierarchy(const Comm& comm, const SphOptions& options, const Constants& constants,
                                      const DomainBox& domain, const CellGrid& grid)
-    : grid_(finest_grid(options, constants, grid)), domain_(domain),
+    : grid_(finest_grid(options, constants, grid)), domain_(domain), mixture_(constants.mixture),
       solids_unknown_(options.pressure.solid_term == SolidTerm::unknowns),
       multilevel_(comm, algebra(options, constants, grid)),
       bounded_(options.pressure.dirichlet == DirichletRule::complementarity) {}
@@ -78,6 +78,14 @@ void PressureHierarchy::find_walls(int first_row) {
     const auto wall = liquid_->wall_term(), walls = walls_;
     Kokkos::parallel_for("treacle::find_walls", liquid_->store.owned(), KOKKOS_LAMBDA(int i) {
         if (row(i) >= 0) walls(row(i) - first_row) = wall(i);
+    });
+}
+
+void PressureHierarchy::find_densities(int first_row) {
+    const auto row = liquid_->row(), of = liquid_->liquid();
+    const auto density = mixture_.density, densities = densities_;
+    Kokkos::parallel_for("treacle::find_densities", liquid_->store.owned(), KOKKOS_LAMBDA(int i) {
+        if (row(i) >= 0) densities(row(i) - first_row) = density(of(i));
     });
 }
 
@@ -139,12 +147,18 @@ void PressureHierarchy::set_up(solve::Matrix& matrix) {
         reserve(walls_, rows);
         find_walls(matrix.first_row());
     }
+    const bool several = grids && mixture_.several();
+    if (several) {
+        reserve(densities_, rows);
+        find_densities(matrix.first_row());
+    }
     if (bounded_) {
         reserve(fixed_, rows);
         find_fixed(matrix.first_row());
     }
     const auto cells = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), cells_);
     const auto walls = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), walls_);
+    const auto densities = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), densities_);
     solve::MultilevelCells where;
     where.cells = {cells.data(), 3 * rows};
     const auto fixed = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), fixed_);
@@ -153,12 +167,14 @@ void PressureHierarchy::set_up(solve::Matrix& matrix) {
         find_dirichlet_cells();
         where.dirichlet = dirichlet_;
         where.walls = {walls.data(), rows};
+        if (several) where.densities = {densities.data(), rows};
     }
     multilevel_.set_up(matrix, where);
 }
 
 std::size_t PressureHierarchy::bytes() const {
-    return multilevel_.bytes() + fixed_.span() + 4 * cells_.span() + 8 * walls_.span() + 4 * dirichlet_.capacity();
+    return multilevel_.bytes() + fixed_.span() + 4 * cells_.span() + 8 * (walls_.span() + densities_.span()) +
+           4 * dirichlet_.capacity();
 }
 
 namespace {
