@@ -33,9 +33,7 @@ Sample tank(int n, int dimensions, const SphOptions& options) {
 
 // One step, with the roles that the given pressures say.
 std::unique_ptr<IsphStep> stepped(const Comm& comm, const Sample& sample, StepReport& report) {
-    auto step = std::make_unique<IsphStep>(comm, sample.setup);
-    put(comm, sample, step->liquid(), step->solid());
-    step->start();
+    auto step = started(comm, sample);
     step->start(IsphStep::SolidVolumes::keep);
     report = step->advance(dt);
     return step;
