@@ -4,8 +4,7 @@ import dataclasses
 import json
 
 from .run import built, execute, launched, scratch
-from .table import CommandFailed
-from .table import Figure
+from .table import CommandFailed, Figure
 
 
 @dataclasses.dataclass(frozen=True)
