@@ -146,6 +146,8 @@ void Report::bodies() {
                            ", volume " + volume_text(region.volume(), scene().domain.dimensions));
         mesh(region, "bodies." + body.name);
     }
+    if (!scene().joints.empty()) heading("joints");
+    for (const auto& joint : scene().joints) row(joint.name, describe(joint));
     if (at_.preview.thin_solid > 0) warn(thin_note(at_.preview.thin_solid));
 }
 

@@ -57,6 +57,13 @@ std::vector<std::string> body_columns(const Input& input) {
         append(body.name + " velocity", "m/s");
         append(body.name + " angular velocity", "rad/s");
     }
+    if (!any_dynamic(input)) return columns;
+    for (const char* cause : {" contact", " joint"}) {
+        for (const auto& body : input.scene.bodies) {
+            append(body.name + cause + " force", force);
+            append(body.name + cause + " torque", torque);
+        }
+    }
     return columns;
 }
 
@@ -184,6 +191,11 @@ void Outputs::write_bodies(const Progress& progress, const sph::StepReport& repo
         for (const auto& values : {bodies.pose(b).centre, rigid::rotation_vector(bodies.pose(b).turn),
                                    bodies.velocity(b), bodies.spin(b)}) {
             row.insert(row.end(), values.begin(), values.end());
+        }
+    }
+    if (bodies.any_dynamic()) {
+        for (const auto& loads : {bodies.contact_loads(), bodies.joint_loads()}) {
+            row.insert(row.end(), loads.begin(), loads.end());
         }
     }
     bodies_->append(row);

@@ -26,6 +26,7 @@ SHORTENED = {
     "neutral_ball": {"time.end": "0.03"},
     "periodic_tank": {"domain.spacing": "0.02", "time.end": "0.12"},
     "stirrer": {"time.end": "0.05"},
+    "water_wheel": {"domain.spacing": "0.025", "time.end": "0.06"},
     "two_liquids": {"domain.spacing": "0.05", "time.end": "0.07"},
 }
 
