@@ -143,9 +143,8 @@ BodyResponse::Addition BodyResponse::addition(const Comm& comm, const LiquidPart
         std::size_t row, body;
         double u[6];
     };
-    const auto mirror = [](const auto& view) { return Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), view); };
-    const auto offset = mirror(offset_), body = mirror(body_), number = mirror(liquid.row());
-    const auto row = mirror(row_);
+    const auto offset = on_host(offset_), body = on_host(body_), number = on_host(liquid.row());
+    const auto row = on_host(row_);
     std::vector<Entry> entries;
     for (int i = 0; i < liquid.store.owned(); ++i) {
         if (number(i) < 0) continue;

@@ -68,7 +68,7 @@ namespace {
 // counts for the nearest cell, whose rank owns it.
 void append_weights(const ParticleStore& store, const CellGrid& grid, double weight, std::vector<int>& cells,
                     std::vector<double>& weights) {
-    const auto x = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), store.position());
+    const auto x = on_host(store.position());
     int last[3] = {-1, -1, -1};
     for (int i = 0; i < store.owned(); ++i) {
         int c[3];

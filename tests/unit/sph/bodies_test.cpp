@@ -91,13 +91,6 @@ Sample linked_bricks(Held held) {
     return sample;
 }
 
-std::unique_ptr<IsphStep> started(const Comm& comm, const Sample& sample) {
-    auto step = std::make_unique<IsphStep>(comm, sample.setup);
-    put(comm, sample, step->liquid(), step->solid());
-    step->start();
-    return step;
-}
-
 std::array<double, 6> total_momentum(const IsphStep& step) {
     const auto liquid =
         measure_totals(step.comm(), step.liquid(), step.setup().constants, step.setup().forces.gravity);
