@@ -40,6 +40,12 @@ KOKKOS_INLINE_FUNCTION constexpr T max(T a, T b) {
 }
 } // namespace math
 
+// The entries where host code may touch them: on a device a copy, in host memory the view itself.
+template <class View>
+auto on_host(const View& view) {
+    return Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), view);
+}
+
 // Grows an array to hold n entries and never shrinks it; the content is lost when it grows. What it has to spare
 // keeps a slowly changing count from allocating again at every step.
 template <class View>

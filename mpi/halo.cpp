@@ -50,8 +50,8 @@ struct RegionHeader {
 void Halo::select_sent_rows(const ParticleStore& store, const CellList& cells, std::vector<Message>& messages) {
     outgoing_ = {};
     // The counts of border cells pass through the host: they are the message that announces the ghosts.
-    const auto begin = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), cells.begin);
-    const auto end = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), cells.end);
+    const auto begin = on_host(cells.begin);
+    const auto end = on_host(cells.end);
     auto& rows = chosen_;
     rows.clear();
     for (const auto& neighbour : neighbours_) {
@@ -92,8 +92,8 @@ void Halo::select_sent_rows(const ParticleStore& store, const CellList& cells, s
 void Halo::enter_ghost_cells(const std::vector<Message>& messages, CellList& cells, ParticleStore& store) {
     incoming_ = {};
     incoming_offset_.clear();
-    auto begin = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), cells.begin);
-    auto end = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), cells.end);
+    auto begin = on_host(cells.begin);
+    auto end = on_host(cells.end);
     int row = store.owned();
     for (const auto& message : messages) {
         RegionHeader header;

@@ -104,13 +104,13 @@ std::vector<Message> Migration::take_out(ParticleStore& store, const Decompositi
     for (auto* list : {&owner_, &fill_}) reserve(*list, static_cast<std::size_t>(leaving));
     reserve(packed_, static_cast<std::size_t>(leaving) * static_cast<std::size_t>(width));
 
-    const auto rows = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), first_of(leave_, leaving));
+    const auto rows = on_host(first_of(leave_, leaving));
     std::sort(rows.data(), rows.data() + leaving);
     Kokkos::deep_copy(first_of(leave_, leaving), rows);
     find_owners(store, decomposition, leave_, leaving, owner_);
     pack_state(store, leave_, leaving, packed_);
-    const auto owners = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), first_of(owner_, leaving));
-    const auto packed = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), first_of(packed_, leaving * width));
+    const auto owners = on_host(first_of(owner_, leaving));
+    const auto packed = on_host(first_of(packed_, leaving * width));
 
     std::vector<int> order(static_cast<std::size_t>(leaving));
     std::iota(order.begin(), order.end(), 0);

@@ -109,9 +109,9 @@ private:
 void PressureBench::shake() {
     const auto& liquid = step_.liquid();
     const auto& constants = step_.setup().constants;
-    auto x = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), liquid.position());
-    auto p = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), liquid.pressure());
-    const auto id = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), liquid.id());
+    auto x = on_host(liquid.position());
+    auto p = on_host(liquid.pressure());
+    const auto id = on_host(liquid.id());
     const auto& gravity = step_.setup().forces.gravity;
     for (int i = 0; i < liquid.store.owned(); ++i) {
         for (int k = 0; k < constants.dimensions; ++k) {
@@ -127,9 +127,9 @@ void PressureBench::shake() {
 // The right-hand side of the pressure of the depth, and as much noise.
 void PressureBench::fill_vectors(solve::Matrix& matrix) {
     const auto& liquid = step_.liquid();
-    const auto row = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), liquid.row());
-    const auto p = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), liquid.pressure());
-    const auto id = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), liquid.id());
+    const auto row = on_host(liquid.row());
+    const auto p = on_host(liquid.pressure());
+    const auto id = on_host(liquid.id());
     const auto rows = static_cast<std::size_t>(matrix.rows());
     for (auto* vector : {&b_, &x_, &y_, &u_, &v_}) vector->resize(rows);
     for (int i = 0; i < liquid.store.owned(); ++i) {

@@ -86,6 +86,20 @@ bool thinner_than_spacing(const scene::SolidRegion& region, const Geometry& geom
     return true;
 }
 
+const char* kind_name(scene::JointKind kind) {
+    switch (kind) {
+    case scene::JointKind::hinge: return "hinge";
+    case scene::JointKind::ball: return "ball";
+    case scene::JointKind::slider: return "slider";
+    }
+    return "joint";
+}
+
+std::size_t number_of(const Input& input, const std::string& body) {
+    const auto& bodies = input.scene.bodies;
+    return static_cast<std::size_t>(std::ranges::find(bodies, body, &scene::Body::name) - bodies.begin());
+}
+
 // How deep the one's probes are inside the other, and the other way round [m].
 double overlap_of(const rigid::BodySetup& a, const rigid::BodySetup& b) {
     double deepest = 0;
@@ -146,7 +160,7 @@ public:
     void overlaps(const Report& report) const {
         for (std::size_t a = 0; a < setups_.size(); ++a) {
             for (std::size_t b = a + 1; b < setups_.size(); ++b) {
-                if (!moves(body(a)) && !moves(body(b))) continue;
+                if ((!moves(body(a)) && !moves(body(b))) || joined(body(a).name, body(b).name)) continue;
                 const double depth = overlap_of(setups_[a], setups_[b]);
                 if (depth > touching * input_.scene.domain.spacing) report(body(a), body(b), depth);
             }
@@ -154,6 +168,11 @@ public:
     }
 
 private:
+    bool joined(const std::string& a, const std::string& b) const {
+        return std::ranges::any_of(input_.scene.joints, [&](const scene::Joint& joint) {
+            return (joint.body == a && joint.to == b) || (joint.body == b && joint.to == a);
+        });
+    }
     const scene::Body& body(std::size_t b) const { return input_.scene.bodies[b]; }
 
     void extent(std::size_t b, std::vector<Diagnostic>& problems) const {
@@ -194,9 +213,31 @@ bool any_moves(const Input& input) {
     return std::any_of(input.scene.bodies.begin(), input.scene.bodies.end(), moves);
 }
 
+bool any_dynamic(const Input& input) {
+    return std::any_of(input.scene.bodies.begin(), input.scene.bodies.end(), dynamic);
+}
+
 double density_of(const scene::Body& body, const scene::SolidRegion& region) {
     return body.mass > 0 ? body.mass / region.volume() : body.density;
 }
+
+namespace {
+std::vector<rigid::JointSetup> make_joints(const Input& input, const std::vector<rigid::BodySetup>& bodies) {
+    std::vector<rigid::JointSetup> out;
+    for (const auto& joint : input.scene.joints) {
+        rigid::JointSetup setup;
+        setup.name = joint.name;
+        setup.kind = joint.kind;
+        setup.body = number_of(input, joint.body);
+        if (!joint.to.empty()) setup.other = static_cast<int>(number_of(input, joint.to));
+        setup.point = joint.point;
+        for (std::size_t k = 0; k < 3; ++k) setup.axis[k] = joint.axis[k] / distance(joint.axis, {0, 0, 0});
+        setup.lever = bodies[setup.body].reach;
+        out.push_back(setup);
+    }
+    return out;
+}
+} // namespace
 
 rigid::BodiesSetup make_bodies(const Input& input, const Geometry& geometry) {
     rigid::BodiesSetup out;
@@ -207,6 +248,7 @@ rigid::BodiesSetup make_bodies(const Input& input, const Geometry& geometry) {
     for (std::size_t b = 0; b < geometry.bodies.size(); ++b) {
         out.bodies.push_back(make_body(input.scene.bodies[b], geometry.bodies[b], geometry));
     }
+    out.joints = make_joints(input, out.bodies);
     const auto box = sph::make_domain_box(domain, 0);
     for (std::size_t k = 0; k < static_cast<std::size_t>(domain.dimensions); ++k) {
         out.period[k] = box.period[k];
@@ -215,6 +257,32 @@ rigid::BodiesSetup make_bodies(const Input& input, const Geometry& geometry) {
         if (domain.faces[2 * k + 1].kind == scene::FaceKind::wall) out.walls.push_back({axis, domain.max[k], -1});
     }
     return out;
+}
+
+namespace {
+// Bodies that joints and locked degrees of freedom leave no motion.
+void check_freedom(const Input& input, const Geometry& geometry, std::vector<Diagnostic>& problems) {
+    const auto mobility = rigid::RigidBodies(make_bodies(input, geometry)).mobility();
+    for (std::size_t b = 0; b < geometry.bodies.size(); ++b) {
+        const auto& body = input.scene.bodies[b];
+        if (!dynamic(body) || mobility.can_move(b)) continue;
+        const auto joint = std::ranges::find_if(
+            input.scene.joints, [&](const scene::Joint& one) { return one.body == body.name || one.to == body.name; });
+        const bool joins = joint != input.scene.joints.end();
+        problems.push_back({joins ? joint->where : body.where,
+                            "bodies." + body.name + " cannot move: " +
+                                (joins ? "its joints and locked degrees of freedom hold all six"
+                                       : "all its degrees of freedom are locked"),
+                            "no force on it would show", "write kind: static, or free one of them"});
+    }
+}
+} // namespace
+
+std::string describe(const scene::Joint& joint) {
+    std::string out = std::string(kind_name(joint.kind)) + " of " + joint.body + " to " +
+                      (joint.to.empty() ? "the world" : joint.to) + ", at (";
+    for (std::size_t k = 0; k < 3; ++k) out += (k > 0 ? ", " : "") + short_number(joint.point[k]);
+    return out + ") m";
 }
 
 std::vector<double> solid_scales(const Input& input, const Geometry& geometry) {
@@ -241,6 +309,7 @@ void check_bodies(const Input& input, const Geometry& geometry, std::vector<Diag
                             "bodies." + a.name + " overlaps bodies." + b.name + " by " + short_number(depth) + " m",
                             "a dynamic body cannot start inside of another solid", "move one of the two"});
     });
+    if (problems.empty()) check_freedom(input, geometry, problems);
 }
 
 std::vector<std::string> body_notes(const Input& input, const Geometry& geometry) {

@@ -19,11 +19,6 @@ constexpr double recovery_cfl = 0.1;
 
 constexpr const char* side_names[domain_sides] = {"x_min", "x_max", "y_min", "y_max", "z_min", "z_max"};
 
-// As ForceOptions::slip [m].
-double slip_of(scene::Slip slip, double length) {
-    if (slip == scene::Slip::free_slip) return -1;
-    return slip == scene::Slip::slip_length ? length : 0;
-}
 double friction_of(scene::Slip slip) { return slip == scene::Slip::no_slip ? 1.0 : 0.0; }
 
 // Whether the surface tension is that of the liquid's material, rather than one that the user gave.
@@ -64,19 +59,17 @@ void check_supported(const Input& input) {
                                 "it would be ignored", "leave it out"});
         }
     }
-    if (input.method.viscosity.integration == sph::ViscosityIntegration::explicit_pairs) {
-        for (const auto& body : input.scene.bodies) {
-            if (body.slip == scene::Slip::slip_length) {
-                problems.push_back({body.where, "bodies." + body.name + ".slip: a slip length needs method.viscosity.integration: implicit",
-                                    "", "choose free_slip, no_slip, or the implicit viscosity"});
-            }
+    for (const auto& body : input.scene.bodies) {
+        if (body.slip == scene::Slip::slip_length) {
+            problems.push_back({body.where, "bodies." + body.name + ".slip: a slip length is not modelled by method sph",
+                                "", "choose free_slip or no_slip"});
         }
-        for (std::size_t k = 0; k < domain_sides; ++k) {
-            if (input.scene.domain.faces[k].slip == scene::Slip::slip_length) {
-                problems.push_back({input.scene.domain.faces[k].where, std::string("domain.boundaries.") + side_names[k] +
-                                            ".slip: a slip length needs method.viscosity.integration: implicit",
-                                    "", "choose free_slip, no_slip, or the implicit viscosity"});
-            }
+    }
+    for (std::size_t k = 0; k < domain_sides; ++k) {
+        if (input.scene.domain.faces[k].slip == scene::Slip::slip_length) {
+            problems.push_back({input.scene.domain.faces[k].where, std::string("domain.boundaries.") + side_names[k] +
+                                        ".slip: a slip length is not modelled by method sph",
+                                "", "choose free_slip or no_slip"});
         }
     }
     if (!problems.empty()) throw InputError(std::move(problems));
@@ -127,6 +120,7 @@ std::unique_ptr<sph::IsphStep> make_solver(const Comm& comm, const Input& input,
                                            const Geometry& geometry) {
     sph::IsphSetup setup;
     setup.options = input.method;
+    setup.options.viscosity.integration = viscosity_integration(input);
     setup.constants = make_constants(input);
     setup.constants.wall_depth = solid_offset(input);
     const auto& domain = input.scene.domain;
@@ -141,8 +135,6 @@ std::unique_ptr<sph::IsphStep> make_solver(const Comm& comm, const Input& input,
     }
     for (const auto& face : domain.faces) setup.forces.friction.push_back(friction_of(face.slip));
     for (const auto& body : input.scene.bodies) setup.forces.friction.push_back(friction_of(body.slip));
-    for (const auto& face : domain.faces) setup.forces.slip.push_back(slip_of(face.slip, face.slip_length));
-    for (const auto& body : input.scene.bodies) setup.forces.slip.push_back(slip_of(body.slip, body.slip_length));
     for (const auto& face : domain.faces) setup.forces.skin_friction.push_back(face.skin_friction);
     for (const auto& body : input.scene.bodies) setup.forces.skin_friction.push_back(body.skin_friction);
     setup.reference_speed = reference_speed;

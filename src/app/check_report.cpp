@@ -146,6 +146,8 @@ void Report::bodies() {
                            ", volume " + volume_text(region.volume(), scene().domain.dimensions));
         mesh(region, "bodies." + body.name);
     }
+    if (!scene().joints.empty()) heading("joints");
+    for (const auto& joint : scene().joints) row(joint.name, describe(joint));
     if (at_.preview.thin_solid > 0) warn(thin_note(at_.preview.thin_solid));
 }
 
@@ -172,7 +174,7 @@ void Report::steps() {
     row("limit by gravity", step_text(estimates_.gravity_step));
     const double share = sph::step_share(liquid_materials(at_.input));
     if (share < 1) row("", "both with " + short_number(share) + " of time.cfl, the root of the ratio of the densities");
-    row("limit by viscosity", step_text(estimates_.viscous_step));
+    row("limit by viscosity", std::isfinite(estimates_.viscous_step) ? step_text(estimates_.viscous_step) : "none, no viscosity or an implicit one");
     const bool fixed = time.rule == scene::StepRule::fixed;
     row("step", (fixed ? "fixed, " : "about ") + step_text(estimates_.step) + ", " +
                     (std::isfinite(estimates_.steps) ? grouped(static_cast<std::uint64_t>(estimates_.steps))

@@ -3,6 +3,7 @@
 #include "app/bodies.hpp"
 #include "base/error.hpp"
 #include "base/text.hpp"
+#include "sph/forces.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -180,6 +181,21 @@ double limiting_viscosity(const Input& input) {
     const auto materials = liquid_materials(input);
     if (!sph::differ(materials)) return materials.front().viscosity;
     return materials.front().density * sph::largest_kinematic_viscosity(materials);
+}
+
+sph::ViscosityIntegration viscosity_integration(const Input& input) {
+    using sph::ViscosityIntegration;
+    if (input.method.viscosity.integration != ViscosityIntegration::automatic) return input.method.viscosity.integration;
+    const double viscosity = limiting_viscosity(input);
+    if (viscosity == 0) return ViscosityIntegration::explicit_pairs;
+    const auto& time = input.scene.time;
+    const auto& g = input.scene.domain.gravity;
+    const double d = input.scene.domain.spacing, pull = std::hypot(g[0], g[1], g[2]);
+    double step = time.step > 0 ? time.step : time.end;
+    if (time.rule != scene::StepRule::fixed && pull > 0) step = std::min(step, time.cfl * std::sqrt(d / pull));
+    constexpr double margin = 4;
+    return sph::viscous_step_limit(make_constants(input), viscosity) < margin * step ? ViscosityIntegration::implicit
+                                                                                     : ViscosityIntegration::explicit_pairs;
 }
 
 sph::Constants make_constants(const Input& input) {

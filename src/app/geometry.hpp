@@ -58,6 +58,10 @@ std::vector<sph::LiquidMaterial> liquid_materials(const Input& input);
 // Of a liquid of the first one's density whose explicit viscosity limits the step as the liquids together do [Pa s].
 double limiting_viscosity(const Input& input);
 
+// What `integration: automatic` stands for: implicit where the explicit viscosity would take part in choosing the step,
+// that is where its limit is within four times the largest step that all else allows.
+sph::ViscosityIntegration viscosity_integration(const Input& input);
+
 // Masses, volumes and rest densities of the first liquid from the lattice.
 sph::Constants make_constants(const Input& input);
 

@@ -9,7 +9,7 @@ namespace treacle::app {
 // The first n rows of a field on the host, row by row whatever the layout on the device; integers as int64.
 template <class View>
 auto host_rows(const View& view, int n) {
-    const auto host = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), view);
+    const auto host = on_host(view);
     using Value = typename View::non_const_value_type;
     using Out = std::conditional_t<std::is_floating_point_v<Value>, double, std::int64_t>;
     constexpr int width = View::rank == 1 ? 1 : 3;
@@ -27,7 +27,7 @@ auto host_rows(const View& view, int n) {
 // Rows from the host into the first rows of a field, which must have room for them.
 template <class View, class T>
 void set_rows(const View& view, const std::vector<T>& rows) {
-    const auto host = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), view);
+    const auto host = on_host(view);
     using Value = typename View::non_const_value_type;
     constexpr std::size_t width = View::rank == 1 ? 1 : 3;
     for (std::size_t i = 0; i < rows.size() / width; ++i) {

@@ -103,7 +103,7 @@ std::vector<double> wet_levels(const Plumb& plumb, const Chosen& chosen, const s
             Kokkos::atomic_add(&counts(k), static_cast<std::int64_t>(share));
         }
     });
-    const auto host = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), counts);
+    const auto host = on_host(counts);
     std::vector<std::int64_t> sums(host.data(), host.data() + host.extent(0));
     solver.comm().sum(std::span(sums));
     std::vector<double> out;

@@ -11,14 +11,15 @@ namespace treacle::app {
 
 namespace {
 // In the order in which a step goes through them.
-constexpr const char* phases[] = {"sort", "neighbours", "density", "forces", "predict", "assemble", "solve",
+constexpr const char* phases[] = {"sort", "neighbours", "density", "forces", "viscosity", "predict", "assemble", "solve",
                                   "pressure force", "move"};
 
 std::vector<std::string> step_columns(const Input& input) {
     const std::string mass = input.scene.domain.dimensions == 3 ? "kg" : "kg/m";
     const std::string energy = input.scene.domain.dimensions == 3 ? "J" : "J/m";
     std::vector<std::string> columns{"step", "time [s]", "dt [s]", "pressure iterations", "pressure residual",
-                                     "density error", "mean compression", "max compression", "particles",
+                                     "density error", "viscosity iterations", "viscosity residual", "mean compression",
+                                     "max compression", "particles",
                                      "poisson", "dirichlet", "separated", "anchored", "mass [" + mass + "]"};
     for (const char* axis : {"x", "y", "z"}) columns.push_back(std::string("momentum ") + axis + " [" + mass + " m/s]");
     for (const char* axis : {"x", "y", "z"}) {
@@ -56,6 +57,13 @@ std::vector<std::string> body_columns(const Input& input) {
         append(body.name + " rotation", "rad");
         append(body.name + " velocity", "m/s");
         append(body.name + " angular velocity", "rad/s");
+    }
+    if (!any_dynamic(input)) return columns;
+    for (const char* cause : {" contact", " joint"}) {
+        for (const auto& body : input.scene.bodies) {
+            append(body.name + cause + " force", force);
+            append(body.name + cause + " torque", torque);
+        }
     }
     return columns;
 }
@@ -141,6 +149,7 @@ void Outputs::write_step(const Progress& progress, const sph::StepReport& report
     if (!steps_) return;
     std::vector<double> row{double(progress.step), progress.time, report.dt, double(report.pressure.iterations),
                             report.pressure.relative_residual, report.pressure.error_measure,
+                            double(report.viscosity.iterations), report.viscosity.relative_residual,
                             report.mean_compression, report.max_compression, double(totals.particles),
                             double(report.roles.poisson), double(report.roles.dirichlet),
                             double(report.roles.separated), double(report.anchored), totals.mass};
@@ -184,6 +193,11 @@ void Outputs::write_bodies(const Progress& progress, const sph::StepReport& repo
         for (const auto& values : {bodies.pose(b).centre, rigid::rotation_vector(bodies.pose(b).turn),
                                    bodies.velocity(b), bodies.spin(b)}) {
             row.insert(row.end(), values.begin(), values.end());
+        }
+    }
+    if (bodies.any_dynamic()) {
+        for (const auto& loads : {bodies.contact_loads(), bodies.joint_loads()}) {
+            row.insert(row.end(), loads.begin(), loads.end());
         }
     }
     bodies_->append(row);

@@ -25,7 +25,7 @@ std::int64_t lost_against_limit(const Progress& progress) {
 } // namespace
 
 void check_time_step(const Input& input) {
-    if (input.method.viscosity.integration == sph::ViscosityIntegration::implicit) return;
+    if (viscosity_integration(input) == sph::ViscosityIntegration::implicit) return;
     const auto& time = input.scene.time;
     const double viscosity = limiting_viscosity(input);
     const double limit = sph::viscous_step_limit(make_constants(input), viscosity);
@@ -35,8 +35,8 @@ void check_time_step(const Input& input) {
     std::snprintf(text, sizeof text, "%.3g s", limit);
     throw InputError({time.where, std::string("time.") + (step > 0 ? "step" : "min_step") +
                               " is above the limit of the explicit viscosity, " + text,
-                      "method sph integrates a viscosity of " + format_number(viscosity) + " Pa s explicitly",
-                      "take a step below the limit, a coarser domain.spacing, or a thinner liquid"});
+                      "a viscosity of " + format_number(viscosity) + " Pa s is integrated explicitly",
+                      "take a step below the limit, or leave out method.viscosity.integration: explicit"});
 }
 
 TimeLoop::TimeLoop(LoopSetup setup, std::unique_ptr<sph::IsphStep> solver, const Progress& progress)

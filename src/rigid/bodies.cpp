@@ -24,14 +24,24 @@ RigidBodies::RigidBodies(BodiesSetup setup) : setup_(std::move(setup)), states_(
         states_[b].angular_momentum = body.inertia * spin;
     }
     begin(0);
+    contact_loads_.assign(6 * size(), 0.0);
+    joint_loads_.assign(6 * size(), 0.0);
+    open_ledger();
+}
+
+Matrix3 RigidBodies::inertia(std::size_t body, const Quaternion& turn) const {
+    const auto axes = to_matrix(turn);
+    return product(product(axes, setup_.bodies[body].inertia), transposed(axes));
+}
+
+std::array<bool, 3> RigidBodies::free_turns(std::size_t body) const {
+    const auto& locked = setup_.bodies[body].locked;
+    const bool plane = setup_.dimensions == 2;
+    return {!locked[3] && !plane, !locked[4] && !plane, !locked[5]};
 }
 
 Matrix3 RigidBodies::inverse_inertia(std::size_t body, const Quaternion& turn) const {
-    const auto& setup = setup_.bodies[body];
-    const bool plane = setup_.dimensions == 2;
-    const std::array<bool, 3> free{!setup.locked[3] && !plane, !setup.locked[4] && !plane, !setup.locked[5]};
-    const auto axes = to_matrix(turn);
-    return inverse_on(product(product(axes, setup.inertia), transposed(axes)), free);
+    return inverse_on(inertia(body, turn), free_turns(body));
 }
 
 Vec3 RigidBodies::spin_at(std::size_t body, const Quaternion& turn) const {
@@ -63,6 +73,7 @@ Pose RigidBodies::pose_at(std::size_t body, double time) const {
 }
 
 void RigidBodies::begin(double dt) {
+    if (dt > 0) open_ledger();
     for (std::size_t b = 0; b < size(); ++b) {
         if (!moves(b) || dynamic(b)) continue;
         auto& state = states_[b];
@@ -84,25 +95,38 @@ void RigidBodies::begin(double dt) {
 void RigidBodies::fall(double dt) {
     for (std::size_t b = 0; b < size(); ++b) {
         if (!dynamic(b)) continue;
-        for (std::size_t k = 0; k < 3; ++k) {
-            if (!setup_.bodies[b].locked[k]) states_[b].velocity[k] += dt * setup_.gravity[k];
+        const auto& setup = setup_.bodies[b];
+        for (std::size_t k = 0; k < static_cast<std::size_t>(setup_.dimensions); ++k) {
+            given_[6 * b + k] += dt * setup.mass * setup_.gravity[k];
+            if (!setup.locked[k]) states_[b].velocity[k] += dt * setup_.gravity[k];
         }
     }
 }
 
 void RigidBodies::push(std::span<const double> loads, double dt) {
     assert(loads.size() == 6 * size());
+    std::vector<double> impulses(loads.begin(), loads.end());
+    for (std::size_t b = 0; b < size(); ++b) {
+        for (std::size_t k = 6 * b; k < 6 * b + 6; ++k) {
+            impulses[k] *= dynamic(b) ? dt : 0;
+            given_[k] += impulses[k];
+        }
+    }
+    strike(impulses);
+    hold(dt);
+}
+
+// Each body by itself.
+void RigidBodies::strike(std::span<const double> impulses) {
     for (std::size_t b = 0; b < size(); ++b) {
         if (!dynamic(b)) continue;
-        const double* load = &loads[6 * b];
-        auto& state = states_[b];
-        const double dims = setup_.dimensions;
+        const auto& setup = setup_.bodies[b];
+        const auto turns = free_turns(b);
         for (std::size_t k = 0; k < 3; ++k) {
-            if (!setup_.bodies[b].locked[k] && double(k) < dims) {
-                state.velocity[k] += dt / setup_.bodies[b].mass * load[k];
+            if (!setup.locked[k] && k < static_cast<std::size_t>(setup_.dimensions)) {
+                states_[b].velocity[k] += impulses[6 * b + k] / setup.mass;
             }
-            const bool turns = !setup_.bodies[b].locked[3 + k] && (dims == 3 || k == 2);
-            if (turns) state.angular_momentum[k] += dt * load[3 + k];
+            if (turns[k]) states_[b].angular_momentum[k] += impulses[6 * b + 3 + k];
         }
     }
 }
@@ -111,44 +135,52 @@ void RigidBodies::meet(double dt) {
     auto contacts = find_contacts(*this, dt);
     contacts_ = static_cast<int>(contacts.size());
     if (contacts.empty()) return;
+    const auto together = mobility();
     std::vector<Movable> bodies(size());
+    for (std::size_t b = 0; b < size(); ++b) bodies[b] = {states_[b].velocity, spin(b), response(b)};
+    solve_contacts(contacts, bodies, together, {dt, length(setup_.gravity), setup_.spacing});
+    std::vector<double> impulses(6 * size());
     for (std::size_t b = 0; b < size(); ++b) {
-        bodies[b] = {states_[b].pose.centre, states_[b].velocity, spin(b), response(b)};
-    }
-    solve_contacts(contacts, bodies, {dt, length(setup_.gravity), setup_.spacing});
-    for (std::size_t b = 0; b < size(); ++b) {
-        if (!dynamic(b)) continue;
-        auto& state = states_[b];
-        state.velocity = bodies[b].velocity;
         for (std::size_t k = 0; k < 3; ++k) {
-            if (bodies[b].response.angular[k][k] > 0) state.angular_momentum[k] += bodies[b].impulse[k];
+            impulses[6 * b + k] = bodies[b].impulse[k];
+            impulses[6 * b + 3 + k] = bodies[b].angular_impulse[k];
         }
-        state.pose.centre = state.pose.centre + bodies[b].shift;
-        state.pose.turn = normalised(product(rotation_by(bodies[b].twist), state.pose.turn));
+        if (!dynamic(b)) continue;
+        auto& pose = states_[b].pose;
+        pose.centre = pose.centre + bodies[b].shift;
+        pose.turn = normalised(product(rotation_by(bodies[b].twist), pose.turn));
     }
+    const auto answer = together.reaction(impulses);
+    for (std::size_t k = 0; k < impulses.size(); ++k) {
+        contact_loads_[k] += impulses[k];
+        joint_loads_[k] += answer[k];
+        impulses[k] += answer[k];
+    }
+    strike(impulses);
 }
 
 // The angular momentum stays; the axis of the rotation is that of the middle of the step, so that the energy is kept
 // to third order.
-void RigidBodies::turn(std::size_t body, double dt) {
-    auto& turn = states_[body].pose.turn;
+Quaternion RigidBodies::next_turn(std::size_t body, double dt) const {
+    const auto& turn = states_[body].pose.turn;
     Vec3 spin = spin_at(body, turn);
     for (int k = 0; k < 3; ++k) spin = spin_at(body, product(rotation_by((dt / 2) * spin), turn));
-    turn = normalised(product(rotation_by(dt * spin), turn));
+    return normalised(product(rotation_by(dt * spin), turn));
+}
+
+Pose RigidBodies::next_pose(std::size_t body, double dt) const {
+    const auto& state = states_[body];
+    if (!moves(body)) return state.pose;
+    if (!dynamic(body)) return pose_at(body, time_ + dt);
+    return {state.pose.centre + dt * state.velocity, next_turn(body, dt)};
 }
 
 void RigidBodies::move(double dt) {
     if (any_dynamic_) meet(dt);
+    hold(dt);
+    for (std::size_t b = 0; b < size(); ++b) states_[b].pose = next_pose(b, dt);
     time_ += dt;
-    for (std::size_t b = 0; b < size(); ++b) {
-        if (!moves(b)) continue;
-        if (dynamic(b)) {
-            states_[b].pose.centre = states_[b].pose.centre + dt * states_[b].velocity;
-            turn(b, dt);
-        } else {
-            states_[b].pose = pose_at(b, time_);
-        }
-    }
+    close_ledger(dt);
     begin(0);
 }
 

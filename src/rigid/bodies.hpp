@@ -1,5 +1,5 @@
 #pragma once
-#include "rigid/keyframes.hpp"
+#include "rigid/joints.hpp"
 #include "scene/signed_distance.hpp"
 
 #include <array>
@@ -41,18 +41,15 @@ struct Wall {
 
 struct BodiesSetup {
     std::vector<BodySetup> bodies;
+    std::vector<JointSetup> joints;
     std::vector<Wall> walls;
     std::array<double, 3> period{0, 0, 0}; // [m], 0: not periodic
     double spacing = 0;                    // [m] scale of what counts as close
     Vec3 gravity{0, 0, 0};                 // [m/s2]
     int dimensions = 3;
-};
 
-// Body k responds to an impulse P and an angular impulse T about its centre with the velocity linear P and the
-// angular velocity angular T.
-struct Response {
-    Matrix3 linear{};  // [1/kg]
-    Matrix3 angular{}; // [1/kg/m2]
+    // Whether a joint links the two bodies.
+    bool joined(std::size_t a, std::size_t b) const;
 };
 
 // The bodies of a run. Every rank holds all of them and does the same arithmetic on loads summed over the ranks.
@@ -74,10 +71,11 @@ public:
     // Velocity of dynamic bodies by gravity.
     void fall(double dt);
     // By force [N] and torque about their centres [N m], 6 numbers a body; those of bodies that are not dynamic
-    // do not count.
+    // do not count. Then by joints, such that the motion of a step of dt [s] would keep them closed.
     void push(std::span<const double> loads, double dt);
-    // Contact impulses, then the motion by dt: kinematic bodies to their next place, dynamic ones by their
-    // velocities, the rotation such that the angular momentum is kept exactly.
+    // Impulses of contacts and joints, then the motion by dt: kinematic bodies to their next place, dynamic ones by
+    // their velocities, the rotation such that the angular momentum is kept exactly. Throws SimulationError when
+    // joints cannot be kept closed.
     void move(double dt);
 
     double time() const { return time_; } // [s]
@@ -86,10 +84,17 @@ public:
     Vec3 spin(std::size_t body) const;                                              // [rad/s]
     // About the centre [kg m2/s]; of dynamic bodies.
     const Vec3& angular_momentum(std::size_t body) const { return states_[body].angular_momentum; }
-    Response response(std::size_t body) const;
+    // How the bodies answer impulses where they are, joints and locked degrees of freedom included.
+    Mobility mobility() const;
     // Bound of the speed of any point of a body that moves [m/s].
     double max_speed() const;
     int contacts() const { return contacts_; } // of the last step
+    // Mean of the last step, 6 numbers a body: force [N], and torque about the centre [N m]; of static bodies about
+    // the origin. By contacts; and by joints and locked degrees of freedom.
+    std::span<const double> contact_loads() const { return contact_loads_; }
+    std::span<const double> joint_loads() const { return joint_loads_; }
+    // The largest gap of the joints where the bodies are [m].
+    double joint_gap() const;
 
     // Linear momentum [kg m/s] and angular momentum about the origin [kg m2/s] of the dynamic bodies.
     std::array<double, 6> momentum() const;
@@ -106,17 +111,30 @@ private:
         Vec3 velocity{0, 0, 0};
         Vec3 angular_momentum{0, 0, 0}; // of a kinematic body in its place: the spin
     };
+    Matrix3 inertia(std::size_t body, const Quaternion& turn) const;
+    std::array<bool, 3> free_turns(std::size_t body) const;
     Matrix3 inverse_inertia(std::size_t body, const Quaternion& turn) const;
     Vec3 spin_at(std::size_t body, const Quaternion& turn) const;
+    Response response(std::size_t body) const;
     Pose pose_at(std::size_t body, double time) const;
+    Pose next_pose(std::size_t body, double dt) const;
+    Quaternion next_turn(std::size_t body, double dt) const;
+    std::vector<JointRow> joint_rows() const;
+    std::vector<double> gaps(const std::vector<Pose>& poses) const;
+    void strike(std::span<const double> impulses);
     void meet(double dt);
-    void turn(std::size_t body, double dt);
+    void hold(double dt);
+    std::array<double, 6> own_momentum(std::size_t body) const;
+    void open_ledger();
+    void close_ledger(double dt);
 
     BodiesSetup setup_;
     std::vector<State> states_;
     double time_ = 0;
     bool any_moves_ = false, any_dynamic_ = false;
     int contacts_ = 0;
+    // Impulses of this step, 6 numbers a body: by gravity and loads, by contacts, by joints; and what each had before.
+    std::vector<double> given_, contact_loads_, joint_loads_, before_;
 };
 
 } // namespace treacle::rigid

@@ -14,17 +14,18 @@ struct Contact {
     double restitution = 0, friction = 0;
 };
 
-// Contacts that a step of dt [s] may close, in a fixed order; of each pair of bodies those that hold it best.
+// Contacts that a step of dt [s] may close, in a fixed order; of each pair of bodies those that hold it best. Bodies
+// that a joint links do not touch each other.
 std::vector<Contact> find_contacts(const RigidBodies& bodies, double dt);
 
 // A body while contacts are solved.
 struct Movable {
-    Vec3 centre{0, 0, 0};
     Vec3 velocity{0, 0, 0}, spin{0, 0, 0};
-    Response response;
-    Vec3 impulse{0, 0, 0}; // angular, about the centre, received [kg m2/s]
-    Vec3 shift{0, 0, 0};   // out of an overlap [m]
-    Vec3 twist{0, 0, 0};   // [rad]
+    Response response;             // by itself
+    Vec3 impulse{0, 0, 0};         // of contacts, received [kg m/s]
+    Vec3 angular_impulse{0, 0, 0}; // about the centre [kg m2/s]
+    Vec3 shift{0, 0, 0};           // out of an overlap [m]
+    Vec3 twist{0, 0, 0};           // [rad]
 };
 struct ContactStep {
     double dt = 0;      // [s]
@@ -34,7 +35,8 @@ struct ContactStep {
 
 // Impulses by projected Gauss-Seidel, such that no pair closes its gap within the step, with Newton's restitution
 // and Coulomb's friction; then shifts that take back a share of each overlap. They change neither momentum nor,
-// but for the lever arms that a shift changes, angular momentum.
-void solve_contacts(const std::vector<Contact>& contacts, std::vector<Movable>& bodies, const ContactStep& step);
+// but for the lever arms that a shift changes, angular momentum. Bodies that joints link answer as `together` says.
+void solve_contacts(const std::vector<Contact>& contacts, std::vector<Movable>& bodies, const Mobility& together,
+                    const ContactStep& step);
 
 } // namespace treacle::rigid

@@ -28,6 +28,26 @@ std::string standard_name(const Measurement& measurement) {
     return "measurement";
 }
 
+void check_partners(Declaration& d, const std::vector<Joint>& joints, const std::vector<Body>& bodies) {
+    for (const auto& joint : joints) {
+        const auto known = [&](const std::string& name) {
+            return std::ranges::find(bodies, name, &Body::name) != bodies.end();
+        };
+        for (const auto& name : {joint.body, joint.to}) {
+            d.check(name.empty() || known(name), "joints",
+                    {"the body " + name + " of " + joint.name + " is not among `bodies`", "there would be nothing to link",
+                     "give the name of one of them; `to` may be left out, for the world"});
+        }
+        const auto body = std::ranges::find(bodies, joint.body, &Body::name);
+        d.check(body == bodies.end() || body->kind == BodyKind::dynamic, "joints",
+                {"the body " + joint.body + " of " + joint.name + " is not dynamic", "no force moves it",
+                 "give the dynamic one as `body` and the other as `to`, or write kind: dynamic"});
+        d.check(joint.body.empty() || joint.body != joint.to, "joints",
+                {joint.name + " links " + joint.body + " to itself", "a joint has two sides",
+                 "give another body as `to`, or leave it out, for the world"});
+    }
+}
+
 } // namespace
 
 const std::vector<std::string>& frame_fields() {
@@ -130,6 +150,9 @@ void Scene::declare(Declaration& d) {
     });
     d.list("bodies", bodies, "The solids besides the sides of the domain.");
     settle_names(d, "bodies", bodies, [](const Body&) { return std::string("body"); });
+    d.list("joints", joints, "What links dynamic bodies to each other, to other bodies or to the world.");
+    settle_names(d, "joints", joints, [](const Joint&) { return std::string("joint"); });
+    check_partners(d, joints, bodies);
     d.block("time", time, "How long the run is and its steps.");
     d.block("output", output, "Frames, checkpoints and lines on the terminal.");
     d.list("cameras", cameras, "Views for `treacle render`; without one a view of the whole domain.");

@@ -90,6 +90,25 @@ struct Body {
     void declare(Declaration& d);
 };
 
+enum class JointKind {
+    hinge,  // rotation about an axis through a point
+    ball,   // rotation about a point
+    slider, // motion along an axis
+};
+
+// Links a dynamic body to another body or to the world.
+struct Joint {
+    std::string name;
+    JointKind kind = JointKind::hinge;
+    std::string body;         // name of a dynamic body
+    std::string to;           // name of another body; empty: the world
+    Vec3 point{0, 0, 0};      // [m] at the start
+    Vec3 axis{0, 0, 1};       // of a hinge or a slider, at the start, of any length
+    std::string where;
+
+    void declare(Declaration& d);
+};
+
 enum class StepRule { fixed, cfl };
 
 struct Time {
@@ -156,6 +175,7 @@ struct Scene {
     Domain domain;
     std::vector<Liquid> liquids;
     std::vector<Body> bodies;
+    std::vector<Joint> joints;
     Time time;
     Output output;
     std::vector<Camera> cameras;

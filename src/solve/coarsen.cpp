@@ -150,20 +150,51 @@ void Coarsener::make_galerkin(const Comm& comm, Level& level, double divisor, Ma
     }
 }
 
-void Coarsener::make_grid(const Comm& comm, Level& level, double coupling, const CellSet& dirichlet,
-                          MadeRows& made) {
+template <class Work>
+void Coarsener::ask_others(Level& level, const Work& work) {
+    const auto around = level.halo().gather(scratch_);
+    for (std::size_t k = 0; k < around.size(); ++k) {
+        if (halo_aggregate_[k] >= 0) work(static_cast<std::size_t>(halo_aggregate_[k]), around[k]);
+    }
+}
+
+void Coarsener::find_keys(Level& level) {
+    for (std::size_t i = 0; i < scratch_.size(); ++i) scratch_[i] = std::bit_cast<double>(level.keys[i]);
+    ask_others(level, [this](std::size_t place, double value) {
+        halo_keys_[place - static_cast<std::size_t>(made_rows_)] = std::bit_cast<CellKey>(value);
+    });
+}
+
+// Means of the aggregates.
+void Coarsener::find_densities(Level& level, std::span<const double> densities) {
+    densities_.assign(slot_.size(), 0.0);
+    for (Index a = 0; a < made_rows_; ++a) {
+        const auto at = static_cast<std::size_t>(a);
+        double sum = 0;
+        Index rows = 0;
+        for (Index k = level.group[at]; k < level.group[at + 1]; ++k) {
+            const auto& run = level.runs[static_cast<std::size_t>(k)];
+            for (Index i = run.begin; i < run.end; ++i) sum += densities[static_cast<std::size_t>(i)];
+            rows += run.end - run.begin;
+        }
+        densities_[at] = sum / rows;
+    }
+    for (std::size_t i = 0; i < scratch_.size(); ++i) {
+        const Index at = level.aggregate[i];
+        scratch_[i] = at < 0 ? 1.0 : densities_[static_cast<std::size_t>(at)];
+    }
+}
+
+void Coarsener::make_grid(const Comm& comm, Level& level, const GridRule& rule, MadeRows& made) {
     number(comm, level);
     start_rows(level, made);
     halo_keys_.assign(halo_numbers_.size(), 0);
-    if (comm.size() > 1) {
-        for (std::size_t i = 0; i < scratch_.size(); ++i) scratch_[i] = std::bit_cast<double>(level.keys[i]);
-        const auto around = level.halo().gather(scratch_);
-        for (std::size_t k = 0; k < around.size(); ++k) {
-            if (halo_aggregate_[k] >= 0) {
-                halo_keys_[static_cast<std::size_t>(halo_aggregate_[k] - made_rows_)] =
-                    std::bit_cast<CellKey>(around[k]);
-            }
-        }
+    densities_.clear();
+    const bool several = comm.any(!rule.densities.empty());
+    if (comm.size() > 1) find_keys(level);
+    if (several) {
+        find_densities(level, rule.densities);
+        if (comm.size() > 1) ask_others(level, [this](std::size_t place, double value) { densities_[place] = value; });
     }
     for (Index a = 0; a < made_rows_; ++a) {
         sum_rows(level, a);
@@ -177,10 +208,14 @@ void Coarsener::make_grid(const Comm& comm, Level& level, double coupling, const
             for (const auto& [place, value] : found) {
                 if (place == a || key_at(made, place) != there) continue;
                 liquid = true;
+                const double coupling = 2 * rule.coupling / (density_at(a) + density_at(place));
                 row_.emplace_back(place, -coupling);
                 diagonal += coupling;
             }
-            if (!liquid && std::binary_search(dirichlet.begin(), dirichlet.end(), there)) diagonal += coupling;
+            const auto& dirichlet = rule.dirichlet;
+            if (!liquid && std::binary_search(dirichlet.begin(), dirichlet.end(), there)) {
+                diagonal += rule.coupling / density_at(a);
+            }
         }
         row_.emplace_back(a, diagonal);
         end_row(made);

@@ -19,6 +19,13 @@ enum class RowOrder { along_curve, red_black };
 // Puts the rows of each cell of 2^halvings cells into one aggregate; cells of `dropped` get none. Local.
 void aggregate(Level& level, int halvings, RowOrder order, const CellSet& dropped);
 
+// Finite differences on cells of one width.
+struct GridRule {
+    double coupling = 1;                 // of two cells, and of a cell and one of p = 0
+    std::span<const double> densities{}; // [rows]; couplings are divided by the mean of both cells' means. Empty: 1
+    const CellSet& dirichlet;
+};
+
 // Makes coarse matrices. Keeps its work arrays.
 class Coarsener {
 public:
@@ -26,23 +33,30 @@ public:
     void make_galerkin(const Comm& comm, Level& level, double divisor, MadeRows& made);
     // Collective: finite differences with 7 points on the aggregates of the matrix itself. Cells that the matrix does
     // not couple are not coupled; walls count by their mean.
-    void make_grid(const Comm& comm, Level& level, double coupling, const CellSet& dirichlet, MadeRows& made);
+    void make_grid(const Comm& comm, Level& level, const GridRule& rule, MadeRows& made);
 
     Index first_made() const { return first_made_; } // global number of this rank's first made row
 
 private:
     using Entry = std::pair<Index, double>;
     void number(const Comm& comm, Level& level);
+    void find_keys(Level& level);
+    void find_densities(Level& level, std::span<const double> densities);
+    // Collective: work(place, value) for the other ranks' aggregates, with what scratch_ says of their rows.
+    template <class Work>
+    void ask_others(Level& level, const Work& work);
     void sum_rows(const Level& level, Index aggregate);
     void add(Index place, double value);
     Index global(Index place) const;
     CellKey key_at(const MadeRows& made, Index place) const;
+    double density_at(Index place) const { return densities_.empty() ? 1 : densities_[static_cast<std::size_t>(place)]; }
     void end_row(MadeRows& made);
 
     Index first_made_ = 0, made_rows_ = 0;
     std::vector<Index> halo_aggregate_; // [halo of the level]: place among all aggregates, -1: none
     std::vector<Index> halo_numbers_;   // global numbers of other ranks' aggregates, rising
     std::vector<CellKey> halo_keys_;    // [halo_numbers]
+    std::vector<double> densities_;     // [places], means of the aggregates' rows; or empty
     std::vector<Index> slot_;           // where in row_ an aggregate stands, -1: nowhere
     std::vector<Entry> row_;            // of places: this rank's aggregates, then the others
     std::vector<double> scratch_;

@@ -2,7 +2,7 @@
 
 #include "base/clock.hpp"
 #include "base/error.hpp"
-#include "solve/preconditioner.hpp"
+#include "solve/iteration.hpp"
 #include "solve/vectors.hpp"
 
 #include <algorithm>
@@ -18,20 +18,12 @@ constexpr double patience = 1.0;
 // A curvature below this share of what the diagonal alone would give is that of a singular matrix.
 constexpr double least_curvature = 1e-12;
 
-struct Run {
-    const Comm& comm;
-    Matrix& matrix;
-    const KrylovOptions& options;
-    const ConvergenceTest& test;
-    BuiltPreconditioner& preconditioner;
-    std::span<const double> b;
-    std::span<double> x;
+struct Run : Iteration {
     std::span<RowState> states;
     // A x - b; the free rows' residual; M r; direction; product; diagonal, 0 in fixed rows.
     std::span<double> gradient, r, z, p, q, diagonal;
     std::span<const unsigned char> smoothed; // rows that the caller's preconditioner serves
-    ComplementarityReport report{};
-    double norm_b = 0;
+    int set_changes = 0;
 
     void find_diagonal();
     bool begin();
@@ -39,14 +31,6 @@ struct Run {
 
 private:
     bool free(std::size_t i) const { return states[i] == RowState::free; }
-    bool end(Outcome outcome) {
-        report.solve.outcome = outcome;
-        return true;
-    }
-    void multiply(std::span<const double> from, std::span<double> to) {
-        matrix.multiply(from, to);
-        ++report.solve.products;
-    }
     void take_gradient();
     void precondition();
     bool renew_set();
@@ -112,15 +96,13 @@ bool Run::judge() {
         r[i] = counts ? -gradient[i] : 0;
         square += r[i] * r[i];
     }
-    std::array<double, 2> sums{square, test.local ? test.local(r) : 0.0};
+    std::array<double, 2> sums{square, measure(r)};
     comm.sum(sums);
     const double norm = std::sqrt(sums[0]);
-    auto& out = report.solve;
-    out.error_measure = test.local ? sums[1] : norm;
-    out.relative_residual = norm_b > 0 ? norm / norm_b : norm;
+    report.error_measure = test.local ? sums[1] : norm;
+    report.relative_residual = norm_b > 0 ? norm / norm_b : norm;
     if (!std::isfinite(norm)) return end(Outcome::non_finite);
-    const bool small = norm <= std::max(test.relative * norm_b, test.absolute);
-    if (small && (!test.local || sums[1] < test.threshold)) return end(Outcome::converged);
+    if (passes(norm, sums[1])) return end(Outcome::converged);
     return norm == 0 && end(Outcome::stagnated);
 }
 
@@ -147,7 +129,7 @@ Run::Standing Run::step(double length) {
                                      : (diagonal[i] > 0 ? std::min(0.0, gradient[i]) : 0.0);
         wrong += below * below;
     }
-    std::array<double, 3> sums{square, wrong, test.local ? test.local(r) : 0.0};
+    std::array<double, 3> sums{square, wrong, measure(r)};
     comm.sum(sums);
     return {sums[0], sums[1], sums[2]};
 }
@@ -155,7 +137,7 @@ Run::Standing Run::step(double length) {
 // True when the new set's x passes the test, or nothing can be done.
 bool Run::change_set() {
     if (renew_set()) {
-        ++report.set_changes;
+        ++set_changes;
         take_gradient();
     }
     return judge();
@@ -164,7 +146,7 @@ bool Run::change_set() {
 void Run::iterate() {
     for (std::size_t i = 0; i < x.size(); ++i) r[i] = free(i) ? -gradient[i] : 0;
     double last_rz = 0;
-    while (report.solve.iterations < options.max_iterations) {
+    while (report.iterations < options.max_iterations) {
         precondition();
         const double rz = comm.sum(dot(r, z));
         if (!std::isfinite(rz)) return void(end(Outcome::non_finite));
@@ -173,7 +155,7 @@ void Run::iterate() {
             if (change_set()) return;
             for (std::size_t i = 0; i < x.size(); ++i) r[i] = free(i) ? -gradient[i] : 0;
             last_rz = 0;
-            ++report.solve.iterations;
+            ++report.iterations;
             continue;
         }
         if (last_rz == 0) {
@@ -193,29 +175,14 @@ void Run::iterate() {
         if (!std::isfinite(sums[0])) return void(end(Outcome::non_finite));
         if (sums[0] <= least_curvature * sums[1]) return void(end(Outcome::indefinite_matrix));
         const auto now = step(rz / sums[0]);
-        ++report.solve.iterations;
+        ++report.iterations;
         if (!std::isfinite(now.free)) return void(end(Outcome::non_finite));
-        const bool small = std::sqrt(now.free) <= std::max(test.relative * norm_b, test.absolute) &&
-                           (!test.local || now.measured < test.threshold);
-        if (!small && now.wrong <= patience * now.free) continue;
+        if (!passes(std::sqrt(now.free), now.measured) && now.wrong <= patience * now.free) continue;
         if (change_set()) return;
         for (std::size_t i = 0; i < x.size(); ++i) r[i] = free(i) ? -gradient[i] : 0;
         last_rz = 0;
     }
     end(Outcome::iteration_limit);
-}
-
-std::string sentence(Outcome outcome) {
-    switch (outcome) {
-    case Outcome::converged: return "converged";
-    case Outcome::iteration_limit: return "not converged within the iteration limit";
-    case Outcome::indefinite_matrix: return "the matrix is singular on the rows that are free";
-    case Outcome::indefinite_preconditioner: return "the preconditioner is not positive definite (r.Mr < 0)";
-    case Outcome::non_finite: return "the system or an iterate is not finite";
-    case Outcome::stagnated: return "the residual is zero and the convergence test still fails";
-    case Outcome::preconditioner_failed: return "the preconditioner cannot be set up";
-    }
-    return "";
 }
 } // namespace
 
@@ -241,9 +208,9 @@ ComplementarityReport ComplementaritySolver::solve(Matrix& matrix, std::span<con
     auto& s = *state_;
     for (auto* vector : {&s.gradient, &s.r, &s.z, &s.p, &s.q, &s.diagonal}) vector->resize(rows);
     s.smoothed.resize(rows);
-    Run run{comm_, matrix, options_, test, s.preconditioner, b, x, states, s.gradient, s.r, s.z, s.p, s.q,
+    Run run{{comm_, matrix, options_, test, s.preconditioner, b, x}, states, s.gradient, s.r, s.z, s.p, s.q,
             s.diagonal, s.smoothed};
-    auto& out = run.report.solve;
+    auto& out = run.report;
     const auto start = Clock::now();
     if (matrix.global_rows() > 0) {
         run.find_diagonal();
@@ -262,9 +229,10 @@ ComplementarityReport ComplementaritySolver::solve(Matrix& matrix, std::span<con
             }
         }
     }
-    out.reason = sentence(out.outcome);
+    out.reason = out.outcome == Outcome::indefinite_matrix ? "the matrix is singular on the rows that are free"
+                                                           : sentence(out.outcome, options_);
     out.iteration_seconds = seconds_since(start) - out.set_up_seconds;
-    return run.report;
+    return {out, run.set_changes};
 }
 
 } // namespace treacle::solve

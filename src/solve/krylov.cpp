@@ -2,14 +2,13 @@
 
 #include "base/clock.hpp"
 #include "base/error.hpp"
-#include "solve/preconditioner.hpp"
+#include "solve/petsc_krylov.hpp"
 #include "solve/vectors.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cassert>
 #include <cmath>
-#include <sstream>
 #include <vector>
 
 namespace treacle::solve {
@@ -53,44 +52,29 @@ ConvergenceTest ConvergenceTest::measure(std::function<double(std::span<const do
 struct KrylovSolver::State {
     BuiltPreconditioner preconditioner;
     std::vector<double> r, z, p, q;
+    std::vector<double> shifted; // the right-hand side for PETSc, with a null space
 };
 
 namespace {
+// Residuals below this share of the first one are its round-off: beside a guess far larger than the solution no
+// smaller one can be had.
+constexpr double round_off = 1e-14;
 
 // One solve: what its three stages share.
-struct Run {
-    const Comm& comm;
-    Matrix& matrix;
-    const KrylovOptions& options;
-    const ConvergenceTest& test;
-    BuiltPreconditioner& preconditioner;
-    std::span<const double> b;
-    std::span<double> x, r, z, p, q;
-    SolveReport report{};
+struct Run : Iteration {
+    std::span<double> r, z, p, q;
     double mean_b = 0; // with a null space, what is taken off the right-hand side
-    double norm_b = 0;
-    double rz = 0; // r.z
+    double rz = 0;     // r.z
 
     bool begin();
     void iterate();
     void finish();
 
 private:
-    bool end(Outcome outcome);
     bool breaks_down(double product, Outcome indefinite);
     bool judge(double rr, double measured);
     bool judge_and_precondition(double local_rr, double& new_rz);
-    void multiply(std::span<const double> from, std::span<double> to) {
-        matrix.multiply(from, to);
-        ++report.products;
-    }
-    double local_measure() const { return test.local ? test.local(r) : 0.0; }
 };
-
-bool Run::end(Outcome outcome) {
-    report.outcome = outcome;
-    return true;
-}
 
 // The two products of a positive definite pair are positive.
 bool Run::breaks_down(double product, Outcome indefinite) {
@@ -102,9 +86,7 @@ bool Run::breaks_down(double product, Outcome indefinite) {
 bool Run::judge(double rr, double measured) {
     report.error_measure = test.local ? measured : std::sqrt(rr);
     if (!std::isfinite(rr) || !std::isfinite(report.error_measure)) return end(Outcome::non_finite);
-    const bool small = std::sqrt(rr) <= std::max(test.relative * norm_b, test.absolute);
-    const bool passed = small && (!test.local || measured < test.threshold);
-    if (passed) return end(Outcome::converged);
+    if (passes(std::sqrt(rr), measured)) return end(Outcome::converged);
     if (rr == 0) return end(Outcome::stagnated);
     return false;
 }
@@ -114,12 +96,13 @@ bool Run::begin() {
     multiply(x, q);
     if (options.null_space == NullSpace::constant) mean_b = comm.sum(total(b)) / matrix.global_rows();
     const double local_rr = subtract(b, mean_b, q, r);
-    std::array<double, 3> sums{local_rr, squares(b, mean_b), local_measure()};
+    std::array<double, 3> sums{local_rr, squares(b, mean_b), measure(r)};
     comm.sum(sums);
     const auto [rr, bb, measured] = sums;
     norm_b = std::sqrt(bb);
     if (!std::isfinite(bb)) return end(Outcome::non_finite);
     if (judge(rr, measured)) return true;
+    least = std::max(least, round_off * std::sqrt(rr));
     if (bb == 0 && !test.local) { // the solution is known, and no residual is small against ||b|| = 0
         const bool constant = options.null_space == NullSpace::constant;
         const double level = constant ? comm.sum(total(x)) / matrix.global_rows() : 0.0;
@@ -133,7 +116,7 @@ bool Run::begin() {
 
 // The test and r.z share one reduction where an application of M too many costs less than a reduction more.
 bool Run::judge_and_precondition(double local_rr, double& new_rz) {
-    std::array<double, 3> sums{local_rr, local_measure(), 0};
+    std::array<double, 3> sums{local_rr, measure(r), 0};
     if (preconditioner.is_cheap()) {
         if (!preconditioner.is_identity()) preconditioner.apply(r, z);
         sums[2] = dot(r, z);
@@ -173,44 +156,36 @@ void Run::iterate() {
     end(Outcome::iteration_limit);
 }
 
-std::string sentence(const SolveReport& report, const KrylovOptions& options) {
-    std::ostringstream text;
-    switch (report.outcome) {
-    case Outcome::converged:
-        text << "converged";
-        break;
-    case Outcome::iteration_limit:
-        text << "not converged within " << options.max_iterations << " iterations";
-        break;
-    case Outcome::indefinite_matrix:
-        text << "the matrix is not positive definite (p.Ap <= 0)";
-        break;
-    case Outcome::indefinite_preconditioner:
-        text << "the preconditioner is not positive definite (r.Mr <= 0)";
-        break;
-    case Outcome::non_finite:
-        text << "the system or an iterate is not finite";
-        break;
-    case Outcome::stagnated:
-        text << "the residual is zero and the convergence test still fails";
-        break;
-    case Outcome::preconditioner_failed:
-        text << "the preconditioner cannot be set up";
-        break;
-    }
-    return text.str();
-}
-
 // The residual of the x that the caller gets: the recurrence for r drifts by round-off.
 void Run::finish() {
     if (report.iterations > 0) multiply(x, q);
     const double local_rr = report.iterations > 0 ? subtract(b, mean_b, q, r) : squares(r, 0);
     const double norm_r = std::sqrt(comm.sum(local_rr));
     report.relative_residual = norm_b > 0 ? norm_r / norm_b : norm_r;
-    report.reason = sentence(report, options);
+    if (report.reason.empty()) report.reason = sentence(report.outcome, options);
 }
 
 } // namespace
+
+std::string sentence(Outcome outcome, const KrylovOptions& options) {
+    switch (outcome) {
+    case Outcome::converged:
+        return "converged";
+    case Outcome::iteration_limit:
+        return "not converged within " + std::to_string(options.max_iterations) + " iterations";
+    case Outcome::indefinite_matrix:
+        return "the matrix is not positive definite (p.Ap <= 0)";
+    case Outcome::indefinite_preconditioner:
+        return "the preconditioner is not positive definite (r.Mr <= 0)";
+    case Outcome::non_finite:
+        return "the system or an iterate is not finite";
+    case Outcome::stagnated:
+        return "the residual is zero and the convergence test still fails";
+    case Outcome::preconditioner_failed:
+        return "the preconditioner cannot be set up";
+    }
+    return "";
+}
 
 KrylovSolver::KrylovSolver(const Comm& comm, std::string prefix, KrylovOptions options)
     : comm_(comm), prefix_(std::move(prefix)), options_(std::move(options)),
@@ -224,9 +199,9 @@ SolveReport KrylovSolver::solve(Matrix& matrix, std::span<const double> b, std::
                                 const ConvergenceTest& test) {
     const auto rows = static_cast<std::size_t>(matrix.rows());
     assert(b.size() == rows && x.size() == rows);
-    auto& [preconditioner, r, z, p, q] = *state_;
+    auto& [preconditioner, r, z, p, q, shifted] = *state_;
     for (auto* vector : {&r, &z, &p, &q}) vector->resize(rows);
-    Run run{comm_, matrix, options_, test, preconditioner, b, x, r, z, p, q};
+    Run run{{comm_, matrix, options_, test, preconditioner, b, x}, r, z, p, q};
     if (matrix.global_rows() == 0) {
         run.report.reason = "no unknowns";
         return run.report;
@@ -237,7 +212,15 @@ SolveReport KrylovSolver::solve(Matrix& matrix, std::span<const double> b, std::
         const bool ready = preconditioner.set_up(matrix, prefix_, options_);
         run.report.set_up_seconds = seconds_since(set_up_start);
         if (preconditioner.is_identity()) run.z = r;
-        if (ready) {
+        if (ready && asks_for_petsc(prefix_)) {
+            if (run.mean_b != 0) {
+                shifted.assign(b.begin(), b.end());
+                for (double& value : shifted) value -= run.mean_b;
+                run.b = shifted;
+            }
+            iterate_with_petsc(run, prefix_);
+            run.b = b;
+        } else if (ready) {
             run.iterate();
         } else {
             run.report.outcome = Outcome::preconditioner_failed;

@@ -91,9 +91,10 @@ struct SolveReport {
 };
 
 // Conjugate gradients for symmetric positive (semi)definite matrices, on the caller's arrays. Work vectors
-// are kept between solves. Options of PETSc for the preconditioner are read under the prefix: with
-// "pressure", -pressure_pc_type, -pressure_sub_pc_factor_levels, -pressure_pc_hypre_…; they win over
-// KrylovOptions.
+// are kept between solves. Options of PETSc are read under the prefix and win over KrylovOptions: with "pressure",
+// -pressure_pc_type, -pressure_sub_pc_factor_levels, -pressure_pc_hypre_… for the preconditioner; -pressure_ksp_type,
+// -pressure_ksp_max_it, -pressure_ksp_rtol, -pressure_ksp_monitor … have the solve done by PETSc's Krylov methods, with
+// the same preconditioner and test.
 class KrylovSolver {
 public:
     KrylovSolver(const Comm& comm, std::string prefix, KrylovOptions options);

@@ -39,7 +39,7 @@ struct Multilevel::State {
     DenseFactor dense;
 
     void coarsen_cells(const Comm& comm, Level& level, bool finest);
-    bool add_level(const Comm& comm, int& stride);
+    bool add_level(const Comm& comm, int& stride, std::span<const double> densities);
     void cycle(std::size_t depth, std::span<const double> r, std::span<double> z);
     void twice(std::size_t depth, std::span<const double> r, std::span<double> z);
     void correct(std::size_t depth, std::span<const double> t, std::span<double> z);
@@ -64,7 +64,7 @@ void Multilevel::State::coarsen_cells(const Comm& comm, Level& level, bool fines
 }
 
 // False when there is nothing to coarsen.
-bool Multilevel::State::add_level(const Comm& comm, int& stride) {
+bool Multilevel::State::add_level(const Comm& comm, int& stride, std::span<const double> densities) {
     const bool finest = used == 1;
     if (stages.size() == used) stages.emplace_back();
     auto& [level, gathering, made_r, made_z] = stages[used - 1];
@@ -74,7 +74,7 @@ bool Multilevel::State::add_level(const Comm& comm, int& stride) {
     if (options->coarse == CoarseMatrices::galerkin) {
         coarsener.make_galerkin(comm, level, options->overcorrection, made);
     } else if (finest) {
-        coarsener.make_grid(comm, level, options->grid_coupling, dirichlet, made);
+        coarsener.make_grid(comm, level, {options->grid_coupling, densities, dirichlet}, made);
     } else {
         coarsener.make_galerkin(comm, level, grid_divisor, made);
     }
@@ -200,7 +200,7 @@ void Multilevel::set_up(Matrix& matrix, const MultilevelCells& cells) {
     state.used = 1;
     state.direct = false;
     int stride = 1;
-    while (!state.direct && state.add_level(comm_, stride)) {
+    while (!state.direct && state.add_level(comm_, stride, cells.densities)) {
         auto& last = state.stages[state.used - 1].level;
         state.direct = last.global_rows <= options_.dense_rows;
         if (state.direct) state.dense.factor(last);

@@ -40,6 +40,7 @@ struct MultilevelCells {
     // For grids:
     std::span<const int> dirichlet; // [n][3], cells with p = 0: this rank's, and those beside its own
     std::span<const double> walls;  // [rows], what walls add to the diagonal
+    std::span<const double> densities{}; // [rows], of the rows' liquids over that of grid_coupling; empty on all ranks: 1
     // Galerkin products only: [rows], 1 where z stays 0, as if the matrix did not have the row; or empty.
     std::span<const unsigned char> fixed{};
 };

@@ -2,6 +2,8 @@
 
 #include "sph/pressure_system.hpp"
 
+#include <algorithm>
+
 namespace treacle::sph {
 
 namespace {
@@ -87,13 +89,14 @@ void BodyResponse::count(const LiquidParticles& liquid, const SolidParticles& so
 void BodyResponse::build(const SphOptions& options, const Constants& constants, const LiquidParticles& liquid,
                          const SolidParticles& solid, const Neighbourhood& neighbours, const Bodies& bodies) {
     const auto loads = static_cast<std::size_t>(bodies.load_points().count);
-    responses_.assign(loads, {});
+    loads_ = loads;
+    first_ = static_cast<std::size_t>(bodies.first());
+    mobility_ = bodies.rigid.mobility();
     reserve(dynamic_, loads);
     auto flags = Kokkos::create_mirror_view(dynamic_);
     for (std::size_t k = 0; k < loads; ++k) flags(k) = 0;
     for (std::size_t b = 0; b < bodies.rigid.size(); ++b) {
         const auto load = static_cast<std::size_t>(bodies.first()) + b;
-        responses_[load] = bodies.rigid.response(b);
         flags(load) = static_cast<int>(bodies.rigid.dynamic(b));
     }
     Kokkos::deep_copy(dynamic_, flags);
@@ -110,22 +113,14 @@ void BodyResponse::build(const SphOptions& options, const Constants& constants, 
 
 // Velocities that impulses on the bodies give, 6 numbers a load.
 std::vector<double> BodyResponse::respond(std::span<const double> impulses) const {
-    using rigid::operator*;
-    std::vector<double> out(impulses.size());
-    for (std::size_t b = 0; b < responses_.size(); ++b) {
-        const double* p = &impulses[6 * b];
-        const Vec3 v = responses_[b].linear * Vec3{p[0], p[1], p[2]};
-        const Vec3 w = responses_[b].angular * Vec3{p[3], p[4], p[5]};
-        for (std::size_t k = 0; k < 3; ++k) {
-            out[6 * b + k] = v[k];
-            out[6 * b + 3 + k] = w[k];
-        }
-    }
+    std::vector<double> out(impulses.size(), 0.0);
+    std::ranges::copy(mobility_.respond(impulses.subspan(6 * first_)),
+                      out.begin() + static_cast<std::ptrdiff_t>(6 * first_));
     return out;
 }
 
 void BodyResponse::apply_to_pressure(const Comm& comm, LiquidParticles& liquid) const {
-    std::vector<double> sums(6 * responses_.size(), 0.0);
+    std::vector<double> sums(6 * loads_, 0.0);
     const int n = liquid.store.owned();
     Kokkos::parallel_reduce("treacle::body_impulses", n,
                             ImpulseLoop{{sums.size()}, offset_, body_, row_, liquid.pressure()}, host_sums(sums));
@@ -148,9 +143,8 @@ BodyResponse::Addition BodyResponse::addition(const Comm& comm, const LiquidPart
         std::size_t row, body;
         double u[6];
     };
-    const auto mirror = [](const auto& view) { return Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), view); };
-    const auto offset = mirror(offset_), body = mirror(body_), number = mirror(liquid.row());
-    const auto row = mirror(row_);
+    const auto offset = on_host(offset_), body = on_host(body_), number = on_host(liquid.row());
+    const auto row = on_host(row_);
     std::vector<Entry> entries;
     for (int i = 0; i < liquid.store.owned(); ++i) {
         if (number(i) < 0) continue;
@@ -161,7 +155,7 @@ BodyResponse::Addition BodyResponse::addition(const Comm& comm, const LiquidPart
         }
     }
     return [this, comm, entries = std::move(entries)](std::span<const double> x, std::span<double> y) {
-        std::vector<double> sums(6 * responses_.size(), 0.0);
+        std::vector<double> sums(6 * loads_, 0.0);
         for (const auto& [r, b, u] : entries) {
             for (std::size_t k = 0; k < 6; ++k) sums[6 * b + k] += u[k] * x[r];
         }

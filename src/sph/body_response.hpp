@@ -11,7 +11,7 @@ class PressureSystem;
 
 // What dynamic bodies add to the pressure system, since they give way while the liquid presses on them: in the row of
 // particle i the sum over bodies U_i M^-1 sum_j U_j^T p_j, symmetric and positive semidefinite, of rank six per body,
-// never assembled. U_i = sqrt(m) / rho_i rho0 sum_s V_s (grad W, arm x grad W).
+// never assembled. M^-1 is that of the bodies with their joints, which may link several (rigid::Mobility). U_i = sqrt(m) / rho_i rho0 sum_s V_s (grad W, arm x grad W).
 class BodyResponse {
 public:
     // The rows U_i of this rank's particles, for the poses of the bodies.
@@ -31,7 +31,8 @@ public:
 private:
     std::vector<double> respond(std::span<const double> impulses) const;
 
-    std::vector<rigid::Response> responses_; // per load
+    rigid::Mobility mobility_;
+    std::size_t first_ = 0, loads_ = 0; // number of the first body, of all loads
     Array<int> dynamic_{"treacle::dynamic", 0};     // per load: 0 or 1
     Array<int> offset_{"treacle::response_offset", 0}; // [owned + 1]
     Array<int> body_{"treacle::response_body", 0};     // [entries], number of the load

@@ -5,11 +5,6 @@ namespace treacle::sph {
 namespace {
 // Times that other particles may be held before what is held is taken as it is.
 constexpr int most_rounds = 8;
-
-template <class View>
-auto on_host(const View& view) {
-    return Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), view);
-}
 } // namespace
 
 Complementarity::Complementarity(const Comm& comm, const solve::KrylovOptions& options)

@@ -156,11 +156,11 @@ void Anchoring::merge_across_ranks(const Comm& comm, LiquidParticles& liquid, co
 // ranks are compared on every rank: one per component and rank, and such components are rare.
 std::int64_t Anchoring::choose_anchors(const Comm& comm, LiquidParticles& liquid) {
     const int n = liquid.store.owned();
-    const auto root = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), root_);
-    const auto label = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), label_);
-    const auto role = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), liquid.role());
-    const auto source = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), liquid.source());
-    const auto id = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), liquid.id());
+    const auto root = on_host(root_);
+    const auto label = on_host(label_);
+    const auto role = on_host(liquid.role());
+    const auto source = on_host(liquid.source());
+    const auto id = on_host(liquid.id());
     struct Candidate {
         double source;
         std::int64_t id;

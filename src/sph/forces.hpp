@@ -14,7 +14,6 @@ struct ForceOptions {
     double viscosity = 0;          // dynamic [Pa s]; of several liquids: as of one of the first one's density that limits
                                    // the step as much (largest_kinematic_viscosity)
     std::vector<double> friction;  // per body: 0 free slip, 1 no slip
-    std::vector<double> slip;      // per body, of the implicit viscosity: slip length [m]; negative: free slip
     std::vector<double> skin_friction; // per body: c_f
 };
 

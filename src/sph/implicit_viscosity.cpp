@@ -69,8 +69,8 @@ bool breaks_down(double product, solve::Outcome indefinite, solve::SolveReport& 
 }
 } // namespace
 
-ImplicitViscosity::ImplicitViscosity(LiquidParticles& liquid, const std::vector<double>& slip)
-    : operator_(liquid), slip_(upload(slip)),
+ImplicitViscosity::ImplicitViscosity(LiquidParticles& liquid, const std::vector<double>& friction)
+    : operator_(liquid), friction_(upload(friction)),
       direction_(liquid.store.add<Array3>("viscous_direction", "m/s", FieldRole::work)) {}
 
 void ImplicitViscosity::upload_motion(const Bodies& bodies) {
@@ -90,15 +90,13 @@ void ImplicitViscosity::upload_motion(const Bodies& bodies) {
     Kokkos::deep_copy(motion_, host);
 }
 
-ImplicitViscosity::Result ImplicitViscosity::solve(const SphOptions& options, const Constants& constants,
-                                                   const ForceOptions& forces, const Comm& comm,
-                                                   LiquidParticles& liquid, const SolidParticles& solid,
-                                                   const Neighbourhood& neighbours, Halo& halo, const Bodies& bodies,
-                                                   double dt) {
+ImplicitViscosity::Result ImplicitViscosity::solve(const Scene& scene, double dt) {
     const auto start = Clock::now();
-    upload_motion(bodies);
-    const ViscousParts parts{options, constants, forces, comm,  liquid, solid, neighbours, halo, bodies.load_points(),
-                             slip_,   motion_};
+    upload_motion(scene.bodies);
+    auto& liquid = scene.liquid;
+    const ViscousParts parts{scene.options, scene.constants,  scene.forces, scene.comm,
+                             liquid,        scene.solid,      scene.neighbours, scene.halo,
+                             scene.bodies.load_points(), friction_, motion_};
     Result out;
     if (operator_.prepare(parts, dt) == 0) return out;
     out.solve = iterate(parts);

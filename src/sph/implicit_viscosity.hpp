@@ -1,13 +1,6 @@
 #pragma once
 #include "solve/krylov.hpp"
 #include "sph/viscous_operator.hpp"
-
-#include <memory>
-
-namespace treacle::rigid {
-class RigidBodies;
-}
-
 namespace treacle::sph {
 
 class Bodies;
@@ -15,17 +8,28 @@ class Bodies;
 // Implicit viscosity (dissertation, chapter 4): C u = u* by conjugate gradients on the device, from u* on.
 class ImplicitViscosity {
 public:
-    // Slip lengths per solid, as ForceOptions::slip.
-    ImplicitViscosity(LiquidParticles& liquid, const std::vector<double>& slip);
+    // Friction per solid, as ForceOptions::friction.
+    ImplicitViscosity(LiquidParticles& liquid, const std::vector<double>& friction);
 
     struct Result {
         solve::SolveReport solve;
         BodyLoads loads; // this rank's share of what the liquid puts on the solids [N], [N m]
     };
-    // Collective: changes the owned particles' velocities, u* before and u after. The ghosts' are left stale.
-    Result solve(const SphOptions& options, const Constants& constants, const ForceOptions& forces, const Comm& comm,
-                 LiquidParticles& liquid, const SolidParticles& solid, const Neighbourhood& neighbours, Halo& halo,
-                 const Bodies& bodies, double dt);
+    // What a step has. Positions of ghosts must be current, and the neighbours those of the positions.
+    struct Scene {
+        const SphOptions& options;
+        const Constants& constants;
+        const ForceOptions& forces;
+        const Comm& comm;
+        LiquidParticles& liquid;
+        const SolidParticles& solid;
+        const Neighbourhood& neighbours;
+        Halo& halo;
+        const Bodies& bodies;
+    };
+    // Collective: changes the owned particles' velocities, u* before and u after a step of dt [s]. The ghosts' are left
+    // stale. An unsuccessful solve is a report, with the last iterate.
+    Result solve(const Scene& scene, double dt);
 
     const ViscousOperator& system() const { return operator_; }
     std::size_t bytes() const { return operator_.bytes() + 8 * 3 * (residual_.extent(0) + scaled_.extent(0) + product_.extent(0)); }
@@ -35,7 +39,7 @@ private:
     solve::SolveReport iterate(const ViscousParts& parts);
 
     ViscousOperator operator_;
-    Array<double> slip_;
+    Array<double> friction_;
     Array<double> motion_{"treacle::solid_motion", 0};
     int direction_ = -1; // field
     Array3 residual_{"treacle::viscous_residual", 0}, scaled_{"treacle::viscous_scaled", 0},

@@ -15,8 +15,7 @@ namespace {
 constexpr double solid_weight = 0.05;
 
 bool implicit_viscosity(const IsphSetup& setup) {
-    return setup.options.viscosity.integration == ViscosityIntegration::implicit &&
-           setup.forces.viscosity > 0;
+    return setup.options.viscosity.integration == ViscosityIntegration::implicit && setup.forces.viscosity > 0;
 }
 } // namespace
 
@@ -26,7 +25,11 @@ IsphStep::IsphStep(const Comm& comm, const IsphSetup& setup)
       hierarchy_(make_hierarchy(comm, setup.options, setup.constants, setup.domain, setup.grid)),
       solver_(comm, "pressure", krylov_options(setup.options, setup.constants.dimensions, hierarchy_.get())),
       complementarity_(comm, solver_.options()) {
-    if (implicit_viscosity(setup)) viscosity_.emplace(liquid_, setup.forces.slip);
+    explicit_forces_ = setup.forces;
+    if (implicit_viscosity(setup)) {
+        viscosity_.emplace(liquid_, setup.forces.friction);
+        explicit_forces_.viscosity = 0;
+    }
     if (setup.options.pressure.solver != PressureSolver::dfsph) return;
     divergence_field_ = liquid_.store.add<Array<double>>("divergence_pressure", "Pa", FieldRole::state);
 }
@@ -74,7 +77,7 @@ namespace {
 // counts for the nearest cell, whose rank owns it.
 void append_weights(const ParticleStore& store, const CellGrid& grid, double weight, std::vector<int>& cells,
                     std::vector<double>& weights) {
-    const auto x = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), store.position());
+    const auto x = on_host(store.position());
     int last[3] = {-1, -1, -1};
     for (int i = 0; i < store.owned(); ++i) {
         int c[3];
@@ -218,28 +221,21 @@ bool implicit_bodies(const SphOptions& options, const Bodies& bodies) {
 }
 } // namespace
 
-// (S4), for liquid and bodies.
+// (S4), for the liquid.
 void IsphStep::accelerate(StepReport& report, double dt) {
     bodies_.rigid.begin(dt);
     bodies_.set_velocities(solid_);
-    auto forces = setup_.forces;
-    if (viscosity_) forces.viscosity = 0;
-    report.viscous_loads = apply_forces(setup_.options, forces, setup_.constants, liquid_, solid_, neighbours_, dt,
+    report.viscous_loads = apply_forces(setup_.options, explicit_forces_, setup_.constants, liquid_, solid_, neighbours_, dt,
                                         bodies_.load_points());
-    if (viscosity_) apply_viscosity(report, dt);
     apply_skin_friction(setup_.options, setup_.constants, liquid_, solid_, neighbours_,
                         {setup_.forces.skin_friction, bodies_.load_points(), dt}, report.viscous_loads);
-    halo_.gather(liquid_.store, {liquid_.velocity_field(), liquid_.pressure_field()});
-    if (!bodies_.any_dynamic()) return;
-    comm_.sum(std::span(report.viscous_loads));
-    bodies_.rigid.fall(dt);
-    bodies_.rigid.push(bodies_.loads_of(report.viscous_loads), dt);
-    bodies_.set_velocities(solid_);
 }
 
+// (V)
 void IsphStep::apply_viscosity(StepReport& report, double dt) {
-    auto result = viscosity_->solve(setup_.options, setup_.constants, setup_.forces, comm_, liquid_, solid_, neighbours_,
-                                    halo_, bodies_, dt);
+    const auto phase = timers_.scope("viscosity");
+    auto result = viscosity_->solve({setup_.options, setup_.constants, setup_.forces, comm_, liquid_, solid_, neighbours_,
+                                     halo_, bodies_}, dt);
     report.viscosity = result.solve;
     if (!result.solve.converged()) {
         throw SimulationError({"viscosity solve", result.solve.reason,
@@ -247,6 +243,16 @@ void IsphStep::apply_viscosity(StepReport& report, double dt) {
                                "take a smaller time step or a larger method.viscosity.residual"});
     }
     for (std::size_t k = 0; k < result.loads.size(); ++k) report.viscous_loads[k] += result.loads[k];
+}
+
+// (S4), for the bodies.
+void IsphStep::accelerate_bodies(StepReport& report, double dt) {
+    halo_.gather(liquid_.store, {liquid_.velocity_field(), liquid_.pressure_field()});
+    if (!bodies_.any_dynamic()) return;
+    comm_.sum(std::span(report.viscous_loads));
+    bodies_.rigid.fall(dt);
+    bodies_.rigid.push(bodies_.loads_of(report.viscous_loads), dt);
+    bodies_.set_velocities(solid_);
 }
 
 void IsphStep::assemble_system() {
@@ -375,7 +381,12 @@ StepReport IsphStep::advance(double dt) {
     if (setup_.options.pressure.solver == PressureSolver::dfsph) remove_divergence(report, dt);
     {
         const auto phase = timers_.scope("forces");
-        accelerate(report, dt);
+        accelerate(report, dt); // (S4)
+    }
+    if (viscosity_) apply_viscosity(report, dt);
+    {
+        const auto phase = timers_.scope("forces");
+        accelerate_bodies(report, dt);
     }
     if (setup_.options.pressure.solver == PressureSolver::isph) {
         find_pressures(report, dt); // (S5)-(S7)

@@ -107,6 +107,7 @@ private:
     void update_density(StepReport& report);
     void accelerate(StepReport& report, double dt);
     void apply_viscosity(StepReport& report, double dt);
+    void accelerate_bodies(StepReport& report, double dt);
     void find_pressures(StepReport& report, double dt);
     void find_pressures_by_iisph(StepReport& report, double dt);
     void remove_divergence(StepReport& report, double dt);
@@ -131,6 +132,7 @@ private:
     PressureSystem system_;
     SolidRows solid_rows_; // of solids as unknowns
     Iisph iisph_;
+    ForceOptions explicit_forces_; // without the viscosity when that is implicit
     std::optional<ImplicitViscosity> viscosity_;
     int divergence_field_ = -1; // of the liquid, with DFSPH: the pressures of the last divergence-free solve [Pa]
     Bodies bodies_;

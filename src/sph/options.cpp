@@ -4,6 +4,14 @@
 
 namespace treacle::sph {
 
+namespace {
+constexpr double least_tolerance = 1e-14;
+
+Range reachable(const Range& range) {
+    return range.because("rounding alone leaves about 1e-15", "1e-10 is very accurate already");
+}
+} // namespace
+
 void DensityOptions::declare(Declaration& d) {
     d.choice("kind", kind,
              {{"blended", DensityKind::blended}, {"smooth", DensityKind::smooth}, {"spiky", DensityKind::spiky}},
@@ -121,15 +129,15 @@ void PressureOptions::declare(Declaration& d) {
     d.block("multilevel", multilevel, "The multilevel preconditioners.");
     d.choice("stop", stop, {{"density_error", StoppingRule::density_error}, {"residual", StoppingRule::residual}},
              "Iterate until the mean compression, or until the relative residual, is small enough.");
-    d.number("density_error", density_error, unit::none, range_above(0),
+    d.number("density_error", density_error, unit::none, reachable(range_at_least(least_tolerance)),
              "Mean compression of the Poisson particles at which iterating ends, as a share of the density.");
-    d.number("divergence_error", divergence_error, unit::none, range_above(0),
+    d.number("divergence_error", divergence_error, unit::none, reachable(range_at_least(least_tolerance)),
              "Of `dfsph`: mean compression in a step, as a share of the density, that the velocities may have before "
              "forces act.");
-    d.number("largest_residual", largest_residual, unit::none, range_above_to(0, 1),
+    d.number("largest_residual", largest_residual, unit::none, reachable(range_between(least_tolerance, 1)),
              "Relative residual that must be reached as well, with `stop: density_error`: gravity compresses only the "
              "lowest layer in a step, too little to count on average, and the liquid would fall until it does.");
-    d.number("residual", residual, unit::none, range_above_to(0, 1),
+    d.number("residual", residual, unit::none, reachable(range_between(least_tolerance, 1)),
              "Relative residual at which iterating ends, with `stop: residual`.");
     d.integer("max_iterations", max_iterations, range_at_least(1),
               "Iterations after which the run ends as failed; 20 times as many with `solver: iisph_jacobi` and `dfsph`.");
@@ -152,9 +160,11 @@ void PressureOptions::declare(Declaration& d) {
 
 void ViscosityOptions::declare(Declaration& d) {
     d.choice("integration", integration,
-             {{"implicit", ViscosityIntegration::implicit}, {"explicit", ViscosityIntegration::explicit_pairs}},
+             {{"automatic", ViscosityIntegration::automatic},
+              {"implicit", ViscosityIntegration::implicit},
+              {"explicit", ViscosityIntegration::explicit_pairs}},
              "Whether the liquids' viscosity acts by a linear solve in each step, or by the pairwise form at the velocities "
-             "that the step starts with, which limits the step.");
+             "that the step starts with, which limits the step; `automatic` is implicit where that limit would matter.");
     d.choice("form", form,
              {{"corrected", ViscosityForm::corrected},
               {"adjoint", ViscosityForm::adjoint},

@@ -26,7 +26,7 @@ enum class PressurePreconditioner {
     multilevel,      // Galerkin products on cells (src/solve/README.md)
     multilevel_grids // the dissertation's grids, 3.5
 };
-enum class ViscosityIntegration { implicit, explicit_pairs };
+enum class ViscosityIntegration { automatic, implicit, explicit_pairs };
 enum class ViscosityForm {
     corrected, // the adjoint form of exact gradients: rotations stay what they are
     adjoint,   // the symmetric form of section 4.4
@@ -88,7 +88,7 @@ struct PressureOptions {
 };
 
 struct ViscosityOptions {
-    ViscosityIntegration integration = ViscosityIntegration::implicit;
+    ViscosityIntegration integration = ViscosityIntegration::automatic;
     ViscosityForm form = ViscosityForm::corrected;
     double checkerboard_damping = 0.1; // kappa of the corrected form (README)
     double residual = 1e-6;            // relative

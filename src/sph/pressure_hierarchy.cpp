@@ -49,7 +49,7 @@ solve::MultilevelOptions algebra(const SphOptions& options, const Constants& con
 
 PressureHierarchy::PressureHierarchy(const Comm& comm, const SphOptions& options, const Constants& constants,
                                      const DomainBox& domain, const CellGrid& grid)
-    : grid_(finest_grid(options, constants, grid)), domain_(domain),
+    : grid_(finest_grid(options, constants, grid)), domain_(domain), mixture_(constants.mixture),
       solids_unknown_(options.pressure.solid_term == SolidTerm::unknowns),
       multilevel_(comm, algebra(options, constants, grid)),
       bounded_(options.pressure.dirichlet == DirichletRule::complementarity) {}
@@ -81,6 +81,14 @@ void PressureHierarchy::find_walls(int first_row) {
     });
 }
 
+void PressureHierarchy::find_densities(int first_row) {
+    const auto row = liquid_->row(), of = liquid_->liquid();
+    const auto density = mixture_.density, densities = densities_;
+    Kokkos::parallel_for("treacle::find_densities", liquid_->store.owned(), KOKKOS_LAMBDA(int i) {
+        if (row(i) >= 0) densities(row(i) - first_row) = density(of(i));
+    });
+}
+
 void PressureHierarchy::find_fixed(int first_row) {
     const auto row = liquid_->row(), role = liquid_->role();
     const auto fixed = fixed_;
@@ -92,19 +100,18 @@ void PressureHierarchy::find_fixed(int first_row) {
 // Cells with a Dirichlet particle, and cells of air beside liquid: those without particles, inside the domain.
 void PressureHierarchy::find_dirichlet_cells() {
     std::unordered_map<Cell, unsigned, CellHash> contents;
-    const auto mirror = [](const auto& view) { return Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), view); };
     const auto add = [&](const auto& x, int i, unsigned content) {
         Cell c;
         grid_.locate(x(i, 0), x(i, 1), x(i, 2), c.data());
         contents[c] |= content;
     };
-    const auto x = mirror(liquid_->position());
-    const auto role = mirror(liquid_->role());
+    const auto x = on_host(liquid_->position());
+    const auto role = on_host(liquid_->role());
     for (int i = 0; i < liquid_->store.total(); ++i) {
         if (role(i) == Role::poisson) add(x, i, holds_poisson);
         if (role(i) == Role::dirichlet) add(x, i, holds_dirichlet);
     }
-    const auto walls = mirror(solid_->position());
+    const auto walls = on_host(solid_->position());
     for (int i = 0; i < solid_->store.total(); ++i) add(walls, i, holds_solid);
     const auto inside = [&](const Cell& c) {
         for (std::size_t k = 0; k < 3; ++k) {
@@ -139,26 +146,34 @@ void PressureHierarchy::set_up(solve::Matrix& matrix) {
         reserve(walls_, rows);
         find_walls(matrix.first_row());
     }
+    const bool several = grids && mixture_.several();
+    if (several) {
+        reserve(densities_, rows);
+        find_densities(matrix.first_row());
+    }
     if (bounded_) {
         reserve(fixed_, rows);
         find_fixed(matrix.first_row());
     }
-    const auto cells = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), cells_);
-    const auto walls = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), walls_);
+    const auto cells = on_host(cells_);
+    const auto walls = on_host(walls_);
+    const auto densities = on_host(densities_);
     solve::MultilevelCells where;
     where.cells = {cells.data(), 3 * rows};
-    const auto fixed = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), fixed_);
+    const auto fixed = on_host(fixed_);
     if (bounded_) where.fixed = {fixed.data(), rows};
     if (grids) {
         find_dirichlet_cells();
         where.dirichlet = dirichlet_;
         where.walls = {walls.data(), rows};
+        if (several) where.densities = {densities.data(), rows};
     }
     multilevel_.set_up(matrix, where);
 }
 
 std::size_t PressureHierarchy::bytes() const {
-    return multilevel_.bytes() + fixed_.span() + 4 * cells_.span() + 8 * walls_.span() + 4 * dirichlet_.capacity();
+    return multilevel_.bytes() + fixed_.span() + 4 * cells_.span() + 8 * (walls_.span() + densities_.span()) +
+           4 * dirichlet_.capacity();
 }
 
 namespace {

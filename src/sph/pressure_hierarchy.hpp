@@ -33,6 +33,7 @@ public:
     template <class Particles>
     void locate_rows(const Particles& particles, int first_row);
     void find_walls(int first_row);
+    void find_densities(int first_row);
     void find_fixed(int first_row);
 
 private:
@@ -40,12 +41,14 @@ private:
 
     CellGrid grid_;      // of the finest level
     DomainBox domain_;
+    Mixture mixture_;
     bool solids_unknown_;
     const LiquidParticles* liquid_ = nullptr;
     const SolidParticles* solid_ = nullptr;
     solve::Multilevel multilevel_;
     Array<int> cells_{"treacle::row_cell", 0};      // [rows * 3]
     Array<double> walls_{"treacle::row_wall", 0};   // [rows]
+    Array<double> densities_{"treacle::row_density", 0}; // [rows] of the liquids over the first one's
     bool bounded_;                                  // Dirichlet particles have rows too
     Array<unsigned char> fixed_{"treacle::row_fixed", 0}; // [rows], 1: of a Dirichlet particle
     std::vector<int> dirichlet_;                    // [n][3]

@@ -36,7 +36,7 @@ void PressureSystem::connect_halo(const Comm& comm, std::initializer_list<RowsOf
     columns.clear();
     for (const auto& of : particles) {
         const auto ghosts = std::pair(of.store.owned(), of.store.total());
-        const auto row = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), Kokkos::subview(of.row, ghosts));
+        const auto row = on_host(Kokkos::subview(of.row, ghosts));
         for (std::size_t g = 0; g < row.extent(0); ++g) {
             const int r = row(g);
             if (r >= 0 && (r < first_row_ || r >= first_row_ + rows_)) columns.push_back(r);
@@ -174,11 +174,10 @@ void PressureSystem::assemble(const SphOptions& options, const Constants& consta
 }
 
 PressureSystem::HostSystem PressureSystem::to_host() const {
-    const auto mirror = [](const auto& view) { return Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), view); };
-    return {{mirror(own_.offset), mirror(own_.column), mirror(own_.value)},
-            {mirror(other_.offset), mirror(other_.column), mirror(other_.value)},
-            mirror(right_hand_side_),
-            mirror(solution_)};
+    return {{on_host(own_.offset), on_host(own_.column), on_host(own_.value)},
+            {on_host(other_.offset), on_host(other_.column), on_host(other_.value)},
+            on_host(right_hand_side_),
+            on_host(solution_)};
 }
 
 solve::CsrBlocks PressureSystem::blocks(const HostSystem& host) {

@@ -117,6 +117,16 @@ struct JointLoop {
     }
 };
 
+// By themselves, since nvcc takes no kernel in a generic lambda.
+template <class Kernel>
+void count_rows(const char* label, int size, const JointLoop<Kernel>& loop) {
+    Kokkos::parallel_for(label, size, KOKKOS_LAMBDA(int i) { loop.count(i); });
+}
+template <class Kernel>
+void fill_rows(const char* label, int size, const JointLoop<Kernel>& loop) {
+    Kokkos::parallel_for(label, size, KOKKOS_LAMBDA(int i) { loop.fill(i); });
+}
+
 int number(const Array<int>& role, const Array<int>& row, int n, int first) {
     int rows = 0;
     Kokkos::parallel_scan("treacle::number_joint_rows", n, KOKKOS_LAMBDA(int i, int& sum, bool last) {
@@ -199,22 +209,16 @@ void PressureSystem::assemble_joint(const SphOptions& options, const Constants& 
                                      pairs(joint.around.solid, s.store, s.store), s.row(), l.row(), s.row(),
                                      s.volume(), s.volume(), own_, other_, s.diagonal(), places_, first, rows_};
         };
-        const auto count = [](const char* label, int size, const JointLoop<Kernel>& loop) {
-            Kokkos::parallel_for(label, size, KOKKOS_LAMBDA(int i) { loop.count(i); });
-        };
-        const auto fill = [](const char* label, int size, const JointLoop<Kernel>& loop) {
-            Kokkos::parallel_for(label, size, KOKKOS_LAMBDA(int i) { loop.fill(i); });
-        };
-        count("treacle::count_liquid_rows", n, rows_of_liquid());
-        count("treacle::count_solid_rows", walls, rows_of_solid());
+        count_rows("treacle::count_liquid_rows", n, rows_of_liquid());
+        count_rows("treacle::count_solid_rows", walls, rows_of_solid());
         own_entries_ = counts_to_offsets(own_.offset, rows_);
         other_entries_ = counts_to_offsets(other_.offset, rows_);
         for (const auto& [block, entries] : {std::pair(&own_, own_entries_), std::pair(&other_, other_entries_)}) {
             reserve(block->column, static_cast<std::size_t>(entries));
             reserve(block->value, static_cast<std::size_t>(entries));
         }
-        fill("treacle::fill_liquid_rows", n, rows_of_liquid());
-        fill("treacle::fill_solid_rows", walls, rows_of_solid());
+        fill_rows("treacle::fill_liquid_rows", n, rows_of_liquid());
+        fill_rows("treacle::fill_solid_rows", walls, rows_of_solid());
     });
     Kokkos::deep_copy(right_hand_side_, 0.0); // of solids: they are compressed by nothing but what their rows say
     write_vectors(n, first, l.row(), l.source(), right_hand_side_);

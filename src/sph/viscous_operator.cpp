@@ -357,7 +357,7 @@ ViscousWalls ViscousOperator::walls(const ViscousParts& parts, Walls which) cons
             parts.solid.volume(),
             parts.solid.body(),
             parts.solid.normal(),
-            parts.slip,
+            parts.friction,
             parts.motion,
             parts.points,
             parts.constants.wall_grip,

@@ -16,7 +16,7 @@ struct ViscousParts {
     const Neighbourhood& neighbours;
     Halo& halo;
     const LoadPoints& points;
-    const Array<double>& slip;   // of each solid, see ViscousWalls
+    const Array<double>& friction; // of each solid, see ViscousWalls
     const Array<double>& motion;
 };
 

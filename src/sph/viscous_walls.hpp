@@ -5,14 +5,14 @@
 namespace treacle::sph {
 
 // Solids in the viscous sums. The layer of solid particles lies below the surface; along the line from a liquid
-// particle to a solid one the velocity is taken to fall linearly to that of the solid at the surface, or with a slip
-// length that much behind it, and on at the same rate to the layer (Morris et al. 1997).
+// particle to a solid one the velocity is taken to fall linearly to that of the solid at the surface, and on at the same
+// rate to the layer (Morris et al. 1997).
 struct ViscousWalls {
     Pairs pairs;
     Array<double> volume; // V_s
     Array<int> body;
     Array3 normal;        // unit, out of the solid
-    Array<double> slip;   // [body] slip length [m]; negative: free slip
+    Array<double> friction; // [body] 0: free slip, nothing of it counts; 1: no slip
     Array<double> motion; // [body][6] velocity [m/s] and spin [rad/s]
     LoadPoints points;
     double grip;          // factor on V_s, Constants::wall_grip
@@ -27,10 +27,10 @@ struct ViscousWalls {
         double place[3];    // that point [m]
     };
 
-    KOKKOS_INLINE_FUNCTION bool grips(int s) const { return slip(body(s)) >= 0; }
+    KOKKOS_INLINE_FUNCTION bool grips(int s) const { return friction(body(s)) > 0; }
     KOKKOS_INLINE_FUNCTION Contact touch(int s, double dx, double dy, double dz) const {
         const double height = math::max(normal(s, 0) * dx + normal(s, 1) * dy + normal(s, 2) * dz, depth + least);
-        const double tau = (height - depth + slip(body(s))) / height;
+        const double tau = (height - depth) / height;
         const auto& x = pairs.among;
         Contact out{1 / tau, {0, 0, 0}, {x(s, 0) + (1 - tau) * dx, x(s, 1) + (1 - tau) * dy, x(s, 2) + (1 - tau) * dz}};
         if (resting) return out;

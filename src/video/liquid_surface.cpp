@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace treacle::video {
 
@@ -58,6 +59,14 @@ void add_tap(const float* own, const float* other, const float* other_value, flo
     }
 }
 
+// The part [first, last) of a row outside of which there is no liquid.
+std::pair<int, int> covered(const float* row, int width) {
+    int first = 0, last = width;
+    while (first < last && row[first] == beyond) ++first;
+    while (last > first && row[last - 1] == beyond) --last;
+    return {first, last};
+}
+
 // One pass along rows (dx = 1) or columns (dy = 1).
 void smooth(const Field& in, Field& out, const Filter& filter, int dx, int dy) {
     const int n = int(filter.weights.size()) / 2, width = in.width;
@@ -65,9 +74,7 @@ void smooth(const Field& in, Field& out, const Filter& filter, int dx, int dy) {
     for (int row = 0; row < in.height; ++row) {
         const float* own = in.depth.data() + std::size_t(row) * width;
         float* result = out.depth.data() + std::size_t(row) * width;
-        int first = 0, last = width;
-        while (first < last && own[first] == beyond) ++first;
-        while (last > first && own[last - 1] == beyond) --last;
+        const auto [first, last] = covered(own, width);
         std::fill(result, result + width, beyond);
         if (first == last) continue;
         for (auto* line : {&sum, &total, &value_sum, &value_total})
@@ -99,9 +106,7 @@ void wipe_streaks(const Field& in, Field& out, float range) {
     for (int row = 0; row < in.height; ++row) {
         const float* own = in.depth.data() + std::size_t(row) * width;
         float* result = out.depth.data() + std::size_t(row) * width;
-        int first = 0, last = width;
-        while (first < last && own[first] == beyond) ++first;
-        while (last > first && own[last - 1] == beyond) --last;
+        const auto [first, last] = covered(own, width);
         std::fill(result, result + width, beyond);
         std::fill(sum.begin(), sum.end(), 0.0f);
         std::fill(total.begin(), total.end(), 0.0f);

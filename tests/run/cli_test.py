@@ -52,6 +52,18 @@ BAD_SCENES = {
     "unknown_field": ["presure", "velocity, pressure, liquid, density", "did you mean pressure"],
     "surface_tension": ["liquids.water.surface_tension", "not modelled"],
     "slip_length": ["domain.boundaries.y_min.slip", "free_slip or no_slip"],
+    "unknown_partner": ["the body wheal of axle is not among `bodies`", "`to` may be left out"],
+    "self_joint": ["axle links wheel to itself"],
+    "static_joint": ["the body post of axle is not dynamic"],
+    "ball_axis": ["joints.axle.axis", "has no effect"],
+    "tilted_hinge": ["joints.axle.axis", "must be z"],
+    "slider_without_axis": ["joints.rail.axis", "must be given"],
+    "held_body": ["bodies.wheel cannot move", "hold all six", "kind: static"],
+    "locked_body": ["bodies.wheel cannot move", "locked", "kind: static"],
+    "same_names": ["joints: the name axle stands twice"],
+    "same_bodies": ["bodies: the name wheel stands twice"],
+    "unreachable_residual": ["method.pressure.residual = 1e-16", "rounding"],
+    "unreachable_density_error": ["method.pressure.density_error = 1e-20", "rounding"],
     "long_step": ["time.step", "viscosity"],
 }
 

@@ -26,6 +26,9 @@ SHORTENED = {
     "neutral_ball": {"time.end": "0.03"},
     "periodic_tank": {"domain.spacing": "0.02", "time.end": "0.12"},
     "stirrer": {"time.end": "0.05"},
+    "water_wheel": {"domain.spacing": "0.025", "time.end": "0.06"},
+    "viscous_bunny": {"domain.spacing": "0.02", "time.end": "0.1", "method.viscosity.residual": "1e-10"},
+    "viscous_film": {"time.end": "0.2", "method.viscosity.residual": "1e-10"},
     "two_liquids": {"domain.spacing": "0.05", "time.end": "0.07"},
 }
 

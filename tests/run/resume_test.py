@@ -13,6 +13,7 @@ from harness import SCENES, TIGHT, Workplace
 
 DAM = os.path.join(SCENES, "dam.yaml")
 RAFT = os.path.join(SCENES, "raft.yaml")
+FLAP = os.path.join(SCENES, "flap.yaml")
 LAYERS = os.path.join(SCENES, "layers.yaml")
 SPACING = 0.02
 # On the same ranks nothing but the checkpoint lies between the two; on others sums are in another order.
@@ -85,6 +86,26 @@ class Resume(Workplace):
                 self.assertGreater(abs(one["raft velocity y [m/s]"][-1]), 1e-3, "it moves")
                 self.assertEqual(len(os.listdir(self.path("straight", "frames"))),
                                  len(os.listdir(self.path("run", "frames"))), "solids of every frame")
+                shutil.rmtree(self.path("run"))
+                shutil.rmtree(self.path("straight"))
+
+    def test_with_joints(self):
+        for written, read, tolerance in [(2, 2, SAME_RANKS), (3, 1, OTHER_RANKS)]:
+            with self.subTest(written=written, read=read):
+                self.run_scene(FLAP, "run", written, TIGHT)
+                shutil.copytree(self.path("run"), self.path("straight"))
+                self.remove_newest(1)
+                self.treacle("resume", "run", ranks=read)
+                self.expect_the_same_end(tolerance)
+                one, other = self.columns("straight", "bodies.csv"), self.columns("run", "bodies.csv")
+                self.assertEqual(one.dtype.names, other.dtype.names)
+                for title in one.dtype.names:
+                    if "position" in title or "rotation" in title:
+                        self.assertLessEqual(abs(one[title][-1] - other[title][-1]), tolerance, title)
+                    if read == written and "joint force" in title:
+                        self.assertEqual(one[title][-1], other[title][-1], title)
+                self.assertGreater(abs(one["flap rotation z [rad]"][-1]), 1e-3, "it moves")
+                self.assertGreater(abs(one["flap joint force y [N/m]"][-1]), 1, "the hinge carries it")
                 shutil.rmtree(self.path("run"))
                 shutil.rmtree(self.path("straight"))
 

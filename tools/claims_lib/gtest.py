@@ -4,7 +4,7 @@ import dataclasses
 import json
 
 from .run import built, execute, launched, scratch
-from .table import CommandFailed
+from .table import CommandFailed, Figure
 
 
 @dataclasses.dataclass(frozen=True)
@@ -45,6 +45,13 @@ def run_gtest(context, program, name_filter, *, ranks=0, timeout=1800):
     if done.code != 0 and not result.failed:
         raise CommandFailed(f"{program}: exit code {done.code}, though rank 0 saw no failure")
     return result
+
+
+def gtest_on_ranks(context, program, name_filter, *, at_least):
+    """The figure of tests that must pass on 1, 2, 3 and 4 ranks, no fewer of them than said."""
+    reports = {ranks: run_gtest(context, program, name_filter, ranks=ranks) for ranks in (1, 2, 3, 4)}
+    ok = all(report.ok and report.ran >= at_least for report in reports.values())
+    return Figure("; ".join(f"{ranks} ranks: {report.text()}" for ranks, report in reports.items()), ok)
 
 
 def parse(report):

@@ -2,7 +2,7 @@
 
 import numpy
 
-from .gtest import run_gtest
+from .gtest import gtest_on_ranks
 from .run import run_scene, scratch
 from .table import Figure
 
@@ -32,9 +32,7 @@ def stability(context):
 
 def momentum(context):
     """On 1, 2, 3 and 4 ranks, with solids: the tests hold the sums to 1e-12 and the matrix to its transpose."""
-    reports = [run_gtest(context, "sph_ranks_test", "Mixture.*", ranks=ranks) for ranks in (1, 2, 3, 4)]
-    ok = all(report.ok and report.ran >= 9 for report in reports)
-    return Figure("; ".join(f"{ranks} ranks: {report.text()}" for ranks, report in zip((1, 2, 3, 4), reports)), ok)
+    return gtest_on_ranks(context, "sph_ranks_test", "Mixture.*", at_least=9)
 
 
 def add_rows(table):

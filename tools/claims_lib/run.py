@@ -49,9 +49,13 @@ def execute(context, command, *, expect=0, timeout=3600, env=None, cwd=None):
     except subprocess.TimeoutExpired:
         raise CommandFailed(f"no end after {timeout} s") from None
     if expect is not None and done.returncode != expect:
-        tail = " / ".join(done.stdout.strip().splitlines()[-3:])
-        raise CommandFailed(f"exit code {done.returncode} instead of {expect}: {tail}")
+        raise CommandFailed(f"exit code {done.returncode} instead of {expect}: {last_words(done.stdout)}")
     return Finished(done.returncode, done.stdout, time.monotonic() - start)
+
+
+def last_words(output, lines=3):
+    """The last lines that a program itself has written, without those of mpiexec behind them."""
+    return " / ".join(output.split("-" * 40)[0].strip().splitlines()[-lines:])
 
 
 def launched(ranks, command):

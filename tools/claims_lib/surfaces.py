@@ -5,7 +5,7 @@ import math
 import string
 
 from .gtest import run_gtest
-from .run import run_scene, scratch
+from .run import last_words, run_scene, scratch
 from .table import Figure
 
 RANKS = 2
@@ -84,7 +84,9 @@ def judge(run, top):
     """What a run fails by; empty for a stable one."""
     steps = run.steps()
     if run.finished.code != 0:
-        return f"particles lost at {steps['time'][-1]:.2f} s"
+        lost = "particles are lost" in run.finished.output
+        cause = "particles lost" if lost else last_words(run.finished.output, lines=1)
+        return f"at {steps['time'][-1]:.2f} s {cause}"
     fastest = steps["max speed"].max() / math.sqrt(2 * GRAVITY * top)
     if not fastest < FASTEST:
         return f"speeds of {fastest:.1f} sqrt(2 g H)"

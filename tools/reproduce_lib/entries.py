@@ -2,10 +2,10 @@
 
 A module of this folder declares one with
 
-    @entry("figure-3.9", "what it shows")
+    @entry("figure-3.9", "what it shows", quick=240)
     def figure(context, results): ...
 
-context is that of the claims, for run_scene and its like; with context.quick it should end within minutes.
+context is that of the claims, for run_scene and its like; with context.quick it ends within ten minutes on two cores.
 """
 
 import contextlib
@@ -23,17 +23,18 @@ class Entry:
     name: str
     title: str
     run: object  # function of a Context and Results
+    quick: int   # what it takes with --quick on two cores [s]
 
 
 _entries = {}
 
 
-def entry(name, title):
+def entry(name, title, quick):
     if name in _entries:
         raise ValueError(f"two entries named {name!r}")
 
     def declare(run):
-        _entries[name] = Entry(name, title, run)
+        _entries[name] = Entry(name, title, run, quick)
         return run
 
     return declare
@@ -65,7 +66,7 @@ class Results:
 
     def table(self, name, header, rows):
         """Writes NAME.csv, and prints it. header: titles with units, "time [s]"; rows: of texts, numbers or None."""
-        path = self._new(f"{name}.csv")
+        path = self.new(f"{name}.csv")
         rows = [["" if value is None else value for value in row] for row in rows]
         with open(path, "w", newline="") as file:
             csv.writer(file, lineterminator="\n").writerows([header, *rows])
@@ -76,26 +77,38 @@ class Results:
 
     def curves(self, name, header, rows):
         """Writes NAME.csv without printing it: the points of a figure."""
-        with open(self._new(f"{name}.csv"), "w", newline="") as file:
+        with open(self.new(f"{name}.csv"), "w", newline="") as file:
             csv.writer(file, lineterminator="\n").writerows([header, *rows])
 
     @contextlib.contextmanager
-    def figure(self, name, columns=1, size=(5.5, 4)):
-        """Pyplot's axes of NAME.png, one or a row of them; written on leaving."""
+    def figure(self, name, columns=1, rows=1, size=(5.5, 4)):
+        """Pyplot's axes of NAME.png, one, a row or rows of them, each of a size [inches]; written on leaving."""
         import matplotlib
 
         matplotlib.use("Agg")
         from matplotlib import pyplot
 
-        figure, axes = pyplot.subplots(1, columns, figsize=(size[0] * columns, size[1]))
+        figure, axes = pyplot.subplots(rows, columns, figsize=(size[0] * columns, size[1] * rows))
         try:
             yield axes
             figure.tight_layout()
-            figure.savefig(self._new(f"{name}.png"), dpi=120)
+            figure.savefig(self.new(f"{name}.png"), dpi=120)
         finally:
             pyplot.close(figure)
 
-    def _new(self, name):
+    def pictures(self, name, rows):
+        """NAME.png of pictures side by side. rows: lists of equal length of (title, path of a PNG)."""
+        from matplotlib import image
+
+        cells = [cell for row in rows for cell in row]
+        with self.figure(name, columns=len(rows[0]), rows=len(rows), size=(4.8, 3)) as axes:
+            for one, (title, path) in zip(axes.flat, cells):
+                one.set_axis_off()
+                one.set_title(title, fontsize=8)
+                one.imshow(image.imread(path))
+
+    def new(self, name):
+        """Path of a file of the entry, to be written by the caller."""
         self.folder.mkdir(parents=True, exist_ok=True)
         path = self.folder / name
         self.files.append(path)
@@ -110,7 +123,7 @@ def reproduce(one, context, folder, ranks, out=sys.stdout):
     one.run(context, results)
     record = {"name": one.name, "quick": context.quick, "ranks": ranks, "commands": context.commands,
               "seconds": round(time.monotonic() - start, 1)}
-    (results._new("commands.json")).write_text(json.dumps(record, indent=2) + "\n")
+    (results.new("commands.json")).write_text(json.dumps(record, indent=2) + "\n")
     for path in results.files:
         results.say(f"written to {path}")
     return results

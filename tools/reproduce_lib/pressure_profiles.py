@@ -1,16 +1,13 @@
-"""Figures 3.6, 3.8 and 3.9: how fast pressure solvers converge, and what they cost."""
+"""Figures 3.6 and 3.9: how fast pressure solvers converge, and what they cost."""
 
 from claims_lib.bench import pressure_bench
-from claims_lib.iisph import DENSITY_ERROR, OURS, SOLVERS, START, dam_break
+from claims_lib.iisph import DENSITY_ERROR, SOLVERS, START, dam_break
 from claims_lib.run import run_scene
 
+from .costs import bars, pressure_seconds
 from .entries import entry
+from .iterations import BEST_FACTOR, FACTOR, KEY
 
-KEY = "method.pressure."
-FACTOR = KEY + "multilevel.grid_factor"
-BEST_FACTOR = 1.2  # lambda at which grid and particles agree best on irregular particles
-# Shares of the best lambda, as in the dissertation.
-SHARES = (0.10, 0.25, 0.50, 0.75, 1.0)
 PROFILE = {
     "multilevel": SOLVERS["multilevel"],
     "multilevel_grids": {KEY + "preconditioner": "multilevel_grids"},
@@ -23,6 +20,7 @@ PROFILE = {
 }
 # Times over those of the dissertation's own solver, to a density error of 0.01 %; 3.4 million particles, 24 cores.
 DISSERTATION_TIMES = {"multilevel_grids": 1.0, "CG": 4.0, "IISPH": 12.0}
+OVER_A_RUN = {"IISPH": 7.5, "CG": 2.3, "multilevel": 1.0}  # likewise, in a run of a million particles
 # The dissertation's sizes, and ours with --quick.
 SIZES, QUICK_SIZES = (123_500, 1_000_000, 3_400_000), (15_000, 60_000, 124_000)
 
@@ -39,7 +37,7 @@ def time_to_error(context, results):
                 steps = run.steps()
                 late = steps["time"] > START
                 rows.append([name, count, error, float(steps["pressure iterations"][late].mean()),
-                             float(sum(steps[phase][late] for phase in OURS).mean())])
+                             float(pressure_seconds(steps)[late].mean())])
     return rows
 
 
@@ -48,10 +46,10 @@ def over_time(context, results):
     end = 0.2 if context.quick else 1.0
     rows = []
     with dam_break(context, 2.08e-3, particles=13_000 if context.quick else 1_000_000, end=end) as (_, folder, scene):
-        for name in ("IISPH", "CG", "multilevel"):
+        for name in OVER_A_RUN:
             steps = run_scene(context, scene, folder / name, ranks=results.ranks, timeout=24 * 3600,
                               set={**PROFILE[name], KEY + "density_error": DENSITY_ERROR}).steps()
-            spent = sum(steps[phase] for phase in OURS)
+            spent = pressure_seconds(steps)
             rows += [[name, time, float(whole), float(solve)]
                      for time, whole, solve in zip(steps["time"], spent, steps["solve"])]
     return rows
@@ -68,7 +66,8 @@ def residuals(context, results):
     return rows
 
 
-@entry("figure-3.9", "Convergence of multilevel, CG, ICCG, SORCG, IISPH and DFSPH; cost over a run; growth with the size")
+@entry("figure-3.9", "Convergence of multilevel, CG, ICCG, SORCG, IISPH and DFSPH; cost over a run; growth with the size",
+       quick=240)
 def figure_3_9(context, results):
     costs = time_to_error(context, results)
     at = {name: row for row in costs for name in [row[0]] if row[2] == DENSITY_ERROR}
@@ -79,39 +78,63 @@ def figure_3_9(context, results):
                     DISSERTATION_TIMES.get(name)] for name, row in at.items()])
     spent = over_time(context, results)
     results.curves("over-time", ["solver", "time [s]", "pressure [s]", "solve [s]"], spent)
-    sums = {name: [sum(row[k] for row in spent if row[0] == name) for k in (2, 3)] for name in ("IISPH", "CG", "multilevel")}
+    sums = {name: [sum(row[k] for row in spent if row[0] == name) for k in (2, 3)] for name in OVER_A_RUN}
     results.table("over-a-run", ["solver", "pressure [s]", "over multilevel", "theirs: over their grids"],
                   [[name, sums[name][0], sums[name][0] / sums["multilevel"][0], theirs]
-                   for name, theirs in (("IISPH", 7.5), ("CG", 2.3), ("multilevel", 1.0))])
+                   for name, theirs in OVER_A_RUN.items()])
     histories = residuals(context, results)
     results.curves("residuals", ["solver", "unknowns", "iteration", "residual", "seconds [s]"], histories)
     sizes = sorted({row[1] for row in histories})
     results.table("iterations", ["solver", *(f"{size} unknowns" for size in sizes)],
                   [[name, *(max(row[2] for row in histories if row[:2] == [name, size]) for size in sizes)]
                    for name in ("multilevel", "multilevel_grids", "CG")])
-    with results.figure("figure-3.9", columns=4) as (first, left, middle, right):
-        for name in PROFILE:
-            of = [row for row in costs if row[0] == name]
-            first.plot([row[3] for row in of], [row[2] for row in of], ".-", label=name)
-            left.plot([row[4] for row in of], [row[2] for row in of], ".-", label=f"{name} ({at[name][3]:.0f})")
-        first.set(xlabel="iterations a step", ylabel="density error", xscale="log", yscale="log")
-        left.set(xlabel="pressure solve [s a step]", ylabel="density error", xscale="log", yscale="log")
-        for name in sums:
-            of = [row for row in spent if row[0] == name]
-            middle.plot([row[1] for row in of], [row[2] for row in of], label=name)
-            if name != "IISPH":
-                middle.plot([row[1] for row in of], [row[3] for row in of], ":", label=f"{name}, solve alone")
-        middle.set(xlabel="time [s]", ylabel="pressure solve [s a step]", yscale="log")
-        for name in ("multilevel", "CG"):
-            for size in sizes:
-                of = [row for row in histories if row[:2] == [name, size]]
-                right.plot([row[2] for row in of], [row[3] for row in of], label=f"{name}, {size}")
-        right.set(xlabel="iteration", ylabel="residual", xscale="log", yscale="log")
-        for axes in (first, left, middle, right):
-            axes.legend(fontsize=7)
+    with results.figure("figure-3.9", columns=3, rows=2) as panels:
+        draw_errors(panels[0][0], panels[0][1], costs, at)
+        draw_times(panels[1][0], spent)
+        draw_residuals(panels[1][1], histories)
+        names = ("multilevel_grids", "CG", "IISPH")
+        bars(panels[0][2], names, [at[name][4] / at["multilevel_grids"][4] for name in names],
+             [DISSERTATION_TIMES[name] for name in names], "time to 0.01 % over that of multilevel_grids")
+        bars(panels[1][2], list(OVER_A_RUN), [sums[name][0] / sums["multilevel"][0] for name in OVER_A_RUN],
+             list(OVER_A_RUN.values()), "pressure solve over a run, over multilevel (theirs: their grids)")
 
 
-@entry("figure-3.6", "Convergence of the V-cycle by itself and of MGCG on the dissertation's grids, by lambda")
+def draw_errors(left, right, costs, at):
+    for name in PROFILE:
+        of = [row for row in costs if row[0] == name]
+        left.plot([row[3] for row in of], [row[2] for row in of], ".-", label=name)
+        right.plot([row[4] for row in of], [row[2] for row in of], ".-", label=f"{name} ({at[name][3]:.0f})")
+    left.set(xlabel="iterations a step", ylabel="density error", xscale="log", yscale="log")
+    right.set(xlabel="pressure solve [s a step]", ylabel="density error", xscale="log", yscale="log")
+    left.legend(fontsize=7)
+    right.legend(fontsize=7, title="(iterations to 0.01 %)", title_fontsize=7)
+
+
+def draw_times(axes, spent):
+    for name in OVER_A_RUN:
+        of = [row for row in spent if row[0] == name]
+        line, = axes.plot([row[1] for row in of], [row[2] for row in of], label=name)
+        if name != "IISPH":
+            axes.plot([row[1] for row in of], [row[3] for row in of], ":", color=line.get_color(),
+                      label=f"{name}, solve alone")
+    axes.set(xlabel="time [s]", ylabel="pressure solve [s a step]", yscale="log")
+    axes.legend(fontsize=7)
+
+
+def draw_residuals(axes, histories):
+    for name, style in (("multilevel", "-"), ("CG", "--")):
+        for size in sorted({row[1] for row in histories}):
+            of = [row for row in histories if row[:2] == [name, size]]
+            axes.plot([row[2] for row in of], [row[3] for row in of], style, label=f"{name}, {size} unknowns")
+    axes.set(xlabel="iteration", ylabel="residual", xscale="log", yscale="log")
+    axes.legend(fontsize=7)
+
+
+BEST_IN_THEIRS = {"V-cycle": 1.0, "MGCG": 0.125}  # lambda over their best
+DIVERGED = 1e3                                    # residuals beyond are not drawn
+
+
+@entry("figure-3.6", "Convergence of the V-cycle by itself and of MGCG on the dissertation's grids, by lambda", quick=10)
 def figure_3_6(context, results):
     size, sweeps, rows = (15_000 if context.quick else 300_000), 40, []
     for share in (0.125, 0.25, 0.5, 1.0, 2.0, 4.0):
@@ -134,46 +157,10 @@ def figure_3_6(context, results):
     with results.figure("figure-3.6", columns=2) as (left, right):
         for axes, kind in ((left, "V-cycle"), (right, "MGCG")):
             for share in shares:
-                of = [row for row in rows if row[:2] == [kind, share]]
+                of = [row for row in rows if row[:2] == [kind, share] and row[3] < DIVERGED]
                 if of:
-                    axes.plot([row[2] for row in of], [min(row[3], 1e3) for row in of], label=f"{share}")
+                    noted = ", the dissertation's best" if BEST_IN_THEIRS[kind] == share else ""
+                    axes.plot([row[2] for row in of], [row[3] for row in of], label=f"{share}{noted}")
             axes.set(xlabel=f"{kind} iteration", ylabel="residual", yscale="log", xlim=(0, sweeps))
             axes.legend(title="lambda / best", fontsize=7)
 
-
-@entry("figure-3.8", "Iterations of MGCG on the dissertation's grids over two runs, by lambda")
-def figure_3_8(context, results):
-    rows, failed = [], []
-    end = 0.3 if context.quick else 1.2
-    scenes = {"stirrer": context.root / "inputs/stirrer/scene.yaml",  # liquid with bodies that are moved through it
-              "dam break": context.root / "inputs/dam_break/scene.yaml"}
-    spacing = {"stirrer": 0.005, "dam break": 0.02} if context.quick else {"stirrer": 0.0015, "dam break": 0.0075}
-    for scene, path in scenes.items():
-        for share in SHARES:
-            settings = {KEY + "preconditioner": "multilevel_grids", FACTOR: share * BEST_FACTOR, "time.end": end,
-                        "output.interval": 0, KEY + "density_error": DENSITY_ERROR, "domain.spacing": spacing[scene]}
-            folder = context.scratch / f"{scene.replace(' ', '_')}-{share}"
-            run = run_scene(context, path, folder, ranks=results.ranks, set=settings, arguments=["--overwrite"],
-                            expect=None, timeout=24 * 3600)
-            if run.finished.code != 0:
-                failed.append((scene, share))
-                continue
-            steps = run.steps()
-            rows += [[scene, share, time, n] for time, n in zip(steps["time"], steps["pressure iterations"])]
-    results.curves("figure-3.8-curves", ["scene", "lambda / best", "time [s]", "iterations"], rows)
-
-    def mean(scene, share):
-        of = [row[3] for row in rows if row[:2] == [scene, share]]
-        return float(sum(of) / len(of)) if of else "failed" if (scene, share) in failed else None
-
-    results.table("figure-3.8", ["lambda / best", *(f"{scene}: mean iterations" for scene in scenes), "theirs"],
-                  [[share, *(mean(scene, share) for scene in scenes),
-                    "one of two fails" if share == 1.0 else "fewest just below failure"] for share in SHARES])
-    with results.figure("figure-3.8", columns=2) as panels:
-        for axes, scene in zip(panels, scenes):
-            for share in SHARES:
-                of = [row for row in rows if row[:2] == [scene, share]]
-                if of:
-                    axes.plot([row[2] for row in of], [row[3] for row in of], lw=0.8, label=f"{share}")
-            axes.set(xlabel="time [s]", ylabel="iterations", title=scene)
-            axes.legend(title="lambda / best", fontsize=7)

@@ -1,17 +1,14 @@
-"""Tables 2.4 and 2.5, figures 2.4 to 2.8 and 3.4: densities, free surfaces and solids, ours and what they replace."""
+"""Tables 2.4 and 2.5, figures 2.4 to 2.8: densities, free surfaces and solids, ours and what they replace."""
 
-import csv
+from claims_lib.surfaces import FINE, RULES, STABLE, THEIRS, Scene, cube_drop, largest_stable, try_step
 
-from claims_lib.iisph import OURS
-from claims_lib.run import built, execute, launched, treacle
-from claims_lib.surfaces import RULES, STABLE, THEIRS, Scene, cube_drop, largest_stable, try_step
-
+from .costs import FRAME, bars, pressure_seconds, total_seconds
 from .entries import entry
+from .pictures import drawn
 
-FRAME = 1 / 60  # [s]
-PHASES = ("sort", "neighbours", "density", "forces", *OURS, "pressure force", "move")
-PICTURE_AT = 0.3  # [s]
-FRAMES = 6         # until then
+FINE_SOLIDS = 12.9e-3 # of the dissertation's table 2.5 and figure 2.7 [m]
+PICTURES_AT, PICTURE_INTERVAL = (0.15, 0.3), 0.05 # [s]
+SPEED = ("speed", "0:4") # what pictures show, and its range
 
 SCENE = """schema_version: 1
 title: {title}
@@ -51,23 +48,23 @@ def scene_of(title, size, shape, spacing, top, body=None):
 
 def ball_drop(context):
     return scene_of("A ball of water falls", "[0.9, 0.9, 0.9]", "sphere: {centre: [0.45, 0.45, 0.45], radius: 0.26}",
-                    32e-3 if context.quick else 15e-3, 0.71)
+                    32e-3 if context.quick else FINE, 0.71)
 
 
 def column(context):
     return scene_of("A column of water falls apart", "[0.9, 0.9, 1.2]", "box: {min: [0, 0, 0], max: [0.35, 0.35, 0.9]}",
-                    32e-3 if context.quick else 15e-3, 0.9)
+                    32e-3 if context.quick else FINE, 0.9)
 
 
 def dam_with_post(context):
     return scene_of("Dam break around a post on the floor", "[1.2, 0.55, 1]", "box: {min: [0, 0, 0], max: [0.5, 0.55, 0.6]}",
-                    30e-3 if context.quick else 12.9e-3, 0.6, "box: {min: [0.8, 0.2, -0.05], max: [0.95, 0.35, 0.3]}")
+                    30e-3 if context.quick else FINE_SOLIDS, 0.6, "box: {min: [0.8, 0.2, -0.05], max: [0.95, 0.35, 0.3]}")
 
 
 def drop_on_ball(context):
-    return scene_of("A cube of water falls on a ball in the air", "[0.9, 0.9, 0.9]",
-                    "box: {min: [0.25, 0.25, 0.55], max: [0.65, 0.65, 0.85]}", 25e-3 if context.quick else 12.9e-3, 0.85,
-                    "sphere: {centre: [0.45, 0.45, 0.35], radius: 0.12}")
+    return scene_of("Water falls on a ball in the air", "[0.9, 0.9, 0.9]",
+                    "box: {min: [0.325, 0.325, 0.55], max: [0.575, 0.575, 0.85]}", 25e-3 if context.quick else FINE_SOLIDS,
+                    0.85, "sphere: {centre: [0.45, 0.45, 0.4], radius: 0.13}")
 
 
 def cost_of(run):
@@ -75,8 +72,7 @@ def cost_of(run):
     steps = run.steps()
     frames = steps["time"][-1] / FRAME
     return (float(steps["poisson"].mean()), float(steps["dirichlet"].mean()), float(steps["pressure iterations"].mean()),
-            float(sum(steps[name].sum() for name in OURS) / frames),
-            float(sum(steps[name].sum() for name in PHASES) / frames))
+            float(pressure_seconds(steps).sum() / frames), float(total_seconds(steps).sum() / frames))
 
 
 def particles_of(run):
@@ -95,143 +91,136 @@ def ladders(context, results, scene, methods):
     return found
 
 
-def step_table(results, name, scene, found, printed):
-    """Steps beside theirs, which count at their spacing: both over that of ours."""
-    def over(steps, one):
-        return steps[one] / steps["ours"] if steps.get(one) is not None and steps.get("ours") else None
+def over(values, one):
+    """Of one method over that of ours, None where either is missing."""
+    return values[one] / values["ours"] if values.get(one) is not None and values.get("ours") else None
 
+
+def draw_steps(axes, scene, found, printed, spacing):
+    """Steps over the spacing, with which they grow; theirs, printed [s], are at another one [m]."""
+    bars(axes, list(found), [best and 1e3 * best.step / (1e2 * scene.spacing) for best in found.values()],
+         [1e3 * printed.get(method, 0) / (1e2 * spacing) for method in found],
+         "largest stable step over the spacing [ms/cm]")
+
+
+def step_table(results, name, scene, found, printed, spacing=FINE):
+    """Steps beside theirs, printed [s] at a spacing [m], and both over that of ours."""
     ours = {method: best.step if best else 0 for method, best in found.items()}
     results.table(name, ["method", "step [ms]", "over ours", "theirs: step [ms]", "theirs: over ours"],
                   [[method, 1e3 * ours[method], over(ours, method),
                     1e3 * printed[method] if method in printed else None, over(printed, method)] for method in found])
-    with results.figure(name, size=(7, 4)) as axes:
-        names = list(found)
-        axes.barh([k - 0.2 for k in range(len(names))], [over(ours, one) or 0 for one in names], 0.4, label="Treacle")
-        axes.barh([k + 0.2 for k in range(len(names))], [over(printed, one) or 0 for one in names], 0.4,
-                  label="dissertation")
-        axes.set_yticks(range(len(names)), names, fontsize=8)
-        axes.invert_yaxis()
-        axes.set(xlabel=f"largest stable step over ours, {scene.name}")
-        axes.legend(fontsize=8)
+    with results.figure(name, size=(7, 1.6 + 0.35 * len(found))) as axes:
+        draw_steps(axes, scene, found, printed, spacing)
+        axes.set_title(f"{scene.name}, spacing {1e3 * scene.spacing:.1f} mm, theirs {1e3 * spacing:.1f} mm", fontsize=9)
 
 
-def draw(context, results, scene, name, step, settings, field="pressure"):
-    """A picture at PICTURE_AT of a run of that step."""
+def draw(context, results, scene, name, step, settings, shown):
+    """A run of that step, and its pictures at PICTURES_AT as a row (title, path). shown: a field and its range."""
     trial = try_step(context, scene, results.folder / "runs" / f"picture {name}", step, settings, results.ranks,
-                     interval=PICTURE_AT / FRAMES)
-    if len(trial.run.frames()) <= FRAMES:
-        results.say(f"{name} at {1e3 * step:.2f} ms ends before its picture: {trial.why}")
-        return trial
-    into = results.folder / name.replace(" ", "_")
-    treacle(context, "render", trial.run.folder, "--field", field, "--frames", FRAMES, "--no-movie", "--out", into,
-            ranks=results.ranks)
-    results.files += sorted(into.glob("*.png"))
-    return trial
+                     interval=PICTURE_INTERVAL)
+    frames, row = trial.run.frames(), []
+    for time in PICTURES_AT:
+        number = min(round(time / PICTURE_INTERVAL), len(frames) - 1)
+        title = f"{name}, {1e3 * step:.2f} ms, at {frames[number][0]:.2f} s"
+        if frames[number][0] < time - PICTURE_INTERVAL / 2:
+            title += f": the last before the end, {trial.why}"
+        row.append((title, drawn(context, results, trial.run, *shown, number)))
+    return trial, row
 
 
-def cost_table(results, name, found, printed):
-    rows = []
+def cost_table(results, name, scene, found, printed, spacing):
+    """Costs of the largest stable steps, beside theirs at a spacing [m]."""
+    header = ("liquid particles", "unknowns", "at p = 0", "step [ms]", "iterations", "pressure [s/frame]",
+              "total [s/frame]")
+    printed_header = ("unknowns [k]", "at p = 0 [k]", "step [ms]", "iterations", "pressure [s/frame]", "total [s/frame]")
+    rows, totals = [], {}
     for method, best in found.items():
-        if best is None:
-            rows.append([method, None, None, None, None, None, None, None, *printed.get(method, [None] * 6)])
-            continue
-        poisson, dirichlet, iterations, solve, total = cost_of(best.run)
-        rows.append([method, particles_of(best.run), poisson, dirichlet, 1e3 * best.step, iterations, solve, total,
-                     *printed.get(method, [None] * 6)])
-    for row in rows:
-        row[10] = None if row[10] is None else 1e3 * row[10]
-    results.table(name, ["method", "liquid particles", "unknowns", "at p = 0", "step [ms]", "iterations",
-                         "pressure [s/frame]", "total [s/frame]", "theirs: unknowns [k]", "theirs: at p = 0 [k]",
-                         "theirs: step [ms]", "theirs: iterations", "theirs: pressure [s/frame]",
-                         "theirs: total [s/frame]"], rows)
+        ours = [None] * len(header)
+        if best is not None:
+            poisson, dirichlet, iterations, solve, total = cost_of(best.run)
+            ours = [particles_of(best.run), poisson, dirichlet, 1e3 * best.step, iterations, solve, total]
+            totals[method] = total
+        unknowns, at_zero, step, *rest = printed[method]
+        rows.append([method, *ours, unknowns, at_zero, 1e3 * step, *rest])
+    results.table(name, ["method", *header, *(f"theirs: {title}" for title in printed_header)], rows)
+    with results.figure(name, columns=2, size=(6, 1.6 + 0.35 * len(found))) as (left, right):
+        draw_steps(left, scene, found, {method: values[2] for method, values in printed.items()}, spacing)
+        theirs = {method: values[5] for method, values in printed.items()}
+        bars(right, list(found), [over(totals, one) for one in found], [over(theirs, one) for one in found],
+             "seconds a frame over ours, each at its largest step")
 
 
-@entry("table-2.4", "Largest stable step and cost of each free-surface rule, a cube of water that falls")
+def kernel_steps(context, results, name, scene, kernel, printed):
+    """Largest stable steps with one of the two kernels alone and with the blend of both. printed: theirs [s]."""
+    methods = {f"{kernel} kernel": {**THEIRS, "method.density.kind": kernel}, "ours": THEIRS}
+    step_table(results, name, scene, ladders(context, results, scene, methods),
+               dict(zip(methods, printed)))
+
+
+def with_solids(context, results, name, scene, step, shown, header, values):
+    """Pictures of both ways with solids in runs of one step, and a table: values(method, Trial) of each."""
+    rows, pictures = [], []
+    for method, settings in SOLIDS.items():
+        trial, row = draw(context, results, scene, method, step, settings, shown)
+        rows.append([method, particles_of(trial.run), 1e3 * step, trial.why or "stable", *values(method, trial)])
+        pictures.append(row)
+    results.table(name, ["method", "liquid particles", "step [ms]", "outcome", *header], rows)
+    results.pictures(name, pictures)
+
+
+@entry("table-2.4", "Largest stable step and cost of each free-surface rule, a cube of water that falls", quick=170)
 def table_2_4(context, results):
     methods = {name: {**THEIRS, **RULES[name]} for name in TABLE_2_4}
-    cost_table(results, "table-2.4", ladders(context, results, cube_drop(context), methods), TABLE_2_4)
+    scene = cube_drop(context)
+    cost_table(results, "table-2.4", scene, ladders(context, results, scene, methods), TABLE_2_4, FINE)
 
 
-@entry("figure-2.6", "Largest stable step of each free-surface rule, with and without clamped sources")
+@entry("figure-2.6", "Largest stable step of each free-surface rule, with and without clamped sources", quick=300)
 def figure_2_6(context, results):
     scene = cube_drop(context)
     methods = {name: {**THEIRS, **rule} for name, rule in RULES.items()}
     found = ladders(context, results, scene, methods)
     step_table(results, "figure-2.6", scene, found, FIGURE_2_6)
     step = (found["ours"].step if found["ours"] else scene.steps()[-1])
-    for name in ("ours", "source-term-based", "density-based", "surface-based"):
-        draw(context, results, scene, name, step, methods[name], "speed")
+    results.pictures("pictures", [draw(context, results, scene, name, step, methods[name], SPEED)[1] for name in
+                                  ("ours", "source-term-based", "density-based", "surface-based")])
 
 
-@entry("table-2.5", "Largest stable step and cost with solids as unknowns and with ours, dam break around a solid")
+@entry("table-2.5", "Largest stable step and cost with solids as unknowns and with ours, dam break around a solid", quick=120)
 def table_2_5(context, results):
-    cost_table(results, "table-2.5", ladders(context, results, dam_with_post(context), SOLIDS), TABLE_2_5)
+    scene = dam_with_post(context)
+    cost_table(results, "table-2.5", scene, ladders(context, results, scene, SOLIDS), TABLE_2_5, FINE_SOLIDS)
 
 
-@entry("figure-2.7", "Pressures with solids as unknowns and with ours, dam break around a solid")
+@entry("figure-2.7", "Pressures with solids as unknowns and with ours, dam break around a solid", quick=140)
 def figure_2_7(context, results):
     scene = dam_with_post(context)
-    step = 0.51e-3 * scene.spacing / 12.9e-3  # theirs for solids as unknowns: both are stable with it
-    rows = []
-    theirs = {"solids as unknowns": 1.88e4, "ours": 2.32e4}
-    for name, settings in SOLIDS.items():
-        trial = draw(context, results, scene, name, step, settings)
+    theirs = {"solids as unknowns": 1.88e4, "ours": 2.32e4}  # the dissertation's section 2.5.4
+
+    def values(method, trial):
         pressures = [trial.run.frame(k)["pressure"].max() for k in range(1, len(trial.run.frames()))]
-        rows.append([name, particles_of(trial.run), 1e3 * step, trial.why or "stable",
-                     float(sum(pressures) / len(pressures)), theirs[name]])
-    results.table("figure-2.7", ["method", "liquid particles", "step [ms]", "outcome", "mean of the largest pressure [Pa]",
-                                 "theirs, at 1.09 ms [Pa]"], rows)
+        return float(sum(pressures) / len(pressures)), theirs[method]
+
+    # Theirs for solids as unknowns: both are stable with it.
+    with_solids(context, results, "figure-2.7", scene, 0.51e-3 * scene.spacing / FINE_SOLIDS,
+                ("pressure", "0:6000"), ("mean of the largest pressure [Pa]", "theirs, at 1.09 ms [Pa]"), values)
 
 
-@entry("figure-2.4", "Largest stable step with the smooth kernel alone and with the blend, a ball that falls")
+@entry("figure-2.4", "Largest stable step with the smooth kernel alone and with the blend, a ball that falls", quick=120)
 def figure_2_4(context, results):
-    scene = ball_drop(context)
-    methods = {"smooth kernel": {**THEIRS, "method.density.kind": "smooth"}, "ours": THEIRS}
-    found = ladders(context, results, scene, methods)
-    step_table(results, "figure-2.4", scene, found, {"smooth kernel": 1.03e-3, "ours": 1.4e-3})
+    kernel_steps(context, results, "figure-2.4", ball_drop(context), "smooth", (1.03e-3, 1.4e-3))
 
 
-@entry("figure-2.5", "Largest stable step with the spiky kernel alone and with the blend, a column that falls apart")
+@entry("figure-2.5", "Largest stable step with the spiky kernel alone and with the blend, a column that falls apart",
+       quick=120)
 def figure_2_5(context, results):
-    scene = column(context)
-    methods = {"spiky kernel": {**THEIRS, "method.density.kind": "spiky"}, "ours": THEIRS}
-    found = ladders(context, results, scene, methods)
-    step_table(results, "figure-2.5", scene, found, {"spiky kernel": 0.73e-3, "ours": 1.07e-3})
+    kernel_steps(context, results, "figure-2.5", column(context), "spiky", (0.73e-3, 1.07e-3))
 
 
-@entry("figure-2.8", "Water falls on a solid that floats in the air")
+@entry("figure-2.8", "Water falls on a solid that floats in the air", quick=25)
 def figure_2_8(context, results):
     scene = drop_on_ball(context)
-    step = 0.5e-3 * scene.spacing / 12.9e-3
-    rows = []
-    for name, settings in SOLIDS.items():
-        trial = draw(context, results, scene, name, step, settings)
-        steps = trial.run.steps()
-        rows.append([name, particles_of(trial.run), trial.why or "stable", float(steps["anchored"].mean())])
-    results.table("figure-2.8", ["method", "liquid particles", "outcome", "anchors a step"], rows)
-
-
-@entry("figure-3.4", "Pressures in a square: exact, solids as unknowns, and the unified term")
-def figure_3_4(context, results):
-    import numpy
-
-    results.folder.mkdir(parents=True, exist_ok=True)
-    table = results._new("pressures.csv")
-    program = built(context, "sph_ranks_test", "tests")
-    execute(context, launched(results.ranks, [program, "--gtest_filter=SquareDomain.*"]),
-            env={"TREACLE_SQUARE": str(table)})
-    with open(table, newline="") as file:
-        rows = [[float(value) for value in row] for row in list(csv.reader(file))[1:]]
-    x, y, exact, unified, unknowns = numpy.array(rows).T
-    results.table("figure-3.4", ["method", "largest error over the largest pressure", "mean pressure over exact"],
-                  [[name, float(abs(p - exact).max() / exact.max()), float(p.mean() / exact.mean())]
-                   for name, p in (("solids as unknowns", unknowns), ("unified term", unified))])
-    with results.figure("figure-3.4", columns=5, size=(3.4, 3)) as axes:
-        pictures = (("exact", exact, "jet"), ("solids as unknowns", unknowns, "jet"),
-                    ("exact less it", exact - unknowns, "Reds"), ("unified term", unified, "jet"),
-                    ("exact less it", exact - unified, "Reds"))
-        for one, (title, p, colours) in zip(axes, pictures):
-            most = exact.max() if colours == "jet" else abs(exact - unknowns).max()
-            dots = one.scatter(x, y, c=p, s=9, marker="s", cmap=colours, vmin=0, vmax=most)
-            one.set(title=title, xticks=[], yticks=[], aspect="equal")
-            one.figure.colorbar(dots, ax=one, shrink=0.8)
+    with_solids(context, results, "figure-2.8", scene, 0.5e-3 * scene.spacing / FINE_SOLIDS, SPEED,
+                ("largest speed [m/s]", "theirs"),
+                lambda method, trial: (float(trial.run.steps()["max speed"].max()),
+                                       "stable" if method == "ours" else "not shown"))

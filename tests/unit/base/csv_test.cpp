@@ -1,3 +1,4 @@
+#include "../own_folder.hpp"
 #include "base/csv.hpp"
 
 #include "base/error.hpp"
@@ -17,15 +18,6 @@ namespace {
 
 class CsvTest : public testing::Test {
 protected:
-    CsvTest() {
-        const auto* info = testing::UnitTest::GetInstance()->current_test_info();
-        folder_ = std::filesystem::temp_directory_path() /
-                  (std::string("treacle_csv_") + info->name() + "_" + std::to_string(::getpid()));
-        std::filesystem::create_directories(folder_);
-        path_ = folder_ / "steps.csv";
-    }
-    ~CsvTest() override { std::filesystem::remove_all(folder_); }
-
     std::string content() const {
         std::ifstream file(path_);
         return {std::istreambuf_iterator<char>(file), {}};
@@ -33,7 +25,9 @@ protected:
     void write(const std::string& text) const { std::ofstream(path_) << text; }
 
     const std::vector<std::string> columns_{"step", "time [s]"};
-    std::filesystem::path folder_, path_;
+    const test::OwnFolder own_;
+    const std::filesystem::path& folder_ = own_.path();
+    const std::filesystem::path path_ = folder_ / "steps.csv";
 };
 
 TEST_F(CsvTest, RowsHaveFullPrecision) {

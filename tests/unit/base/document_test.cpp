@@ -1,8 +1,8 @@
+#include "../own_folder.hpp"
 #include "sample.hpp"
 
 #include <fstream>
 #include <random>
-#include <unistd.h>
 
 namespace treacle {
 namespace {
@@ -77,8 +77,8 @@ TEST(Document, AFileThatIsNotThereOrAFolderIsAnError) {
 }
 
 TEST(Document, AFileIsNamedInMessagesAsGiven) {
-    const auto path =
-        std::filesystem::temp_directory_path() / ("treacle_" + std::to_string(::getpid()) + ".yaml");
+    const test::OwnFolder folder;
+    const auto path = folder.path() / "scene.yaml";
     std::ofstream(path) << "parts: []\nwidth: -1\n";
     Sample sample;
     try {
@@ -87,7 +87,6 @@ TEST(Document, AFileIsNamedInMessagesAsGiven) {
     } catch (const InputError& error) {
         EXPECT_EQ(error.diagnostics()[0].where, path.string() + ":2");
     }
-    std::filesystem::remove(path);
 }
 
 TEST(Set, ReplacesAndMakesValues) {

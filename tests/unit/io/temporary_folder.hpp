@@ -1,28 +1,23 @@
 #pragma once
+#include "../own_folder.hpp"
 #include "mpi/comm.hpp"
 
-#include <cstdlib>
-#include <filesystem>
-#include <string>
+#include <optional>
 
 // A folder that all ranks share, gone at the end of the test.
 class TemporaryFolder {
 public:
     explicit TemporaryFolder(const treacle::Comm& comm) : comm_(comm) {
-        std::string name = (std::filesystem::temp_directory_path() / "treacle_io_XXXXXX").string();
-        if (comm.is_root() && !mkdtemp(name.data())) std::abort();
-        path_ = comm.broadcast(name);
+        if (comm.is_root()) folder_.emplace();
+        path_ = comm.broadcast(folder_ ? folder_->path().string() : "");
     }
-    ~TemporaryFolder() {
-        comm_.barrier();
-        std::error_code ignored;
-        if (comm_.is_root()) std::filesystem::remove_all(path_, ignored);
-    }
+    ~TemporaryFolder() { comm_.barrier(); }
     const std::filesystem::path& path() const { return path_; }
     operator const std::filesystem::path&() const { return path_; }
 
 private:
     treacle::Comm comm_;
+    std::optional<treacle::test::OwnFolder> folder_; // of the root
     std::filesystem::path path_;
 };
 

@@ -62,10 +62,7 @@ inline std::vector<Point> random_points(const CellGrid& grid, int n, std::uint64
     return points;
 }
 
-template <class View>
-auto on_host(const View& view) {
-    return Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), view);
-}
+using treacle::on_host;
 
 // Changes rows of a field through set(host copy).
 template <class View, class Set>

@@ -100,6 +100,22 @@ TEST(BadScene, NamesAreWordsAndDiffer) {
                            "scene.yaml:4: cameras: the name a stands twice"));
 }
 
+TEST(BadScene, JointsLinkADynamicBodyToAnother) {
+    const auto joint = [](const std::string& keys) {
+        return body("    kind: dynamic\n    density: 5\n") + "joints:\n  - {name: pin, point: [0, 0, 0], " + keys + "}\n";
+    };
+    const std::string hinge = "axis: [0, 0, 1], ";
+    EXPECT_TRUE(problems(joint(hinge + "body: ship")).empty());
+    EXPECT_TRUE(is_problem(joint("body: ship"), "scene.yaml:10: joints.pin.axis: must be given"));
+    EXPECT_TRUE(is_problem(joint(hinge + "body: shop"), "scene.yaml:10: joints: the body shop of pin is not among"));
+    EXPECT_TRUE(is_problem(joint(hinge + "body: ship, to: quay"), "scene.yaml:10: joints: the body quay of pin"));
+    EXPECT_TRUE(is_problem(joint(hinge + "body: ship, to: ship"), "scene.yaml:10: joints: pin links ship to itself"));
+    EXPECT_TRUE(is_problem(joint("kind: ball, axis: [1, 0, 0], body: ship"),
+                           "scene.yaml:10: joints.pin.axis = [1, 0, 0]: has no effect"));
+    EXPECT_TRUE(is_problem(joint("kind: weld, body: ship"), "scene.yaml:10: joints.pin.kind = weld: must be one of"));
+    EXPECT_TRUE(is_problem(joint(hinge), "scene.yaml:10: joints.pin.body is missing"));
+}
+
 TEST(BadScene, ShapesHaveAVolume) {
     const std::string at = "scene.yaml:6: liquids.honey.shapes.0.";
     EXPECT_TRUE(is_problem(shape("box: {min: [0, 0, 0], max: [1, 1, 0]}"),

@@ -1,3 +1,4 @@
+#include "../own_folder.hpp"
 #include "base/error.hpp"
 #include "scene/data_files.hpp"
 
@@ -5,7 +6,6 @@
 
 #include <cstdlib>
 #include <fstream>
-#include <unistd.h>
 
 namespace treacle::scene {
 namespace {
@@ -15,14 +15,10 @@ namespace fs = std::filesystem;
 class DataFiles : public testing::Test {
 protected:
     DataFiles() {
-        root_ = fs::temp_directory_path() / ("treacle_data_" + std::to_string(::getpid()));
         for (const char* folder : {"scene", "data", "variable"}) fs::create_directories(root_ / folder);
         ::unsetenv("TREACLE_DATA");
     }
-    ~DataFiles() override {
-        fs::remove_all(root_);
-        ::unsetenv("TREACLE_DATA");
-    }
+    ~DataFiles() override { ::unsetenv("TREACLE_DATA"); }
 
     fs::path add(const std::string& name) const {
         std::ofstream(root_ / name) << "mesh";
@@ -42,7 +38,8 @@ protected:
         return scene;
     }
 
-    fs::path root_;
+    const test::OwnFolder folder_;
+    const fs::path& root_ = folder_.path();
 };
 
 TEST_F(DataFiles, AreLookedUpBesideTheSceneThenInDataThenInTheVariable) {

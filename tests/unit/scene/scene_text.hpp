@@ -77,6 +77,8 @@ inline const std::string everything =
     "  - kind: kinematic\n"
     "    shape: {sphere: {centre: [0, 0, 0], radius: 1}}\n"
     "    keyframes: [{time: 0}, {time: 3 ms, translation: [1, 2, 3], rotation_angle: 1 deg}]\n"
+    "joints: [{kind: slider, body: body, to: body_2, point: [0, 0, 0], axis: [1, 1, 0]}, {kind: ball, body: body, "
+    "point: [1, 2, 3]}]\n"
     "time: {end: 2, rule: fixed, step: 1 ms}\n"
     "output: {interval: 20 ms, fields: [velocity], checkpoints_kept: 3}\n"
     "cameras: [{}, {name: side, position: [0, -3, 1], field_of_view: 40 deg}]\n"

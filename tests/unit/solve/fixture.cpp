@@ -16,7 +16,9 @@ std::unique_ptr<SolveRuntime> the_runtime;
 class PetscEnvironment : public testing::Environment {
     void SetUp() override {
         the_runtime = std::make_unique<SolveRuntime>("-bad_pc_type nonsense -chosen_pc_type jacobi "
-                                                     "-misspelt_pc_tipe jacobi -sweeping_pc_type eisenstat");
+                                                     "-misspelt_pc_tipe jacobi -sweeping_pc_type eisenstat "
+                                                     "-same_ksp_type cg -minimal_ksp_type minres "
+                                                     "-limited_ksp_max_it 3 -loose_ksp_rtol 1e-2 -odd_ksp_type strange");
     }
     void TearDown() override { the_runtime.reset(); }
 };

@@ -186,6 +186,25 @@ TEST(Krylov, zero_right_hand_side_gives_zero_whatever_the_guess) {
     EXPECT_EQ(x, b);
 }
 
+// What is left of a system in free fall: no residual is small against ||b||, and squares underflow.
+TEST(Krylov, a_solution_far_smaller_than_the_guess_or_than_any_number_is_found) {
+    const auto comm = Comm::world();
+    auto system = poisson(comm, 3, Border::dirichlet);
+    Matrix matrix(comm, system.blocks());
+    const std::pair<double, double> sizes[] = {{0, 1}, {1e-200, 1}, {1e-40, 1}, {0, 1e-158}, {1e-165, 1e-158}};
+    for (const auto& [of_b, of_guess] : sizes) {
+        auto b = system.values(noise), x = b;
+        for (double& value : b) value *= of_b;
+        for (double& value : x) value *= of_guess;
+        auto solver = solver_with(Preconditioner::ic0);
+        const auto nothing = [](std::span<const double>) { return 0.0; };
+        const auto report = solver.solve(matrix, b, x, ConvergenceTest::measure(nothing, 1, 0.1));
+        EXPECT_TRUE(report.converged()) << report.reason;
+        EXPECT_LE(report.iterations, 27); // the unknowns
+        for (const double value : x) EXPECT_NEAR(value, 0, 1e-12); // 1e-14 of a guess near 1, times the condition
+    }
+}
+
 // Average density error: sum over rows of max(0, -r) / rows, as the pressure solve has it.
 class DensityTest : public testing::TestWithParam<Preconditioner> {};
 INSTANTIATE_TEST_SUITE_P(cheap_and_expensive, DensityTest,

@@ -18,7 +18,7 @@ struct Sample {
     Comm comm;
     TestSystem system;
     std::vector<int> cells, dirichlet;
-    std::vector<double> walls;
+    std::vector<double> walls, densities;
     Multilevel multilevel;
     int set_ups = 0;
 
@@ -37,7 +37,7 @@ struct Sample {
         options.user.apply = [this](std::span<const double> r, std::span<double> z) { multilevel.apply(r, z); };
         options.user.set_up = [this](Matrix& matrix) {
             ++set_ups;
-            multilevel.set_up(matrix, {cells, dirichlet, walls});
+            multilevel.set_up(matrix, {cells, dirichlet, walls, densities});
         };
         return options;
     }
@@ -217,6 +217,43 @@ TEST(Multilevel, with_a_cell_for_each_row_and_no_overcorrection_is_the_inverse) 
     Sample sample(comm, poisson(comm, n, Border::dirichlet),
                   [](Index i) { return Place{int(i % n), int(i / n % n), int(i / (n * n))}; }, options);
     EXPECT_EQ(sample.iterations(1e-11), 1);
+}
+
+TEST(Multilevel, on_grids_with_a_cell_for_each_row_of_several_densities_is_the_inverse) {
+    const auto comm = Comm::world();
+    const Index n = 7;
+    const auto place = [](Index i) { return Place{int(i % n), int(i / n % n), int(i / (n * n))}; };
+    const auto density = [place](Index i) { return place(i)[2] < 3 ? 0.1 : 1.0 + 0.2 * place(i)[0]; };
+    const auto plain = poisson(comm, n, Border::dirichlet).row;
+    const auto row = [=](Index i) { // couplings over the mean density of both; the border's over the row's own
+        auto entries = plain(i);
+        double diagonal = double(7 - entries.size()) / density(i);
+        for (auto& [column, value] : entries) {
+            if (column == i) continue;
+            value = -2 / (density(i) + density(column));
+            diagonal -= value;
+        }
+        for (auto& [column, value] : entries) {
+            if (column == i) value = diagonal;
+        }
+        return entries;
+    };
+    auto chosen = variant("grids");
+    chosen.options.dense_rows = 1000;
+    chosen.options.grid_coupling = 1;
+    Sample sample(comm, TestSystem(comm, n * n * n, row), place, chosen.options);
+    for (const int low : {-1, int(n)}) {
+        for (int b = 0; b < n; ++b) {
+            for (int a = 0; a < n; ++a) {
+                const auto cells = {low, a, b, a, low, b, a, b, low};
+                sample.dirichlet.insert(sample.dirichlet.end(), cells);
+            }
+        }
+    }
+    sample.densities = sample.system.values([&](Index i) { return density(i); });
+    EXPECT_EQ(sample.iterations(1e-11), 1);
+    sample.densities.clear(); // as one liquid's, the grid is another
+    EXPECT_GT(sample.iterations(1e-11), 10);
 }
 
 TEST(Multilevel, gathers_small_levels_onto_rank_0) {

@@ -40,9 +40,7 @@ struct Solved {
     std::map<std::int64_t, State> states;
 };
 Solved step_once(const Comm& comm, const Sample& sample) {
-    Solved out{std::make_unique<IsphStep>(comm, sample.setup), {}, {}};
-    put(comm, sample, out.step->liquid(), out.step->solid());
-    out.step->start();
+    Solved out{started(comm, sample), {}, {}};
     out.step->start(IsphStep::SolidVolumes::keep); // so that the pressures count as known
     out.report = out.step->advance(dt);
     out.states = all_states(comm, out.step->liquid());

@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <map>
+#include <memory>
 
 // Scenes made by hand, all of which every rank knows.
 namespace treacle::sph {
@@ -183,6 +184,14 @@ inline void put(const Comm& comm, const Sample& sample, LiquidParticles& liquid,
     test::edit(solid.body(), [&](auto& v) {
         for (std::size_t i = 0; i < bricks.size(); ++i) v(i) = sample.solid[bricks[i]].body;
     });
+}
+
+// The stepper of a sample with its particles, before the first step.
+inline std::unique_ptr<IsphStep> started(const Comm& comm, const Sample& sample) {
+    auto step = std::make_unique<IsphStep>(comm, sample.setup);
+    put(comm, sample, step->liquid(), step->solid());
+    step->start();
+    return step;
 }
 
 // All particles of all ranks by id, with some of their fields.

@@ -48,13 +48,6 @@ Sample dam_break() {
     return sample;
 }
 
-std::unique_ptr<IsphStep> started(const Comm& comm, const Sample& sample) {
-    auto step = std::make_unique<IsphStep>(comm, sample.setup);
-    put(comm, sample, step->liquid(), step->solid());
-    step->start();
-    return step;
-}
-
 std::map<std::int64_t, State> run(const Comm& comm, const Sample& sample, int steps) {
     const auto step = started(comm, sample);
     for (int k = 0; k < steps; ++k) step->advance(dt);

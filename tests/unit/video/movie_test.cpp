@@ -1,3 +1,4 @@
+#include "../own_folder.hpp"
 #include "base/error.hpp"
 #include "video/movie.hpp"
 
@@ -8,27 +9,20 @@
 #include <iterator>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/videoio.hpp>
-#include <unistd.h>
 
 using namespace treacle;
 using namespace treacle::video;
 namespace fs = std::filesystem;
 
 namespace {
-// A folder of its own for each test, removed with all that is in it.
 class MovieFiles : public testing::Test {
 protected:
-    void SetUp() override {
-        folder = fs::temp_directory_path() / ("treacle_movie_" + std::to_string(::getpid()));
-        fs::create_directories(folder);
-    }
-    void TearDown() override { fs::remove_all(folder); }
-
     std::size_t count_files() const {
         return std::size_t(std::distance(fs::directory_iterator(folder), fs::directory_iterator{}));
     }
 
-    fs::path folder;
+    const test::OwnFolder own;
+    const fs::path& folder = own.path();
 };
 
 Image picture(int width, int height, int shade) {

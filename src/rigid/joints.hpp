@@ -1,0 +1,37 @@
+#pragma once
+#include "rigid/keyframes.hpp"
+#include "rigid/mobility.hpp"
+
+#include <string>
+
+namespace treacle::rigid {
+
+// What links two bodies, or one to the world. The place is that at the start of the run.
+struct JointSetup {
+    std::string name;
+    scene::JointKind kind = scene::JointKind::hinge;
+    std::size_t body = 0;
+    int other = -1;      // -1: the world
+    Vec3 point{0, 0, 0}; // [m]
+    Vec3 axis{0, 0, 1};  // of a hinge or a slider; unit vector
+    double lever = 1;    // [m] how much a rotation counts beside a shift
+};
+
+// Where a body is and where its centre was at the start; of the world both are none.
+struct Placed {
+    Pose pose;
+    Vec3 start{0, 0, 0}; // [m]
+
+    Vec3 place(const Vec3& at_start) const { return pose.centre + to_matrix(pose.turn) * (at_start - start); }
+};
+
+// The conditions of a joint, with both bodies where they are: no relative velocity of the point that the
+// first one carries, no relative rotation but about a hinge's axis; of a slider no relative motion but along
+// its axis.
+void append_rows(const JointSetup& joint, const Placed& body, const Placed& other,
+                 std::vector<JointRow>& rows);
+
+// How far each of them is from being met [m]; their rates are what the rows hold.
+void append_gaps(const JointSetup& joint, const Placed& body, const Placed& other, std::vector<double>& gaps);
+
+} // namespace treacle::rigid
