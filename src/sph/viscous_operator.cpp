@@ -339,6 +339,42 @@ struct ViscousLoadLoop : ViscousLoop<Kernel>, LoadReduction {
     }
 };
 
+template <class Liquids>
+double write_shares(const Liquids& liquids, double scale, int n, const Array<double>& share) {
+    double most = 0;
+    Kokkos::parallel_reduce("treacle::viscous_shares", n, KOKKOS_LAMBDA(int i, double& largest) {
+        share(i) = scale * liquids.viscosity(i);
+        largest = math::max(largest, share(i));
+    }, Kokkos::Max<double>(most));
+    return n > 0 ? most : 0;
+}
+
+void pack_motion(LiquidParticles& liquid, const Array3& u) {
+    const int n = liquid.store.total();
+    reserve(liquid.motion, static_cast<std::size_t>(n));
+    const auto to = liquid.motion;
+    Kokkos::parallel_for("treacle::viscous_motion", n, KOKKOS_LAMBDA(int i) {
+        for (int k = 0; k < 3; ++k) to(i, k) = u(i, k);
+        to(i, 3) = 0;
+    });
+}
+
+// The ghosts' rows of Q_i, to where pair sums read them.
+void pack_ghosts(const ParticleStore& store, const Array3 (&from)[3], const Array4 (&to)[3],
+                 const Array<double>& share, double damping) {
+    const auto fx = from[0], fy = from[1], fz = from[2];
+    const auto x = to[0], y = to[1], z = to[2];
+    using Range = Kokkos::RangePolicy<Execution>;
+    Kokkos::parallel_for("treacle::viscous_ghosts", Range(store.owned(), store.total()), KOKKOS_LAMBDA(int i) {
+        for (int k = 0; k < 3; ++k) {
+            x(i, k) = fx(i, k);
+            y(i, k) = fy(i, k);
+            z(i, k) = fz(i, k);
+        }
+        x(i, 3) = damping * share(i);
+    });
+}
+
 PairGrip pair_grip(const ViscousParts& parts, const Array<double>& share) {
     const double h = parts.constants.support;
     const double line = parts.options.viscosity.form == ViscosityForm::pairwise ? parts.constants.dimensions + 2 : 0;
@@ -376,13 +412,9 @@ double ViscousOperator::prepare(const ViscousParts& parts, double dt) {
     const auto share = liquid.store.get<Array<double>>(share_);
     const double scale = dt / constants.mass * constants.rest_volume;
     double most = 0;
-    with_liquids(constants.mixture, liquid.liquid(), parts.forces.viscosity, [&](const auto& liquids) {
-        Kokkos::parallel_reduce("treacle::viscous_shares", n, KOKKOS_LAMBDA(int i, double& largest) {
-            share(i) = scale * liquids.viscosity(i);
-            largest = math::max(largest, share(i));
-        }, Kokkos::Max<double>(most));
-    });
-    most = parts.comm.max(n > 0 ? most : 0.0);
+    with_liquids(constants.mixture, liquid.liquid(), parts.forces.viscosity,
+                 [&](const auto& liquids) { most = write_shares(liquids, scale, n, share); });
+    most = parts.comm.max(most);
     if (most == 0) return 0;
     parts.halo.gather(liquid.store, {share_});
     for (auto* array : {&correction_, &span_, &block_}) reserve(*array, static_cast<std::size_t>(n));
@@ -397,36 +429,6 @@ double ViscousOperator::prepare(const ViscousParts& parts, double dt) {
                                                  correction_, span_, block_});
     });
     return most;
-}
-
-void ViscousOperator::pack_motion(LiquidParticles& liquid, const Array3& u) const {
-    const int n = liquid.store.total();
-    reserve(liquid.motion, static_cast<std::size_t>(n));
-    const auto to = liquid.motion;
-    Kokkos::parallel_for("treacle::viscous_motion", n, KOKKOS_LAMBDA(int i) {
-        for (int k = 0; k < 3; ++k) to(i, k) = u(i, k);
-        to(i, 3) = 0;
-    });
-}
-
-// The ghosts' Q_i.
-void ViscousOperator::exchange_stress(const ViscousParts& parts) {
-    auto& store = parts.liquid.store;
-    parts.halo.gather(store, {stress_[0], stress_[1], stress_[2]});
-    const auto share = store.get<Array<double>>(share_);
-    const Array3 from[3] = {store.get<Array3>(stress_[0]), store.get<Array3>(stress_[1]), store.get<Array3>(stress_[2])};
-    const auto x = packed_[0], y = packed_[1], z = packed_[2];
-    const auto fx = from[0], fy = from[1], fz = from[2];
-    const double damping = damping_;
-    using Range = Kokkos::RangePolicy<Execution>;
-    Kokkos::parallel_for("treacle::viscous_ghosts", Range(store.owned(), store.total()), KOKKOS_LAMBDA(int i) {
-        for (int k = 0; k < 3; ++k) {
-            x(i, k) = fx(i, k);
-            y(i, k) = fy(i, k);
-            z(i, k) = fz(i, k);
-        }
-        x(i, 3) = damping * share(i);
-    });
 }
 
 void ViscousOperator::multiply(const ViscousParts& parts, int u_field, Walls which, const Array3& product) {
@@ -447,12 +449,12 @@ void ViscousOperator::multiply(const ViscousParts& parts, int u_field, Walls whi
             return;
         }
         const auto& store = liquid.store;
-        Kokkos::parallel_for(
-            "treacle::viscous_stress", fluid.count,
-            StressLoop<Kernel>{base, damping_, share, correction_, span_,
-                               {store.get<Array3>(stress_[0]), store.get<Array3>(stress_[1]), store.get<Array3>(stress_[2])},
-                               {packed_[0], packed_[1], packed_[2]}});
-        exchange_stress(parts);
+        const Array3 rows[3] = {store.get<Array3>(stress_[0]), store.get<Array3>(stress_[1]), store.get<Array3>(stress_[2])};
+        Kokkos::parallel_for("treacle::viscous_stress", fluid.count,
+                             StressLoop<Kernel>{base, damping_, share, correction_, span_, {rows[0], rows[1], rows[2]},
+                                                {packed_[0], packed_[1], packed_[2]}});
+        parts.halo.gather(store, {stress_[0], stress_[1], stress_[2]});
+        pack_ghosts(store, rows, packed_, share, damping_);
         Kokkos::parallel_for("treacle::viscous_forces", fluid.count,
                              StressForceLoop<Kernel>{base, relative, {packed_[0], packed_[1], packed_[2]}, product});
     });

@@ -48,8 +48,6 @@ public:
 
 private:
     using Array6 = Kokkos::View<double* [6], Memory>;
-    void pack_motion(LiquidParticles& liquid, const Array3& u) const;
-    void exchange_stress(const ViscousParts& parts);
     ViscousWalls walls(const ViscousParts& parts, Walls which) const;
 
     double dt_ = 0;
