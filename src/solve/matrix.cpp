@@ -92,6 +92,24 @@ Matrix::Matrix(const Comm& comm, const CsrBlocks& given)
     entries_ = std::int64_t{blocks_.diagonal_offsets[rows_]} + blocks_.off_offsets[rows_];
 }
 
+namespace {
+void set_near_kernel(Mat mat, MPI_Comm group, const std::vector<std::vector<double>>& vectors) {
+    std::vector<VecHandle> handles(vectors.size());
+    std::vector<Vec> plain;
+    for (std::size_t k = 0; k < vectors.size(); ++k) {
+        check(MatCreateVecs(mat, handles[k].out(), nullptr));
+        double* values = nullptr;
+        check(VecGetArray(handles[k], &values));
+        std::copy(vectors[k].begin(), vectors[k].end(), values);
+        check(VecRestoreArray(handles[k], &values));
+        plain.push_back(handles[k]);
+    }
+    NullSpaceHandle space;
+    check(MatNullSpaceCreate(group, PETSC_FALSE, static_cast<Index>(plain.size()), plain.data(), space.out()));
+    check(MatSetNearNullSpace(mat, space));
+}
+} // namespace
+
 Matrix::Native& Matrix::native() {
     if (native_) return *native_;
     native_ = std::make_unique<Native>();
@@ -113,6 +131,8 @@ Matrix::Native& Matrix::native() {
     }
     check(MatSetOption(native_->mat, MAT_SYMMETRIC, PETSC_TRUE));
     check(MatSetOption(native_->mat, MAT_SYMMETRY_ETERNAL, PETSC_TRUE));
+    if (block_size_ > 1) check(MatSetBlockSize(native_->mat, block_size_));
+    if (!near_kernel_.empty()) set_near_kernel(native_->mat, group, near_kernel_);
     check(VecCreateMPIWithArray(group, 1, rows_, global_rows_, nullptr, native_->in.out()));
     check(VecCreateMPIWithArray(group, 1, rows_, global_rows_, nullptr, native_->out.out()));
     return *native_;

@@ -5,6 +5,7 @@
 #include <functional>
 #include <memory>
 #include <span>
+#include <vector>
 
 namespace treacle::solve {
 
@@ -46,6 +47,13 @@ public:
     using Addition = std::function<void(std::span<const double> x, std::span<double> y)>;
     void set_addition(Addition addition) { addition_ = std::move(addition); }
 
+    // For algebraic multigrid: rows belong together by so many, and these vectors, on this rank's rows, are what A hardly
+    // sees, such as the rigid motions of an elastic body. Before a preconditioner is made.
+    void set_blocks(int size, std::vector<std::vector<double>> near_kernel) {
+        block_size_ = size;
+        near_kernel_ = std::move(near_kernel);
+    }
+
     // y = A x on this rank's rows. Collective.
     void multiply(std::span<const double> x, std::span<double> y) const;
     // To be called after values were changed in the caller's arrays, the pattern being the same: what
@@ -75,6 +83,8 @@ private:
     std::int64_t entries_;
     Addition addition_;
     std::int64_t revision_;
+    int block_size_ = 1;
+    std::vector<std::vector<double>> near_kernel_;
     std::unique_ptr<Native> native_;
 };
 

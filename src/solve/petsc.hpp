@@ -38,6 +38,7 @@ private:
 };
 using MatHandle = Handle<Mat, MatDestroy>;
 using VecHandle = Handle<Vec, VecDestroy>;
+using NullSpaceHandle = Handle<MatNullSpace, MatNullSpaceDestroy>;
 using PcHandle = Handle<PC, PCDestroy>;
 using OptionsHandle = Handle<PetscOptions, PetscOptionsDestroy>;
 

@@ -69,9 +69,15 @@ bool breaks_down(double product, solve::Outcome indefinite, solve::SolveReport& 
 }
 } // namespace
 
-ImplicitViscosity::ImplicitViscosity(LiquidParticles& liquid, const std::vector<double>& friction)
+ImplicitViscosity::ImplicitViscosity(const Comm& comm, LiquidParticles& liquid, const ViscosityOptions& options,
+                                     const CellGrid& grid, const std::vector<double>& friction)
     : operator_(liquid), friction_(upload(friction)),
-      direction_(liquid.store.add<Array3>("viscous_direction", "m/s", FieldRole::work)) {}
+      direction_(liquid.store.add<Array3>("viscous_direction", "m/s", FieldRole::work)) {
+    const bool keeps_rotations = options.form != ViscosityForm::laplacian;
+    if (options.preconditioner == ViscosityPreconditioner::rigid_blocks && keeps_rotations) {
+        blocks_ = std::make_unique<RigidBlocks>(comm, liquid, grid);
+    }
+}
 
 void ImplicitViscosity::upload_motion(const Bodies& bodies) {
     const auto count = static_cast<std::size_t>(bodies.load_points().count);
@@ -107,6 +113,13 @@ ImplicitViscosity::Result ImplicitViscosity::solve(const Scene& scene, double dt
     return out;
 }
 
+// z = M r; returns this rank's r.z.
+double ImplicitViscosity::precondition(const LiquidParticles& liquid) {
+    operator_.precondition(liquid, residual_, scaled_);
+    if (blocks_) blocks_->correct(liquid, residual_, scaled_);
+    return dot(residual_, scaled_, liquid.store.owned());
+}
+
 // Preconditioned conjugate gradients (Saad 2003, algorithm 9.1).
 solve::SolveReport ImplicitViscosity::iterate(const ViscousParts& parts) {
     using Walls = ViscousOperator::Walls;
@@ -131,7 +144,12 @@ solve::SolveReport ImplicitViscosity::iterate(const ViscousParts& parts) {
         return report.relative_residual <= parts.options.viscosity.residual;
     };
     if (ended(sums[0])) return report;
-    double rz = comm.sum(operator_.precondition(liquid, residual_, scaled_));
+    if (blocks_) {
+        const auto start = Clock::now();
+        blocks_->set_up(parts, operator_.walls(parts, Walls::resting), operator_.share(liquid));
+        report.set_up_seconds = seconds_since(start);
+    }
+    double rz = comm.sum(precondition(liquid));
     turn(0, scaled_, n, p);
     while (report.iterations < parts.options.viscosity.max_iterations) {
         if (breaks_down(rz, solve::Outcome::indefinite_preconditioner, report)) return report;
@@ -141,7 +159,7 @@ solve::SolveReport ImplicitViscosity::iterate(const ViscousParts& parts) {
         if (breaks_down(pq, solve::Outcome::indefinite_matrix, report)) return report;
         ++report.iterations;
         const double square = step(rz / pq, p, product_, n, u, residual_);
-        std::array<double, 2> next{square, operator_.precondition(liquid, residual_, scaled_)};
+        std::array<double, 2> next{square, precondition(liquid)};
         comm.sum(std::span(next));
         if (ended(next[0])) return report;
         turn(next[1] / rz, scaled_, n, p);

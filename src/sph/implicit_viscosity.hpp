@@ -1,5 +1,6 @@
 #pragma once
 #include "solve/krylov.hpp"
+#include "sph/rigid_blocks.hpp"
 #include "sph/viscous_operator.hpp"
 namespace treacle::sph {
 
@@ -9,7 +10,8 @@ class Bodies;
 class ImplicitViscosity {
 public:
     // Friction per solid, as ForceOptions::friction.
-    ImplicitViscosity(LiquidParticles& liquid, const std::vector<double>& friction);
+    ImplicitViscosity(const Comm& comm, LiquidParticles& liquid, const ViscosityOptions& options, const CellGrid& grid,
+                      const std::vector<double>& friction);
 
     struct Result {
         solve::SolveReport solve;
@@ -32,13 +34,15 @@ public:
     Result solve(const Scene& scene, double dt);
 
     const ViscousOperator& system() const { return operator_; }
-    std::size_t bytes() const { return operator_.bytes() + 8 * 3 * (residual_.extent(0) + scaled_.extent(0) + product_.extent(0)); }
+    std::size_t bytes() const { return operator_.bytes() + (blocks_ ? blocks_->bytes() : 0) + 8 * 3 * (residual_.extent(0) + scaled_.extent(0) + product_.extent(0)); }
 
 private:
     void upload_motion(const Bodies& bodies);
     solve::SolveReport iterate(const ViscousParts& parts);
+    double precondition(const LiquidParticles& liquid);
 
     ViscousOperator operator_;
+    std::unique_ptr<RigidBlocks> blocks_; // null: the diagonal blocks alone precondition
     Array<double> friction_;
     Array<double> motion_{"treacle::solid_motion", 0};
     int direction_ = -1; // field

@@ -27,7 +27,7 @@ IsphStep::IsphStep(const Comm& comm, const IsphSetup& setup)
       complementarity_(comm, solver_.options()) {
     explicit_forces_ = setup.forces;
     if (implicit_viscosity(setup)) {
-        viscosity_.emplace(liquid_, setup.forces.friction);
+        viscosity_.emplace(comm, liquid_, setup.options.viscosity, setup.grid, setup.forces.friction);
         explicit_forces_.viscosity = 0;
     }
     if (setup.options.pressure.solver != PressureSolver::dfsph) return;

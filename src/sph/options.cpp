@@ -176,6 +176,10 @@ void ViscosityOptions::declare(Declaration& d) {
     d.number("checkerboard_damping", checkerboard_damping, unit::none, range_between(0, 1),
              "Share of the viscosity that acts on what `corrected` gradients do not see of the velocities around a "
              "particle.");
+    d.choice("preconditioner", preconditioner,
+             {{"jacobi", ViscosityPreconditioner::jacobi}, {"rigid_blocks", ViscosityPreconditioner::rigid_blocks}},
+             "Of the viscous solve: the diagonal blocks of the particles, to which `rigid_blocks` adds, but for the "
+             "Laplacian form, blocks of many particles that move as rigid bodies.");
     d.number("residual", residual, unit::none, range_above_to(0, 0.1), "Relative residual at which the solve ends.");
     d.integer("max_iterations", max_iterations, range_between(1, 1000000), "Iterations after which the solve has failed.");
     d.number("artificial", artificial, unit::none, range_at_least(0),

@@ -33,6 +33,10 @@ enum class ViscosityForm {
     pairwise,  // Weiler et al. 2018
     laplacian  // Brookshaw 1985, component by component
 };
+enum class ViscosityPreconditioner {
+    jacobi,      // the diagonal 3 x 3 blocks
+    rigid_blocks // and blocks of particles that move as rigid bodies
+};
 enum class MultilevelCycle { v, w };
 enum class MultilevelSmoother { gauss_seidel, jacobi };
 
@@ -91,6 +95,7 @@ struct ViscosityOptions {
     ViscosityIntegration integration = ViscosityIntegration::automatic;
     ViscosityForm form = ViscosityForm::corrected;
     double checkerboard_damping = 0.1; // kappa of the corrected form (README)
+    ViscosityPreconditioner preconditioner = ViscosityPreconditioner::rigid_blocks;
     double residual = 1e-6;            // relative
     int max_iterations = 5000;
     double artificial = 0.2;      // Monaghan's alpha

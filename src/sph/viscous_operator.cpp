@@ -460,19 +460,14 @@ void ViscousOperator::multiply(const ViscousParts& parts, int u_field, Walls whi
     });
 }
 
-double ViscousOperator::precondition(const LiquidParticles& liquid, const Array3& r, const Array3& z) const {
+void ViscousOperator::precondition(const LiquidParticles& liquid, const Array3& r, const Array3& z) const {
     const auto block = block_;
-    double product = 0;
-    Kokkos::parallel_reduce("treacle::viscous_precondition", liquid.store.owned(), KOKKOS_LAMBDA(int i, double& sum) {
+    Kokkos::parallel_for("treacle::viscous_precondition", liquid.store.owned(), KOKKOS_LAMBDA(int i) {
         const double from[3] = {r(i, 0), r(i, 1), r(i, 2)};
         double to[3];
         read_symmetric(block, i).times(from, to);
-        for (int k = 0; k < 3; ++k) {
-            z(i, k) = to[k];
-            sum += from[k] * to[k];
-        }
-    }, product);
-    return liquid.store.owned() > 0 ? product : 0;
+        for (int k = 0; k < 3; ++k) z(i, k) = to[k];
+    });
 }
 
 BodyLoads ViscousOperator::loads(const ViscousParts& parts) const {

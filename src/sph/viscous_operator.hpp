@@ -37,19 +37,21 @@ public:
     // Collective: product = C u of the owned particles. Gathers the ghosts' u.
     void multiply(const ViscousParts& parts, int u_field, Walls walls, const Array3& product);
 
-    // z = r D^-1 with the diagonal blocks, nearly; returns this rank's r.z.
-    double precondition(const LiquidParticles& liquid, const Array3& r, const Array3& z) const;
+    // z = D^-1 r with the diagonal blocks, nearly.
+    void precondition(const LiquidParticles& liquid, const Array3& r, const Array3& z) const;
 
     // This rank's share of the force and torque on each solid [N], [N m]. After a multiply with moving walls, whose u
     // it is for.
     BodyLoads loads(const ViscousParts& parts) const;
 
+    // dt/m V mu of owned and ghost particles [m2], and the solids, after prepare().
+    const Array<double>& share(const LiquidParticles& liquid) const { return liquid.store.get<Array<double>>(share_); }
+    ViscousWalls walls(const ViscousParts& parts, Walls which) const;
+
     std::size_t bytes() const;
 
 private:
     using Array6 = Kokkos::View<double* [6], Memory>;
-    ViscousWalls walls(const ViscousParts& parts, Walls which) const;
-
     double dt_ = 0;
     double damping_ = 0;             // of checkerboards, 0 for forms without gradients
     int stress_[3] = {-1, -1, -1};   // fields: rows of Q_i [m2/s]

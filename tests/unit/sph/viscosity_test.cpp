@@ -45,7 +45,7 @@ struct ViscousCase {
     Bodies bodies;
 
     explicit ViscousCase(const Sample& sample)
-        : parts(Comm::world(), sample), solver(parts.liquid, std::vector<double>(2, 1.0)),
+        : parts(Comm::world(), sample), solver(parts.comm, parts.liquid, sample.setup.options.viscosity, sample.setup.grid, std::vector<double>(2, 1.0)),
           bodies({}, {}, 0, sample.setup.bodies, sample.setup.domain) {}
     ImplicitViscosity::Scene scene() {
         return {parts.setup.options, parts.setup.constants, parts.setup.forces, parts.comm, parts.liquid,

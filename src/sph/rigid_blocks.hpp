@@ -1,0 +1,51 @@
+#pragma once
+#include "solve/krylov.hpp"
+#include "sph/viscous_operator.hpp"
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+namespace treacle::sph {
+
+// The coarse space of the viscous system: each block of particles, two cells of the neighbour search wide, moves as a
+// rigid body, by which a stiff liquid moves nearly. Its matrix is the Galerkin product of the pairwise form, which costs
+// one pass over the pairs between blocks and serves the corrected form as well as its own would (README). A block's
+// motion is t + w' x a, with the arm a from its centre in block widths: six unknowns, three in the plane.
+class RigidBlocks {
+public:
+    // Declares the fields that are exchanged.
+    RigidBlocks(const Comm& comm, LiquidParticles& liquid, const CellGrid& grid);
+    ~RigidBlocks();
+
+    // Collective: blocks of the present particles, the matrix and its own preconditioner. `share` is dt/m V mu of owned and ghost particles.
+    void set_up(const ViscousParts& parts, const ViscousWalls& walls, const Array<double>& share);
+
+    // Collective: z += P M P^T r on the owned particles, M being one cycle of multigrid on the matrix.
+    void correct(const LiquidParticles& liquid, const Array3& r, const Array3& z);
+
+    std::size_t bytes() const;
+
+private:
+    struct Entry;
+    struct Rows;
+    void number(const ViscousParts& parts);
+    void assemble(const ViscousParts& parts, const ViscousWalls& walls, const Array<double>& share);
+    void connect();
+    std::vector<std::vector<double>> rigid_motions() const;
+
+    Comm comm_;
+    CellGrid grid_;
+    double width_;            // of a block [m]
+    int unknowns_;            // of a block
+    int block_field_, arm_field_;
+    int first_ = 0, count_ = 0; // of this rank's blocks
+    std::vector<Vec3> centres_;
+    std::unique_ptr<Rows> rows_;
+    solve::KrylovSolver solver_;
+    std::optional<solve::Matrix> matrix_;
+    Array<double> coarse_{"treacle::rigid_blocks", 0}; // [count][unknowns]
+    std::vector<double> residual_, correction_;
+};
+
+} // namespace treacle::sph
