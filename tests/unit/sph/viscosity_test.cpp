@@ -169,4 +169,28 @@ TEST(ImplicitViscosity, EveryFormKeepsMomentum) {
     }
 }
 
+namespace {
+// To 1e-6, of velocities without any order, with nu dt / d^2 = 1e4.
+int iterations(double radius, ViscosityPreconditioner preconditioner) {
+    auto sample = turning_blob({3, radius, 0.2, ViscosityForm::corrected});
+    sample.setup.options.viscosity.preconditioner = preconditioner;
+    sample.setup.options.viscosity.residual = 1e-6;
+    test::Random random(7);
+    for (auto& point : sample.liquid) {
+        for (double& u : point.u) u = 2 * random.unit() - 1;
+    }
+    ViscousCase one(sample);
+    const auto report = one.solve(1e4 * spacing * spacing * rest_density / viscosity).solve;
+    EXPECT_TRUE(report.converged()) << report.reason;
+    return report.iterations;
+}
+} // namespace
+
+TEST(ImplicitViscosity, RigidBlocksSpareIterationsAndKeepThemFromGrowing) {
+    const int small = iterations(4, ViscosityPreconditioner::rigid_blocks);
+    const int large = iterations(8, ViscosityPreconditioner::rigid_blocks);
+    EXPECT_LE(large, 1.5 * small);
+    EXPECT_LT(large, 0.8 * iterations(8, ViscosityPreconditioner::jacobi));
+}
+
 } // namespace treacle::sph
