@@ -96,13 +96,11 @@ void ImplicitViscosity::upload_motion(const Bodies& bodies) {
     Kokkos::deep_copy(motion_, host);
 }
 
-ImplicitViscosity::Result ImplicitViscosity::solve(const Scene& scene, double dt) {
+ImplicitViscosity::Result ImplicitViscosity::solve(const ViscousScene& scene, const Bodies& bodies, double dt) {
     const auto start = Clock::now();
-    upload_motion(scene.bodies);
+    upload_motion(bodies);
     auto& liquid = scene.liquid;
-    const ViscousParts parts{scene.options, scene.constants,  scene.forces, scene.comm,
-                             liquid,        scene.solid,      scene.neighbours, scene.halo,
-                             scene.bodies.load_points(), friction_, motion_};
+    const ViscousParts parts{scene, bodies.load_points(), friction_, motion_};
     Result out;
     if (operator_.prepare(parts, dt) == 0) return out;
     out.solve = iterate(parts);

@@ -17,21 +17,9 @@ public:
         solve::SolveReport solve;
         BodyLoads loads; // this rank's share of what the liquid puts on the solids [N], [N m]
     };
-    // What a step has. Positions of ghosts must be current, and the neighbours those of the positions.
-    struct Scene {
-        const SphOptions& options;
-        const Constants& constants;
-        const ForceOptions& forces;
-        const Comm& comm;
-        LiquidParticles& liquid;
-        const SolidParticles& solid;
-        const Neighbourhood& neighbours;
-        Halo& halo;
-        const Bodies& bodies;
-    };
     // Collective: changes the owned particles' velocities, u* before and u after a step of dt [s]. The ghosts' are left
     // stale. An unsuccessful solve is a report, with the last iterate.
-    Result solve(const Scene& scene, double dt);
+    Result solve(const ViscousScene& scene, const Bodies& bodies, double dt);
 
     const ViscousOperator& system() const { return operator_; }
     std::size_t bytes() const { return operator_.bytes() + (blocks_ ? blocks_->bytes() : 0) + 8 * 3 * (residual_.extent(0) + scaled_.extent(0) + product_.extent(0)); }

@@ -235,7 +235,7 @@ void IsphStep::accelerate(StepReport& report, double dt) {
 void IsphStep::apply_viscosity(StepReport& report, double dt) {
     const auto phase = timers_.scope("viscosity");
     auto result = viscosity_->solve({setup_.options, setup_.constants, setup_.forces, comm_, liquid_, solid_, neighbours_,
-                                     halo_, bodies_}, dt);
+                                     halo_}, bodies_, dt);
     report.viscosity = result.solve;
     if (!result.solve.converged()) {
         throw SimulationError({"viscosity solve", result.solve.reason,

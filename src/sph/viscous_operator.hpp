@@ -5,8 +5,8 @@
 
 namespace treacle::sph {
 
-// What the viscous system reads. Positions of ghosts must be current, and the neighbours those of the positions.
-struct ViscousParts {
+// What a step has for the viscous solve. Positions of ghosts must be current, and the neighbours those of the positions.
+struct ViscousScene {
     const SphOptions& options;
     const Constants& constants;
     const ForceOptions& forces;
@@ -15,6 +15,10 @@ struct ViscousParts {
     const SolidParticles& solid;
     const Neighbourhood& neighbours;
     Halo& halo;
+};
+
+// And how its solids move.
+struct ViscousParts : ViscousScene {
     const LoadPoints& points;
     const Array<double>& friction; // of each solid, see ViscousWalls
     const Array<double>& motion;

@@ -47,12 +47,12 @@ struct ViscousCase {
     explicit ViscousCase(const Sample& sample)
         : parts(Comm::world(), sample), solver(parts.comm, parts.liquid, sample.setup.options.viscosity, sample.setup.grid, std::vector<double>(2, 1.0)),
           bodies({}, {}, 0, sample.setup.bodies, sample.setup.domain) {}
-    ImplicitViscosity::Scene scene() {
+    ViscousScene scene() {
         return {parts.setup.options, parts.setup.constants, parts.setup.forces, parts.comm, parts.liquid,
-                parts.solid,         parts.neighbours,      parts.halo,         bodies};
+                parts.solid,         parts.neighbours,      parts.halo};
     }
     ImplicitViscosity::Result solve(double dt) {
-        return solver.solve(scene(), dt);
+        return solver.solve(scene(), bodies, dt);
     }
 };
 
@@ -114,9 +114,9 @@ TEST(ImplicitViscosity, EveryFormIsSymmetricAndPositiveWithWallsAndTwoLiquids) {
         ViscousOperator matrix(parts.liquid);
         const Array<double> friction = upload({1, 1}), motion = upload(std::vector<double>(12, 0.0));
         const LoadPoints points(2);
-        const ViscousParts all{parts.setup.options, parts.setup.constants, parts.setup.forces, parts.comm,
-                               parts.liquid,        parts.solid,           parts.neighbours,   parts.halo,
-                               points,              friction,              motion};
+        const ViscousParts all{{parts.setup.options, parts.setup.constants, parts.setup.forces, parts.comm,
+                                parts.liquid,        parts.solid,           parts.neighbours,   parts.halo},
+                               points, friction, motion};
         ASSERT_GT(matrix.prepare(all, step_of(1, blob)), 0);
         const auto fill = [&](int field, int shift) {
             const auto id = on_host(parts.liquid.id());
