@@ -211,7 +211,7 @@ sph::Constants make_constants(const Input& input) {
     out.number_density = lattice.number_density;
     out.laplacian_diagonal = lattice.laplacian_diagonal;
     const sph::WallSetup wall{input.method.kernel, domain.dimensions, out.support, domain.spacing, domain.spacing};
-    out.wall_grip = sph::wall_grip(wall, input.method.density);
+    if (limiting_viscosity(input) > 0) out.wall_grip = sph::wall_grip(wall, input.method.density);
     if (input.method.pressure.dirichlet == sph::DirichletRule::ghosts) {
         out.wall_cover = sph::wall_cover(wall, input.method.density);
     }

@@ -104,8 +104,10 @@ ImplicitViscosity::Result ImplicitViscosity::solve(const ViscousScene& scene, co
     Result out;
     if (operator_.prepare(parts, dt) == 0) return out;
     out.solve = iterate(parts);
-    operator_.multiply(parts, liquid.velocity_field(), ViscousOperator::Walls::moving, product_);
-    ++out.solve.products;
+    if (out.solve.iterations > 0) { // else the last product was of these velocities
+        operator_.multiply(parts, liquid.velocity_field(), ViscousOperator::Walls::moving, product_);
+        ++out.solve.products;
+    }
     out.loads = operator_.loads(parts);
     out.solve.iteration_seconds = seconds_since(start);
     return out;

@@ -20,7 +20,6 @@ struct Symmetric {
         out[1] = xy * v[0] + yy * v[1] + yz * v[2];
         out[2] = xz * v[0] + yz * v[1] + zz * v[2];
     }
-    KOKKOS_INLINE_FUNCTION double trace() const { return xx + yy + zz; }
 };
 
 // Rows of a View of six numbers.
