@@ -10,37 +10,67 @@ namespace {
 struct Part {
     CellBox box;
     int first, last;
-    int parent;   // node whose child this is, or -1
+    int parent; // node whose child this is, or -1
     bool is_left;
 };
+
+// What a ghost costs its rank, in owned particles: it is sent, received and placed, not computed.
+constexpr double ghost_share = 0.3;
+
+struct Cut {
+    int axis = 0;
+    int at = 0;          // first layer of the right side
+    double load = 1e300; // of the heavier side, over what each of its ranks should have
+};
+
+int extent(const CellBox& box, int axis) { return std::max(0, box.hi[axis] - box.lo[axis]); }
 
 int longest_axis(const CellBox& box) {
     int axis = 0;
     for (int k = 1; k < 3; ++k) {
-        if (box.hi[k] - box.lo[k] > box.hi[axis] - box.lo[axis]) axis = k;
+        if (extent(box, k) > extent(box, axis)) axis = k;
     }
     return axis;
 }
 
-// The plane that splits a histogram closest to the wanted share; planes keep at least one layer on each side
-// while both sides have ranks and there are layers to give.
-int best_cut(std::span<const double> histogram, double share, int lo) {
+// The plane across `axis` whose heavier side, with the layer beyond the plane as ghosts, has the least load;
+// both sides keep a layer while there are layers to give.
+Cut best_plane(std::span<const double> histogram, double share, int axis, int lo) {
     double total = 0;
     for (const double w : histogram) total += w;
     const int n = static_cast<int>(histogram.size());
-    if (n <= 1) return lo + n;
-    if (total <= 0) return lo + std::clamp(static_cast<int>(std::lround(share * n)), 1, n - 1);
-    double below = 0, best = 1e300;
-    int cut = 1;
+    Cut best{axis, lo + n, 1e300};
+    double below = 0;
     for (int k = 1; k < n; ++k) {
-        below += histogram[static_cast<std::size_t>(k - 1)];
-        const double miss = std::abs(below - share * total);
-        if (miss < best) {
-            best = miss;
-            cut = k;
-        }
+        const double left = histogram[static_cast<std::size_t>(k - 1)],
+                     right = histogram[static_cast<std::size_t>(k)];
+        below += left;
+        const double load = std::max((below + ghost_share * right) / share,
+                                     (total - below + ghost_share * left) / (1 - share));
+        if (load < best.load) best = {axis, lo + k, load};
     }
-    return lo + cut;
+    return best;
+}
+
+// Of all planes across all axes; `histograms` are the weights of the layers along x, then y, then z.
+Cut best_cut(std::span<const double> histograms, double share, const CellBox& box) {
+    const int longest = longest_axis(box);
+    std::size_t start = 0;
+    double total = 0;
+    Cut best{longest, box.hi[longest], 1e300};
+    for (int k = 0; k < 3; ++k) {
+        const auto layers = static_cast<std::size_t>(extent(box, k));
+        const auto histogram = histograms.subspan(start, layers);
+        start += layers;
+        if (k == 0) {
+            for (const double w : histogram) total += w;
+        }
+        const auto cut = best_plane(histogram, share, k, box.lo[k]);
+        if (cut.load < best.load) best = cut;
+    }
+    const int n = extent(box, longest);
+    if (total > 0 || n <= 1) return best;
+    return {longest, box.lo[longest] + std::clamp(static_cast<int>(std::lround(share * n)), 1, n - 1), 0};
 }
 } // namespace
 
@@ -56,26 +86,30 @@ void Decomposition::recut(std::span<const int> cells, std::span<const double> we
     nodes_.clear();
     int root = -1;
     while (!parts.empty()) {
-        std::vector<std::size_t> start{0};
-        std::vector<int> axes;
+        std::vector<std::size_t> start{0}; // of each part's three histograms
         for (const auto& part : parts) {
-            axes.push_back(longest_axis(part.box));
-            const int k = axes.back();
-            start.push_back(start.back() + static_cast<std::size_t>(std::max(0, part.box.hi[k] - part.box.lo[k])));
+            std::size_t layers = 0;
+            for (int k = 0; k < 3; ++k) layers += static_cast<std::size_t>(extent(part.box, k));
+            start.push_back(start.back() + layers);
         }
         std::vector<double> histogram(start.back(), 0.0);
         for (std::size_t i = 0; i < n; ++i) {
             const int p = part_of[i];
             if (p < 0) continue;
             const auto u = static_cast<std::size_t>(p);
-            const int layer = cells[3 * i + static_cast<std::size_t>(axes[u])] - parts[u].box.lo[axes[u]];
-            histogram[start[u] + static_cast<std::size_t>(layer)] += weights[i];
+            const auto& box = parts[u].box;
+            std::size_t from = start[u];
+            for (int k = 0; k < 3; ++k) {
+                const int layer = cells[3 * i + static_cast<std::size_t>(k)] - box.lo[k];
+                histogram[from + static_cast<std::size_t>(layer)] += weights[i];
+                from += static_cast<std::size_t>(extent(box, k));
+            }
         }
         comm_.sum(std::span(histogram));
 
         std::vector<Part> next;
         std::vector<int> left_of(parts.size(), -1), right_of(parts.size(), -1);
-        std::vector<int> cuts(parts.size(), 0);
+        std::vector<Cut> cuts(parts.size());
         for (std::size_t p = 0; p < parts.size(); ++p) {
             const auto& part = parts[p];
             const int ranks = part.last - part.first;
@@ -83,17 +117,18 @@ void Decomposition::recut(std::span<const int> cells, std::span<const double> we
             if (ranks == 1) {
                 boxes_[static_cast<std::size_t>(part.first)] = part.box;
             } else {
-                const int k = axes[p];
                 const int left_ranks = ranks / 2;
                 const double share = double(left_ranks) / ranks;
-                cuts[p] = best_cut(std::span(histogram).subspan(start[p], start[p + 1] - start[p]), share,
-                                   part.box.lo[k]);
+                const auto cut = best_cut(std::span(histogram).subspan(start[p], start[p + 1] - start[p]),
+                                          share, part.box);
+                const int k = cut.axis;
+                cuts[p] = cut;
                 value = static_cast<int>(nodes_.size());
-                nodes_.push_back({k, cuts[p], 0, 0});
+                nodes_.push_back({k, cut.at, 0, 0});
                 Part left{part.box, part.first, part.first + left_ranks, value, true};
                 Part right{part.box, part.first + left_ranks, part.last, value, false};
-                left.box.hi[k] = cuts[p];
-                right.box.lo[k] = cuts[p];
+                left.box.hi[k] = cut.at;
+                right.box.lo[k] = cut.at;
                 left_of[p] = static_cast<int>(next.size());
                 next.push_back(left);
                 right_of[p] = static_cast<int>(next.size());
@@ -112,7 +147,7 @@ void Decomposition::recut(std::span<const int> cells, std::span<const double> we
             if (left_of[p] < 0) {
                 part_of[i] = -1;
             } else {
-                const bool is_left = cells[3 * i + static_cast<std::size_t>(axes[p])] < cuts[p];
+                const bool is_left = cells[3 * i + static_cast<std::size_t>(cuts[p].axis)] < cuts[p].at;
                 part_of[i] = is_left ? left_of[p] : right_of[p];
             }
         }

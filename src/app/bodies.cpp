@@ -188,6 +188,11 @@ private:
                                 "solids as unknowns are there to compare with and know no bodies that give way",
                                 "write kind: kinematic, or another solid_term"});
         }
+        if (dynamic(body(b)) && input_.method.pressure.corrections > 0) {
+            problems.push_back({body(b).where, name + " is dynamic, with method.pressure.corrections",
+                                "they would take it to stand still, and push liquid and body apart",
+                                "write kind: kinematic, or leave the corrections out"});
+        }
         if (dynamic(body(b)) && thinner_than_spacing(geometry_.bodies[b], geometry_)) {
             problems.push_back({body(b).where, name + " is thinner than domain.spacing",
                                 "liquid on one side would feel the liquid on the other, and it could not float",

@@ -46,6 +46,9 @@ void check_comparators(const Input& input, std::vector<Diagnostic>& problems) {
     if (pressure.solver != sph::PressureSolver::isph) refuse("solver other than isph", "write solver: isph");
     if (pressure.solid_term == sph::SolidTerm::unknowns) refuse("solid_term: unknowns", "take another solid_term");
     if (pressure.dirichlet == sph::DirichletRule::ghosts) refuse("dirichlet: ghosts", "take another rule");
+    if (pressure.corrections > 0) {
+        problems.push_back({where, what + "corrections", "they ask for the forces of one liquid", "leave them out"});
+    }
 }
 } // namespace
 

@@ -20,7 +20,7 @@ std::vector<std::string> step_columns(const Input& input) {
     std::vector<std::string> columns{"step", "time [s]", "dt [s]", "pressure iterations", "pressure residual",
                                      "density error", "viscosity iterations", "viscosity residual", "mean compression",
                                      "max compression", "particles",
-                                     "poisson", "dirichlet", "separated", "anchored", "mass [" + mass + "]"};
+                                     "poisson", "dirichlet", "separated", "anchored", "stopped at solids", "mass [" + mass + "]"};
     for (const char* axis : {"x", "y", "z"}) columns.push_back(std::string("momentum ") + axis + " [" + mass + " m/s]");
     for (const char* axis : {"x", "y", "z"}) {
         columns.push_back(std::string("angular momentum ") + axis + " [" + mass + " m2/s]");
@@ -152,7 +152,7 @@ void Outputs::write_step(const Progress& progress, const sph::StepReport& report
                             double(report.viscosity.iterations), report.viscosity.relative_residual,
                             report.mean_compression, report.max_compression, double(totals.particles),
                             double(report.roles.poisson), double(report.roles.dirichlet),
-                            double(report.roles.separated), double(report.anchored), totals.mass};
+                            double(report.roles.separated), double(report.anchored), double(report.stopped), totals.mass};
     row.insert(row.end(), totals.momentum.begin(), totals.momentum.end());
     row.insert(row.end(), totals.angular_momentum.begin(), totals.angular_momentum.end());
     row.insert(row.end(), {totals.kinetic_energy, totals.potential_energy, totals.max_speed});

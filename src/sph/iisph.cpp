@@ -31,7 +31,7 @@ struct PrepareLoop {
     Iisph::Aim aim;
     double needed; // neighbours
     Array<double> density, source, diagonal;
-    Array3 own;
+    Array3 own, force;
 
     KOKKOS_INLINE_FUNCTION void operator()(int i) const {
         const Constants& c = fluid.constants;
@@ -51,7 +51,8 @@ struct PrepareLoop {
             gz = gz + gradient * d.z;
         }
         double change = sum_lanes(divergence);
-        double g[3] = {sum_lanes(gx), sum_lanes(gy), sum_lanes(gz)};
+        const double liquid[3] = {sum_lanes(gx), sum_lanes(gy), sum_lanes(gz)};
+        double g[3] = {liquid[0], liquid[1], liquid[2]};
         fluid.solid.each(i, [&](int s, double dx, double dy, double dz, double r2) {
             const double gradient = c.rest_density * fluid.solid_volume(s) * kernel.gradient(math::sqrt(r2));
             change += gradient * ((ux - v(s, 0)) * dx + (uy - v(s, 1)) * dy + (uz - v(s, 2)) * dz);
@@ -59,7 +60,10 @@ struct PrepareLoop {
             g[1] += gradient * dy;
             g[2] += gradient * dz;
         });
-        for (int k = 0; k < 3; ++k) own(i, k) = g[k];
+        for (int k = 0; k < 3; ++k) {
+            own(i, k) = g[k];
+            force(i, k) = liquid[k] + c.wall_push * (g[k] - liquid[k]);
+        }
         diagonal(i) = sum_lanes(square) + g[0] * g[0] + g[1] * g[1] + g[2] * g[2];
         if (aim == Iisph::Aim::density) {
             source(i) = (density(i) + dt * change - c.rest_density) / (dt * dt); // (2.4)
@@ -75,7 +79,7 @@ template <class Kernel>
 struct AccelerationLoop {
     Kernel kernel;
     Fluid fluid;
-    Array3 own, acceleration;
+    Array3 force, acceleration;
 
     KOKKOS_INLINE_FUNCTION void operator()(int i) const {
         const Constants& c = fluid.constants;
@@ -92,7 +96,7 @@ struct AccelerationLoop {
         const double q = fluid.load(i);
         const double sum[3] = {sum_lanes(fx), sum_lanes(fy), sum_lanes(fz)};
         for (int k = 0; k < 3; ++k) {
-            const double a = -q * own(i, k) - c.mass * sum[k];
+            const double a = -q * force(i, k) - c.mass * sum[k];
             acceleration(i, k) = a;
             fluid.motion(i, k) = a;
         }
@@ -267,15 +271,19 @@ void Iisph::prepare(const IisphParts& parts, double dt, Aim aim) {
     reserve(product_, n);
     reserve(diagonal_, n);
     reserve(own_, n);
+    reserve(force_, n);
     write_places(liquid, liquid.volume());
     write_motions(liquid);
     const auto fluid = gather_fluid(parts.constants, liquid, parts.solid, parts.neighbours);
     const double needed = least_neighbours * lattice_neighbours(parts.constants);
+    // The corrections ask for what the pressure system asked for.
+    const bool own = parts.options.pressure.solver != PressureSolver::isph;
+    const auto density = own ? liquid.density() : liquid.blended_density();
     with_kernel(parts.options.kernel, parts.constants.dimensions, parts.constants.support, [&](const auto& kernel) {
         using Kernel = std::decay_t<decltype(kernel)>;
         Kokkos::parallel_for("treacle::iisph_prepare", fluid.count,
-                             PrepareLoop<Kernel>{kernel, fluid, dt, aim, needed, liquid.density(), liquid.source(),
-                                                 diagonal_, own_});
+                             PrepareLoop<Kernel>{kernel, fluid, dt, aim, needed, density, liquid.source(),
+                                                 diagonal_, own_, force_});
     });
 }
 
@@ -289,7 +297,7 @@ void Iisph::multiply(const IisphParts& parts, const Array<double>& q) {
     with_kernel(parts.options.kernel, c.dimensions, c.support, [&](const auto& kernel) {
         using Kernel = std::decay_t<decltype(kernel)>;
         Kokkos::parallel_for("treacle::iisph_accelerations", fluid.count,
-                             AccelerationLoop<Kernel>{kernel, fluid, own_, liquid.acceleration()});
+                             AccelerationLoop<Kernel>{kernel, fluid, force_, liquid.acceleration()});
         parts.halo.gather(liquid.store, {liquid.acceleration_field()});
         write_ghost_accelerations(liquid);
         Kokkos::parallel_for("treacle::iisph_density_changes", fluid.count,
@@ -351,7 +359,7 @@ solve::SolveReport Iisph::solve_divergence(const IisphParts& parts, double dt, c
 }
 
 std::size_t Iisph::bytes() const {
-    return 8 * (q_.span() + product_.span() + diagonal_.span() + own_.span()) + cg_.bytes();
+    return 8 * (q_.span() + product_.span() + diagonal_.span() + own_.span() + force_.span()) + cg_.bytes();
 }
 
 } // namespace treacle::sph

@@ -21,10 +21,11 @@ struct IisphParts {
 
 // Implicit incompressible SPH (Ihmsen et al. 2014) without a matrix, in q = p / rho^2:
 //     g_i = sum_j m grad W_ij + rho0 sum_s V_s grad W_is
-//     a_i = -q_i g_i - sum_j m q_j grad W_ij                    (S8)
+//     a_i = -q_i g_i - sum_j m q_j grad W_ij                    (S8), the walls' share of g_i times Constants::wall_push
 //     (A q)_i = sum_j m a_j.grad W_ij - a_i.g_i                 minus the density's change by a_i, over dt^2
 //     b_i = (rho*_i - rho0) / dt^2
-// A is G^T G with the q -> a of S8 as G: symmetric and positive semidefinite for any densities, solids included.
+// A is G^T G with the q -> a of S8 as G: symmetric and positive semidefinite for any densities, solids included, unless
+// walls push harder.
 // Wanted: q >= 0, A q - b >= 0, one of the two zero.
 class Iisph {
 public:
@@ -56,7 +57,8 @@ private:
     Array<double> q_{"treacle::iisph_q", 0};
     Array<double> product_{"treacle::iisph_product", 0};
     Array<double> diagonal_{"treacle::iisph_diagonal", 0};
-    Array3 own_{"treacle::iisph_own", 0}; // g
+    Array3 own_{"treacle::iisph_own", 0};     // g
+    Array3 force_{"treacle::iisph_force", 0}; // g of the forces, in which walls may push harder
     BoundedCg cg_;
     double weight_ = 0; // of Jacobi; 0: not known yet
 };

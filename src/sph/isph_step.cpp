@@ -3,6 +3,7 @@
 #include "base/error.hpp"
 #include "sph/density.hpp"
 #include "sph/skin_friction.hpp"
+#include "sph/wall_contact.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -215,6 +216,15 @@ void IsphStep::solve_pressure(solve::Matrix& matrix, const PressureSystem::HostS
     }
 }
 
+void IsphStep::correct_pressures(solve::Matrix& matrix, double dt, StepReport& report) {
+    const IisphParts parts{setup_.options, setup_.constants, comm_, liquid_, solid_, neighbours_, halo_};
+    const auto corrected = correction_.correct({parts, matrix, solver_}, iisph_, dt);
+    report.pressure.iterations += corrected.iterations;
+    report.pressure.products += corrected.products;
+    report.pressure.error_measure = corrected.error_measure;
+    report.pressure.iteration_seconds += corrected.iteration_seconds;
+}
+
 namespace {
 bool implicit_bodies(const SphOptions& options, const Bodies& bodies) {
     return bodies.any_dynamic() && options.pressure.body_coupling == BodyCoupling::implicit;
@@ -299,6 +309,7 @@ void IsphStep::find_pressures(StepReport& report, double dt) {
         system_.store_pressure(liquid_);
         if (bounded(options)) report.roles = count_roles(liquid_);
         if (solids_unknown()) system_.store_solid_pressure(solid_);
+        if (options.pressure.corrections > 0) correct_pressures(matrix, dt, report); // (S7c)
     }
 }
 
@@ -337,6 +348,9 @@ void IsphStep::push_by_pressure(StepReport& report, double dt) {
     auto loads = apply_pressure(setup_.options, setup_.constants, liquid_, solid_, neighbours_,
                                 bodies_.load_points(), dt);
     for (std::size_t k = 0; k < report.loads.size(); ++k) loads[k] += report.loads[k]; // of DFSPH's other solve
+    if (setup_.options.pressure.wall_contact == WallContact::stop) {
+        report.stopped = stop_at_walls(setup_.constants, liquid_, solid_, neighbours_, {bodies_.load_points(), dt}, loads);
+    }
     report.loads = std::move(loads);
     if (!bodies_.any_dynamic()) return;
     comm_.sum(std::span(report.loads));
@@ -417,7 +431,7 @@ void IsphStep::collect(StepReport& report) {
     const std::size_t n = sums.size();
     const double lost_before = double(report.lost.size());
     for (const auto count : {report.roles.poisson, report.roles.dirichlet, report.roles.separated,
-                             report.anchored, report.lost_by_cause[0], report.lost_by_cause[1],
+                             report.anchored, report.stopped, report.lost_by_cause[0], report.lost_by_cause[1],
                              report.lost_by_cause[2]}) {
         sums.push_back(double(count));
     }
@@ -433,8 +447,9 @@ void IsphStep::collect(StepReport& report) {
     const auto count = [&](std::size_t k) { return static_cast<std::int64_t>(std::llround(sums[n + k])); };
     report.roles = {count(0), count(1), count(2)};
     report.anchored = count(3);
-    for (std::size_t k = 0; k < 3; ++k) report.lost_by_cause[k] = count(4 + k);
-    report.mean_compression = sums[n + 7] / std::max(1.0, sums[n + 8]);
+    report.stopped = count(4);
+    for (std::size_t k = 0; k < 3; ++k) report.lost_by_cause[k] = count(5 + k);
+    report.mean_compression = sums[n + 8] / std::max(1.0, sums[n + 9]);
 }
 
 double IsphStep::stable_step(double cfl) const {
@@ -457,7 +472,7 @@ double IsphStep::stable_step(double cfl) const {
 
 std::size_t IsphStep::bytes() const {
     return liquid_.bytes() + solid_.store.bytes() + neighbours_.liquid.bytes() + neighbours_.solid.bytes() +
-           system_.bytes() + iisph_.bytes() + (viscosity_ ? viscosity_->bytes() : 0) + (hierarchy_ ? hierarchy_->bytes() : 0);
+           system_.bytes() + iisph_.bytes() + correction_.bytes() + (viscosity_ ? viscosity_->bytes() : 0) + (hierarchy_ ? hierarchy_->bytes() : 0);
 }
 
 } // namespace treacle::sph

@@ -5,6 +5,7 @@
 #include "sph/bodies.hpp"
 #include "sph/body_response.hpp"
 #include "sph/complementarity.hpp"
+#include "sph/density_correction.hpp"
 #include "sph/forces.hpp"
 #include "sph/iisph.hpp"
 #include "sph/implicit_viscosity.hpp"
@@ -38,6 +39,7 @@ struct StepReport {
     solve::SolveReport pressure;
     solve::SolveReport viscosity;      // of the implicit one
     RoleCounts roles;                  // over all ranks
+    std::int64_t stopped = 0;          // particles stopped at the surface of a solid, over all ranks
     std::int64_t anchored = 0;         // Poisson particles made Dirichlet for solvability
     std::int64_t misclassified = 0;    // that (S6) gave another role than the exact solution, over all ranks
     double mean_compression = 0;       // of the density at the start of the step, share of rho0
@@ -108,6 +110,7 @@ private:
     void accelerate(StepReport& report, double dt);
     void apply_viscosity(StepReport& report, double dt);
     void accelerate_bodies(StepReport& report, double dt);
+    void correct_pressures(solve::Matrix& matrix, double dt, StepReport& report);
     void find_pressures(StepReport& report, double dt);
     void find_pressures_by_iisph(StepReport& report, double dt);
     void remove_divergence(StepReport& report, double dt);
@@ -131,7 +134,8 @@ private:
     Anchoring anchoring_;
     PressureSystem system_;
     SolidRows solid_rows_; // of solids as unknowns
-    Iisph iisph_;
+    Iisph iisph_; // or the operator of the corrections
+    DensityCorrection correction_;
     ForceOptions explicit_forces_; // without the viscosity when that is implicit
     std::optional<ImplicitViscosity> viscosity_;
     int divergence_field_ = -1; // of the liquid, with DFSPH: the pressures of the last divergence-free solve [Pa]

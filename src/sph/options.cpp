@@ -95,6 +95,10 @@ void PressureOptions::declare(Declaration& d) {
              "at rest beside a flat wall in balance, for large time steps.");
     d.check(wall_force == WallForce::one_sided || solver == PressureSolver::isph, "wall_force",
             {"balanced needs solver: isph", "the others' solids push as their equations say", "leave one of the two out"});
+    d.choice("wall_contact", wall_contact, {{"stop", WallContact::stop}, {"none", WallContact::none}},
+             "Whether a particle that would sink below the surface of a solid within the step loses the part of its velocity "
+             "that leads there, or pressures alone hold it off, which they do only while it meets the solid in several "
+             "steps.");
     d.choice("body_coupling", body_coupling,
              {{"implicit", BodyCoupling::implicit}, {"explicit", BodyCoupling::one_step_late}},
              "Whether the pressures know that dynamic bodies give way to them, or these feel the pressures that stop "
@@ -139,6 +143,14 @@ void PressureOptions::declare(Declaration& d) {
              "lowest layer in a step, too little to count on average, and the liquid would fall until it does.");
     d.number("residual", residual, unit::none, reachable(range_between(least_tolerance, 1)),
              "Relative residual at which iterating ends, with `stop: residual`.");
+    d.integer("corrections", corrections, range_between(0, 20),
+              "Most corrections of the pressures in a step, until the mean compression that they leave by the very forces "
+              "that move the liquid is below `density_error`: the pressure system's Laplacian approximates these, and at "
+              "walls poorly. Each takes about the time of two to three iterations of the solve; 2 do for large time steps.");
+    d.check(corrections == 0 || solver == PressureSolver::isph, "corrections",
+            {"needs solver: isph", "the others solve for those forces as they are", "leave it out"});
+    d.check(corrections == 0 || solid_term != SolidTerm::unknowns, "corrections",
+            {"cannot be with solid_term: unknowns", "the pressures of solids push nothing", "take another solid_term"});
     d.integer("max_iterations", max_iterations, range_at_least(1),
               "Iterations after which the run ends as failed; 20 times as many with `solver: iisph_jacobi` and `dfsph`.");
     const bool exact = dirichlet == DirichletRule::complementarity;

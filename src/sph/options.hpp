@@ -12,6 +12,7 @@ enum class DirichletRule { predicted, source, density, predicted_density, surfac
 enum class Clamping { pressures, sources };
 enum class SolidTerm { none, decomposed, unified, amplified, exact, unknowns };
 enum class WallForce { one_sided, balanced };
+enum class WallContact { stop, none };
 enum class BodyCoupling { implicit, one_step_late };
 enum class StoppingRule { density_error, residual };
 enum class PressureSolver { isph, iisph_jacobi, iisph_cg, dfsph };
@@ -77,6 +78,7 @@ struct PressureOptions {
     SolidTerm solid_term = SolidTerm::exact;
     double amplification_limit = 2; // gamma of Eq. 3.3; the dissertation's 5 ejects lone particles (README)
     WallForce wall_force = WallForce::one_sided;
+    WallContact wall_contact = WallContact::stop;
     BodyCoupling body_coupling = BodyCoupling::implicit;
     PressurePreconditioner preconditioner = PressurePreconditioner::multilevel;
     double relaxation = 1;          // omega of ssor and sor_jacobi
@@ -86,6 +88,7 @@ struct PressureOptions {
     double divergence_error = 1e-4; // of DFSPH: mean compression that the velocities would cause in a step
     double largest_residual = 0.1;  // relative, that the density rule must reach as well (README)
     double residual = 1e-6;         // relative, for the residual rule
+    int corrections = 0;            // most of a step (density_correction.hpp)
     int max_iterations = 2000;
 
     void declare(Declaration& d);
