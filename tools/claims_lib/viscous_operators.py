@@ -24,7 +24,8 @@ def assembled(context):
 
 
 def rotation(context):
-    names = "ImplicitViscosity.CorrectedFormKeepsRigidRotationOfDiscAndBall:ImplicitViscosity.LaplacianFormStops*"
+    names = ("ImplicitViscosity.CorrectedFormKeepsRigidRotationOfDiscAndBall:"
+             "ImplicitViscosity.DISABLED_LaplacianFormStopsFineDiscsAndBalls*")
     report = run_gtest(context, "sph_ranks_test", names, ranks=RANKS)
     lost, *left = recorded(report, "rotation_lost", "disc_01", "disc_1", "disc_100", "ball_01", "ball_1")
     wanted = (0.740, 0.225, 0.0029, 0.692, 0.186)
