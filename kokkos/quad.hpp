@@ -13,6 +13,15 @@ struct Quad {
     Quad(__m256d value) : v(value) {}
     Quad(double value) : v(_mm256_set1_pd(value)) {}
     static Quad load(const double* row) { return _mm256_load_pd(row); }
+    // Three numbers and a 0.
+    static Quad load(const Array3& rows, int row) {
+        const double* from = rows.data() + 3 * std::int64_t(row);
+#if defined(TREACLE_AVX512)
+        return _mm256_maskz_loadu_pd(0x7, from);
+#else
+        return _mm256_maskload_pd(from, _mm256_setr_epi64x(-1, -1, -1, 0));
+#endif
+    }
     void store(double* to) const { _mm256_storeu_pd(to, v); }
     friend Quad operator-(Quad a, Quad b) { return _mm256_sub_pd(a.v, b.v); }
     friend Quad operator*(Quad a, Quad b) { return _mm256_mul_pd(a.v, b.v); }
@@ -42,6 +51,11 @@ struct Quad {
     KOKKOS_INLINE_FUNCTION static Quad load(const double* row) {
         Quad out(0.0);
         for (int k = 0; k < 4; ++k) out.v[k] = row[k];
+        return out;
+    }
+    KOKKOS_INLINE_FUNCTION static Quad load(const Array3& rows, int row) {
+        Quad out(0.0);
+        for (int k = 0; k < 3; ++k) out.v[k] = rows(row, k);
         return out;
     }
     KOKKOS_INLINE_FUNCTION void store(double* to) const {

@@ -10,6 +10,7 @@ namespace treacle::sph {
 
 namespace {
 constexpr int cells_across = 2; // of a block
+constexpr std::size_t most_neighbours = 26; // blocks at the border of ranks may have more
 // A particle alone in its block has no arm, and the block's rotations no inertia: they get this share of the largest
 // diagonal entry, which changes nothing else.
 constexpr double floor_of_diagonal = 1e-8;
@@ -117,7 +118,11 @@ void RigidBlocks::assemble(const ViscousParts& parts, const ViscousWalls& walls,
     const double soft = pair_softening(constants.support);
     const auto relative = relative_density(constants, parts.liquid);
     rows_->blocks.assign(static_cast<std::size_t>(count_), {});
-    for (int b = 0; b < count_; ++b) rows_->blocks[static_cast<std::size_t>(b)].push_back({first_ + b});
+    for (int b = 0; b < count_; ++b) {
+        auto& row = rows_->blocks[static_cast<std::size_t>(b)];
+        row.reserve(most_neighbours + 1);
+        row.push_back({first_ + b});
+    }
     const auto arm_of = [&](int i) { return std::array<double, 3>{arm(i, 0), arm(i, 1), arm(i, 2)}; };
     const auto add_all = [&](int local, double c, const double a[3]) { // the same along each axis
         auto& own = rows_->blocks[static_cast<std::size_t>(local)].front();
@@ -158,6 +163,10 @@ void RigidBlocks::connect() {
     solve::BlockRows out;
     out.size = m;
     out.first = first_;
+    std::size_t entries = 0;
+    for (const auto& row : rows_->blocks) entries += row.size();
+    out.columns.reserve(entries);
+    out.values.reserve(entries * static_cast<std::size_t>(m * m));
     for (int b = 0; b < count_; ++b) {
         auto& row = rows_->blocks[static_cast<std::size_t>(b)];
         double most = 0;
@@ -173,6 +182,7 @@ void RigidBlocks::connect() {
         }
         out.offsets.push_back(static_cast<solve::Index>(out.columns.size()));
     }
+    rows_->blocks = {}; // before the multigrid takes as much
     matrix_.build(comm_, out);
 }
 

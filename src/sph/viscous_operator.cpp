@@ -62,14 +62,16 @@ struct ViscousLoop {
 
 // What one solid particle adds to a row of C u.
 struct StressGrip {
-    Array4 packed[3];
+    Array3 stress[3]; // columns of Q_i
+    Array<double> share;
+    double damping;
 
     template <class Contact>
     KOKKOS_INLINE_FUNCTION void operator()(int i, double w, const double x[3], const double u[3],
                                            const Contact& contact, double out[3]) const {
         for (int k = 0; k < 3; ++k) {
-            const double pull = packed[0](i, k) * x[0] + packed[1](i, k) * x[1] + packed[2](i, k) * x[2];
-            const double slide = packed[0](i, 3) * contact.reach * (u[k] - contact.velocity[k]);
+            const double pull = stress[0](i, k) * x[0] + stress[1](i, k) * x[1] + stress[2](i, k) * x[2];
+            const double slide = damping * share(i) * contact.reach * (u[k] - contact.velocity[k]);
             out[k] = w * contact.reach * (pull + slide);
         }
     }
@@ -197,7 +199,6 @@ struct StressLoop : ViscousLoop<Kernel> {
     Array<double> share;
     Array6 correction, span;
     Array3 stress[3]; // columns
-    Array4 packed[3];
 
     KOKKOS_INLINE_FUNCTION void operator()(int i) const {
         double n[3][3];
@@ -222,12 +223,9 @@ struct StressLoop : ViscousLoop<Kernel> {
             double q[3];
             fit.times(s[k], q);
             for (int l = 0; l < 3; ++l) {
-                const double value = c * (2 * q[l] - damping * g[k][l]);
-                stress[l](i, k) = value;
-                packed[l](i, k) = value;
+                stress[l](i, k) = c * (2 * q[l] - damping * g[k][l]);
             }
         }
-        packed[0](i, 3) = damping * c;
     }
 
 private:
@@ -272,7 +270,8 @@ struct StressForceLoop : ViscousLoop<Kernel> {
     using Base = ViscousLoop<Kernel>;
     double damping;
     RelativeDensity relative;
-    Array4 packed[3];
+    Array<double> share;
+    Array3 stress[3];
     Array3 product;
 
     KOKKOS_INLINE_FUNCTION void operator()(int i) const {
@@ -280,7 +279,7 @@ struct StressForceLoop : ViscousLoop<Kernel> {
         Base::read_velocity(i, u);
         double f[3];
         sum_pairs(i, f);
-        Base::add_walls(i, StressGrip{{packed[0], packed[1], packed[2]}}, u, f);
+        Base::add_walls(i, StressGrip{{stress[0], stress[1], stress[2]}, share, damping}, u, f);
         const double inertia = relative(i);
         for (int k = 0; k < 3; ++k) product(i, k) = inertia * u[k] + f[k];
     }
@@ -289,11 +288,10 @@ private:
     // The fourth ones of `place` are the shares dt/m V mu, of which `damping` acts on differences of velocities.
     KOKKOS_INLINE_FUNCTION void sum_pairs(int i, double f[3]) const {
         const double *place = Base::fluid.place.data(), *motion = Base::fluid.motion.data();
-        const double* stress[3] = {packed[0].data(), packed[1].data(), packed[2].data()};
         const auto read = [](const double* rows, int row) { return Quad::load(rows + 4 * std::int64_t(row)); };
         const Quad x = read(place, i), u = read(motion, i);
         const Quad twice = 2 * Base::fluid.place(i, 3), factor = damping;
-        Quad own[3] = {read(stress[0], i), read(stress[1], i), read(stress[2], i)};
+        const Quad own[3] = {Quad::load(stress[0], i), Quad::load(stress[1], i), Quad::load(stress[2], i)};
         Quad pull[3] = {0.0, 0.0, 0.0}, slide = 0.0, spread = 0.0;
         const std::int64_t last = Base::fluid.liquid.offset(i + 1);
         for (std::int64_t k = Base::fluid.liquid.offset(i); k < last; ++k) {
@@ -301,9 +299,9 @@ private:
             const Quad w = static_cast<double>(Base::weights(k)), apart = x - read(place, j);
             const Quad along = w * apart;
             spread.add(w, apart);
-            pull[0].add(along.all<0>(), read(stress[0], j));
-            pull[1].add(along.all<1>(), read(stress[1], j));
-            pull[2].add(along.all<2>(), read(stress[2], j));
+            pull[0].add(along.all<0>(), Quad::load(stress[0], j));
+            pull[1].add(along.all<1>(), Quad::load(stress[1], j));
+            pull[2].add(along.all<2>(), Quad::load(stress[2], j));
             slide.add(w * twice - along.all<3>(), u - read(motion, j));
         }
         Quad sum = 0.0;
@@ -408,22 +406,6 @@ void pack_motion(LiquidParticles& liquid, const Array3& u, double rest_volume) {
     });
 }
 
-// The ghosts' columns of Q_i, to where pair sums read them.
-void pack_ghosts(const ParticleStore& store, const Array3 (&from)[3], const Array4 (&to)[3],
-                 const Array<double>& share, double damping) {
-    const auto fx = from[0], fy = from[1], fz = from[2];
-    const auto x = to[0], y = to[1], z = to[2];
-    using Range = Kokkos::RangePolicy<Execution>;
-    Kokkos::parallel_for("treacle::viscous_ghosts", Range(store.owned(), store.total()), KOKKOS_LAMBDA(int i) {
-        for (int k = 0; k < 3; ++k) {
-            x(i, k) = fx(i, k);
-            y(i, k) = fy(i, k);
-            z(i, k) = fz(i, k);
-        }
-        x(i, 3) = damping * share(i);
-    });
-}
-
 PairGrip pair_grip(const ViscousParts& parts, const Array<double>& share) {
     const double line = parts.options.viscosity.form == ViscosityForm::pairwise ? parts.constants.dimensions + 2 : 0;
     return {share, pair_softening(parts.constants.support), line};
@@ -467,7 +449,6 @@ double ViscousOperator::prepare(const ViscousParts& parts, double dt) {
     if (viscosity.form == ViscosityForm::printed) scale_by_volumes(liquid.volume(), constants.rest_volume, n, share);
     parts.halo.gather(liquid.store, {share_});
     for (auto* array : {&correction_, &span_, &block_}) reserve(*array, static_cast<std::size_t>(n));
-    for (auto& array : packed_) reserve(array, static_cast<std::size_t>(liquid.store.total()));
     write_places(liquid, share);
     const auto fluid = gather_fluid(constants, liquid, parts.solid, parts.neighbours);
     // Rows are read several entries at a time, beyond their ends.
@@ -504,12 +485,10 @@ void ViscousOperator::multiply(const ViscousParts& parts, int u_field, Walls whi
         const auto& store = liquid.store;
         const Array3 rows[3] = {store.get<Array3>(stress_[0]), store.get<Array3>(stress_[1]), store.get<Array3>(stress_[2])};
         Kokkos::parallel_for("treacle::viscous_stress", fluid.count,
-                             StressLoop<Kernel>{base, damping_, form == ViscosityForm::printed, share, correction_, span_, {rows[0], rows[1], rows[2]},
-                                                {packed_[0], packed_[1], packed_[2]}});
+                             StressLoop<Kernel>{base, damping_, form == ViscosityForm::printed, share, correction_, span_, {rows[0], rows[1], rows[2]}});
         parts.halo.gather(store, {stress_[0], stress_[1], stress_[2]});
-        pack_ghosts(store, rows, packed_, share, damping_);
         Kokkos::parallel_for("treacle::viscous_forces", fluid.count,
-                             StressForceLoop<Kernel>{base, damping_, relative, {packed_[0], packed_[1], packed_[2]}, product});
+                             StressForceLoop<Kernel>{base, damping_, relative, share, {rows[0], rows[1], rows[2]}, product});
     });
 }
 
@@ -537,7 +516,9 @@ BodyLoads ViscousOperator::loads(const ViscousParts& parts) const {
                                     ViscousLoadLoop<Kernel, Grip>{base, {out.size()}, grip, scale}, host_sums(out));
         };
         if (by_gradients(parts.options.viscosity.form)) {
-            sum(StressGrip{{packed_[0], packed_[1], packed_[2]}});
+            const auto& store = parts.liquid.store;
+            sum(StressGrip{{store.get<Array3>(stress_[0]), store.get<Array3>(stress_[1]), store.get<Array3>(stress_[2])},
+                           store.get<Array<double>>(share_), damping_});
         } else {
             sum(pair_grip(parts, parts.liquid.store.get<Array<double>>(share_)));
         }
@@ -546,9 +527,7 @@ BodyLoads ViscousOperator::loads(const ViscousParts& parts) const {
 }
 
 std::size_t ViscousOperator::bytes() const {
-    std::size_t numbers = correction_.span() + span_.span() + block_.span();
-    for (const auto& array : packed_) numbers += array.span();
-    return sizeof(double) * numbers + sizeof(float) * weights_.span();
+    return sizeof(double) * (correction_.span() + span_.span() + block_.span()) + sizeof(float) * weights_.span();
 }
 
 } // namespace treacle::sph

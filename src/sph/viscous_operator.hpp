@@ -65,7 +65,6 @@ private:
     double damping_ = 0;             // of checkerboards, 0 for forms without gradients
     int stress_[3] = {-1, -1, -1};   // fields: columns of Q_i [m2/s]
     int share_ = -1;                 // field: dt/m V mu [m2]
-    Array4 packed_[3] = {Array4("treacle::stress_x", 0), Array4("treacle::stress_y", 0), Array4("treacle::stress_z", 0)};
     Array<float> weights_{"treacle::viscous_weights", 0};
     Array6 correction_{"treacle::gradient_correction", 0}; // B_i^+
     Array6 span_{"treacle::gradient_span", 0};             // projector on its range
