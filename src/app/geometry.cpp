@@ -198,6 +198,12 @@ sph::ViscosityIntegration viscosity_integration(const Input& input) {
                                                                                      : ViscosityIntegration::explicit_pairs;
 }
 
+double viscous_step_limit(const Input& input) {
+    auto options = input.method.viscosity;
+    options.integration = viscosity_integration(input);
+    return sph::viscous_step_limit(options, make_constants(input), limiting_viscosity(input));
+}
+
 sph::Constants make_constants(const Input& input) {
     const auto& domain = input.scene.domain;
     sph::Constants out;

@@ -62,6 +62,9 @@ double limiting_viscosity(const Input& input);
 // that is where its limit is within four times the largest step that all else allows.
 sph::ViscosityIntegration viscosity_integration(const Input& input);
 
+// Largest step of the viscosity if that is explicit, else 1e300 [s].
+double viscous_step_limit(const Input& input);
+
 // Masses, volumes and rest densities of the first liquid from the lattice.
 sph::Constants make_constants(const Input& input);
 

@@ -28,7 +28,7 @@ void check_time_step(const Input& input) {
     if (viscosity_integration(input) == sph::ViscosityIntegration::implicit) return;
     const auto& time = input.scene.time;
     const double viscosity = limiting_viscosity(input);
-    const double limit = sph::viscous_step_limit(make_constants(input), viscosity);
+    const double limit = viscous_step_limit(input);
     const double step = time.rule == scene::StepRule::fixed ? time.step : 0;
     if (std::max(step, time.min_step) <= limit) return;
     char text[64];

@@ -212,7 +212,7 @@ SolveReport KrylovSolver::solve(Matrix& matrix, std::span<const double> b, std::
         const bool ready = preconditioner.set_up(matrix, prefix_, options_);
         run.report.set_up_seconds = seconds_since(set_up_start);
         if (preconditioner.is_identity()) run.z = r;
-        if (ready && asks_for_petsc(prefix_)) {
+        if (ready && (options_.method == Method::bicgstab || asks_for_petsc(prefix_))) {
             if (run.mean_b != 0) {
                 shifted.assign(b.begin(), b.end());
                 for (double& value : shifted) value -= run.mean_b;

@@ -24,6 +24,11 @@ enum class Preconditioner {
 // "ic0"; the words of scene files.
 std::string_view to_string(Preconditioner preconditioner);
 
+enum class Method {
+    conjugate_gradients,
+    bicgstab // PETSc's, for matrices that are not symmetric
+};
+
 // A preconditioner of the caller's own.
 struct UserPreconditioner {
     // z = M r on this rank's rows; collective if the caller's is. M must be symmetric and positive definite.
@@ -40,6 +45,7 @@ enum class NullSpace {
 };
 
 struct KrylovOptions {
+    Method method = Method::conjugate_gradients;
     Preconditioner preconditioner = Preconditioner::ic0;
     int max_iterations = 1000;
     NullSpace null_space = NullSpace::none;
@@ -90,7 +96,7 @@ struct SolveReport {
     double iteration_seconds = 0; // all the rest
 };
 
-// Conjugate gradients for symmetric positive (semi)definite matrices, on the caller's arrays. Work vectors
+// Conjugate gradients for symmetric positive (semi)definite matrices, or BiCGStab, on the caller's arrays. Work vectors
 // are kept between solves. Options of PETSc are read under the prefix and win over KrylovOptions: with "pressure",
 // -pressure_pc_type, -pressure_sub_pc_factor_levels, -pressure_pc_hypre_… for the preconditioner; -pressure_ksp_type,
 // -pressure_ksp_max_it, -pressure_ksp_rtol, -pressure_ksp_monitor … have the solve done by PETSc's Krylov methods, with

@@ -129,8 +129,10 @@ Matrix::Native& Matrix::native() {
                                              blocks.diagonal_values, blocks.off_offsets, columns.data(),
                                              blocks.off_values, native_->mat.out()));
     }
-    check(MatSetOption(native_->mat, MAT_SYMMETRIC, PETSC_TRUE));
-    check(MatSetOption(native_->mat, MAT_SYMMETRY_ETERNAL, PETSC_TRUE));
+    if (symmetric_) {
+        check(MatSetOption(native_->mat, MAT_SYMMETRIC, PETSC_TRUE));
+        check(MatSetOption(native_->mat, MAT_SYMMETRY_ETERNAL, PETSC_TRUE));
+    }
     if (block_size_ > 1) check(MatSetBlockSize(native_->mat, block_size_));
     if (!near_kernel_.empty()) set_near_kernel(native_->mat, group, near_kernel_);
     check(VecCreateMPIWithArray(group, 1, rows_, global_rows_, nullptr, native_->in.out()));

@@ -31,7 +31,7 @@ struct CsrBlocks {
 // Throws std::logic_error, naming the row, when the pattern breaks the rules above. Local.
 void check_pattern(const CsrBlocks& blocks);
 
-// A square symmetric distributed matrix around the caller's arrays, without a copy: a value changed there is
+// A square distributed matrix around the caller's arrays, without a copy: a value changed there is
 // changed here. Making one costs nothing; PETSc's own, of which preconditioners of PETSc and HYPRE are made, comes
 // into being when one of them asks for it, at the cost of 1 to 3 products.
 class Matrix {
@@ -53,6 +53,10 @@ public:
         block_size_ = size;
         near_kernel_ = std::move(near_kernel);
     }
+
+    // Matrices are taken to be symmetric unless this says otherwise, before a preconditioner is made.
+    void set_unsymmetric() { symmetric_ = false; }
+    bool symmetric() const { return symmetric_; }
 
     // y = A x on this rank's rows. Collective.
     void multiply(std::span<const double> x, std::span<double> y) const;
@@ -84,6 +88,7 @@ private:
     Addition addition_;
     std::int64_t revision_;
     int block_size_ = 1;
+    bool symmetric_ = true;
     std::vector<std::vector<double>> near_kernel_;
     std::unique_ptr<Native> native_;
 };

@@ -134,12 +134,12 @@ void iterate_with_petsc(Iteration& run, const std::string& prefix) {
     MatHandle matrix; // with what the caller adds to its products
     check(MatCreateShell(group, rows, rows, global_rows, global_rows, &callbacks, matrix.out()));
     check(MatShellSetOperation(matrix, MATOP_MULT, reinterpret_cast<void (*)()>(multiply)));
-    check(MatSetOption(matrix, MAT_SYMMETRIC, PETSC_TRUE));
+    if (run.matrix.symmetric()) check(MatSetOption(matrix, MAT_SYMMETRIC, PETSC_TRUE));
     KspHandle ksp;
     check(KSPCreate(group, ksp.out()));
     check(KSPSetOptionsPrefix(ksp, (prefix + "_").c_str()));
     check(KSPSetOperators(ksp, matrix, matrix));
-    check(KSPSetType(ksp, KSPCG));
+    check(KSPSetType(ksp, run.options.method == Method::bicgstab ? KSPBCGS : KSPCG));
     check(KSPSetInitialGuessNonzero(ksp, PETSC_TRUE));
     check(KSPSetTolerances(ksp, 0, 0, PETSC_DEFAULT, run.options.max_iterations));
     check(KSPSetConvergenceTest(ksp, has_converged, &callbacks, nullptr));

@@ -136,8 +136,8 @@ bool BuiltPreconditioner::set_up(Matrix& matrix, const std::string& prefix, cons
     Mat current = nullptr;
     if (pc_) check(PCGetOperators(pc_, &current, nullptr));
     if (current != native_->mat) {
-        const bool singular = null_space_ == NullSpace::constant;
-        check(MatSetOption(native_->mat, MAT_SPD, singular ? PETSC_FALSE : PETSC_TRUE));
+        const bool definite = matrix.symmetric() && null_space_ != NullSpace::constant;
+        check(MatSetOption(native_->mat, MAT_SPD, definite ? PETSC_TRUE : PETSC_FALSE));
         build(matrix, prefix, options);
     }
     check(PCSetUp(pc_));

@@ -227,6 +227,13 @@ double viscous_step_limit(const Constants& constants, double viscosity) {
     return 0.125 * constants.support * constants.support * constants.rest_density / viscosity;
 }
 
+double viscous_step_limit(const ViscosityOptions& options, const Constants& constants, double viscosity) {
+    if (options.integration == ViscosityIntegration::implicit) return 1e300;
+    const bool by_pairs = options.integration == ViscosityIntegration::explicit_pairs ||
+                          options.form == ViscosityForm::pairwise || options.form == ViscosityForm::laplacian;
+    return (by_pairs ? 1 : 0.1) * viscous_step_limit(constants, viscosity);
+}
+
 void compute_loads(const Constants& constants, LiquidParticles& liquid) {
     const auto load = liquid.load(), p = liquid.pressure(), volume = liquid.volume();
     const double inverse_mass = 1 / constants.mass;

@@ -31,6 +31,9 @@ BodyLoads apply_forces(const SphOptions& options, const ForceOptions& forces, co
 
 // Largest step of the explicit viscosity, 0.125 h^2 rho / mu (Morris et al. 1997) [s].
 double viscous_step_limit(const Constants& constants, double viscosity);
+// The same of whatever `integration` and `form` make explicit: forms with gradients 0.0125 h^2 rho / mu (Andrade et al.
+// 2014). 1e300 for an implicit one.
+double viscous_step_limit(const ViscosityOptions& options, const Constants& constants, double viscosity);
 
 // p / rho^2 of the owned particles, for apply_pressure; the ghosts' must be gathered in between.
 void compute_loads(const Constants& constants, LiquidParticles& liquid);

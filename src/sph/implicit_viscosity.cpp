@@ -59,6 +59,26 @@ void turn(double beta, const Array3& z, int n, const Array3& p) {
     });
 }
 
+// a -= b.
+void subtract(const Array3& b, int n, const Array3& a) {
+    Kokkos::parallel_for("treacle::viscous_difference", n, KOKKOS_LAMBDA(int i) {
+        for (int k = 0; k < 3; ++k) a(i, k) -= b(i, k);
+    });
+}
+
+void copy(const Array3& from, int n, const Array3& to) {
+    Kokkos::parallel_for("treacle::viscous_copy", n, KOKKOS_LAMBDA(int i) {
+        for (int k = 0; k < 3; ++k) to(i, k) = from(i, k);
+    });
+}
+
+// u = u* + (M u* - product) / M.
+void step_freely(const RelativeDensity& inertia, const Array3& product, int n, const Array3& u) {
+    Kokkos::parallel_for("treacle::viscous_explicit", n, KOKKOS_LAMBDA(int i) {
+        for (int k = 0; k < 3; ++k) u(i, k) += u(i, k) - product(i, k) / inertia(i);
+    });
+}
+
 // True when it has broken down.
 bool breaks_down(double product, solve::Outcome indefinite, solve::SolveReport& report) {
     if (std::isfinite(product) && product > 0) return false;
@@ -73,10 +93,27 @@ ImplicitViscosity::ImplicitViscosity(const Comm& comm, LiquidParticles& liquid, 
                                      const CellGrid& grid, const std::vector<double>& friction)
     : operator_(liquid), friction_(upload(friction)),
       direction_(liquid.store.add<Array3>("viscous_direction", "m/s", FieldRole::work)) {
+    if (options.integration == ViscosityIntegration::explicit_form) return;
     const bool keeps_rotations = options.form != ViscosityForm::laplacian;
     if (options.preconditioner == ViscosityPreconditioner::rigid_blocks && keeps_rotations) {
         blocks_ = std::make_unique<RigidBlocks>(comm, liquid, grid);
     }
+    if (options.assembled) matrix_.emplace(comm, liquid, options);
+    if (options.guess == ViscosityGuess::last_change) {
+        last_change_ = liquid.store.add<Array3>("viscous_change", "m/s", FieldRole::state);
+    }
+}
+
+void ImplicitViscosity::start(const LiquidParticles& liquid) {
+    if (last_change_ >= 0) Kokkos::deep_copy(liquid.store.get<Array3>(last_change_), 0.0);
+}
+
+std::size_t ImplicitViscosity::bytes() const {
+    std::size_t out = operator_.bytes();
+    if (blocks_) out += blocks_->bytes();
+    if (matrix_) out += matrix_->bytes();
+    for (const auto* array : {&residual_, &scaled_, &product_}) out += sizeof(double) * array->span();
+    return out;
 }
 
 void ImplicitViscosity::upload_motion(const Bodies& bodies) {
@@ -103,8 +140,9 @@ ImplicitViscosity::Result ImplicitViscosity::solve(const ViscousScene& scene, co
     const ViscousParts parts{scene, bodies.load_points(), friction_, motion_};
     Result out;
     if (operator_.prepare(parts, dt) == 0) return out;
-    out.solve = iterate(parts);
-    if (out.solve.iterations > 0) { // else the last product was of these velocities
+    const bool freely = scene.options.viscosity.integration == ViscosityIntegration::explicit_form;
+    out.solve = freely ? step_explicitly(parts) : solve_implicitly(parts);
+    if (out.solve.iterations > 0) { // else the last product was of these velocities, or of those that the forces are of
         operator_.multiply(parts, liquid.velocity_field(), ViscousOperator::Walls::moving, product_);
         ++out.solve.products;
     }
@@ -113,61 +151,137 @@ ImplicitViscosity::Result ImplicitViscosity::solve(const ViscousScene& scene, co
     return out;
 }
 
-// z = M r; returns this rank's r.z.
-double ImplicitViscosity::precondition(const LiquidParticles& liquid) {
-    operator_.precondition(liquid, residual_, scaled_);
-    if (blocks_) blocks_->correct(liquid, residual_, scaled_);
-    return dot(residual_, scaled_, liquid.store.owned());
+// (4.3) and (4.4) at the velocities before.
+solve::SolveReport ImplicitViscosity::step_explicitly(const ViscousParts& parts) {
+    auto& liquid = parts.liquid;
+    const int n = liquid.store.owned();
+    reserve(product_, static_cast<std::size_t>(n));
+    operator_.multiply(parts, liquid.velocity_field(), ViscousOperator::Walls::moving, product_);
+    step_freely(relative_density(parts.constants, liquid), product_, n, liquid.velocity());
+    solve::SolveReport report;
+    report.products = 1;
+    return report;
 }
 
-// Preconditioned conjugate gradients (Saad 2003, algorithm 9.1).
-solve::SolveReport ImplicitViscosity::iterate(const ViscousParts& parts) {
-    using Walls = ViscousOperator::Walls;
-    const auto& comm = parts.comm;
+// z = M r.
+void ImplicitViscosity::precondition(const LiquidParticles& liquid, const Array3& r, const Array3& z) {
+    operator_.precondition(liquid, r, z);
+    if (blocks_) blocks_->correct(liquid, r, z);
+}
+
+// Whether the solve ends with this r.r of all ranks.
+bool ImplicitViscosity::Progress::ended(double square) {
+    report.relative_residual = norm > 0 ? std::sqrt(square) / norm : 0;
+    report.error_measure = std::sqrt(square);
+    if (!std::isfinite(square)) return breaks_down(square, solve::Outcome::non_finite, report);
+    return report.relative_residual <= parts.options.viscosity.residual;
+}
+
+solve::SolveReport ImplicitViscosity::solve_implicitly(const ViscousParts& parts) {
     auto& liquid = parts.liquid;
     const int n = liquid.store.owned();
     for (auto* array : {&residual_, &scaled_, &product_}) reserve(*array, static_cast<std::size_t>(n));
     const auto inertia = relative_density(parts.constants, liquid);
-    const auto u = liquid.velocity(), p = liquid.store.get<Array3>(direction_);
-    solve::SolveReport report;
+    const auto u = liquid.velocity();
+    Progress progress{parts};
     // r = M u* - (C u* - walls), b = M u* + walls
-    operator_.multiply(parts, liquid.velocity_field(), Walls::moving, product_);
-    ++report.products;
+    operator_.multiply(parts, liquid.velocity_field(), ViscousOperator::Walls::moving, product_);
+    ++progress.report.products;
     std::array<double, 2> sums{subtract(u, inertia, product_, n, residual_), sum_squares(u, n, inertia)};
-    comm.sum(std::span(sums));
+    parts.comm.sum(std::span(sums));
     // A liquid at rest between walls that move: what these add counts.
-    const double norm = std::sqrt(std::max(sums[0], sums[1]));
-    const auto ended = [&](double square) {
-        report.relative_residual = norm > 0 ? std::sqrt(square) / norm : 0;
-        report.error_measure = std::sqrt(square);
-        if (!std::isfinite(square)) return breaks_down(square, solve::Outcome::non_finite, report);
-        return report.relative_residual <= parts.options.viscosity.residual;
-    };
-    if (ended(sums[0])) return report;
-    if (blocks_) {
-        const auto start = Clock::now();
-        blocks_->set_up(parts, operator_.walls(parts, Walls::resting), operator_.share(liquid));
-        report.set_up_seconds = seconds_since(start);
+    progress.norm = std::sqrt(std::max(sums[0], sums[1]));
+    const bool guessing = last_change_ >= 0;
+    if (guessing) {
+        reserve(before_, static_cast<std::size_t>(n));
+        copy(u, n, before_);
     }
-    double rz = comm.sum(precondition(liquid));
+    if (!progress.ended(sums[0]) && !(guessing && start_from_last_change(progress, sums[0]))) {
+        set_up(progress);
+        matrix_ ? solve_assembled(progress) : iterate(progress);
+    }
+    if (guessing) keep_change(liquid);
+    return progress.report;
+}
+
+void ImplicitViscosity::keep_change(const LiquidParticles& liquid) {
+    const int n = liquid.store.owned();
+    const auto change = liquid.store.get<Array3>(last_change_);
+    copy(liquid.velocity(), n, change);
+    subtract(before_, n, change);
+}
+
+// The preconditioner's coarse part, and the matrix.
+void ImplicitViscosity::set_up(Progress& progress) {
+    const auto start = Clock::now();
+    const auto& parts = progress.parts;
+    if (blocks_) blocks_->set_up(parts, operator_.walls(parts, ViscousOperator::Walls::resting), operator_.share(parts.liquid));
+    if (matrix_) matrix_->assemble(parts, operator_);
+    progress.report.set_up_seconds = seconds_since(start);
+}
+
+// u += a p with the last change p, a for the least error in the norm of C: never worse than u*. Whether that is enough.
+bool ImplicitViscosity::start_from_last_change(Progress& progress, double square) {
+    const auto& parts = progress.parts;
+    const int n = parts.liquid.store.owned();
+    const auto p = parts.liquid.store.get<Array3>(last_change_);
+    operator_.multiply(parts, last_change_, ViscousOperator::Walls::resting, product_);
+    ++progress.report.products;
+    std::array<double, 2> sums{dot(p, product_, n), dot(p, residual_, n)};
+    parts.comm.sum(std::span(sums));
+    if (!(sums[0] > 0)) return progress.ended(square);
+    ++progress.report.iterations;
+    return progress.ended(parts.comm.sum(step(sums[1] / sums[0], p, product_, n, parts.liquid.velocity(), residual_)));
+}
+
+void ImplicitViscosity::solve_assembled(Progress& progress) {
+    const auto& liquid = progress.parts.liquid;
+    const auto& viscosity = progress.parts.options.viscosity;
+    const bool own = viscosity.preconditioner == ViscosityPreconditioner::jacobi ||
+                     viscosity.preconditioner == ViscosityPreconditioner::rigid_blocks;
+    ViscousMatrix::Preconditioner ours;
+    if (own) ours = [&](const Array3& r, const Array3& z) { precondition(liquid, r, z); };
+    const double start = progress.report.error_measure;
+    auto report = matrix_->solve(liquid, residual_, scaled_, viscosity.residual * progress.norm, ours, product_);
+    turn(1, product_, liquid.store.owned(), liquid.velocity());
+    report.iterations += progress.report.iterations;
+    report.products += progress.report.products;
+    report.set_up_seconds += progress.report.set_up_seconds;
+    report.relative_residual *= start / progress.norm;
+    if (report.outcome == solve::Outcome::indefinite_matrix) {
+        report.reason = "the viscous matrix is not positive definite, as that of the printed form may be";
+    }
+    progress.report = report;
+}
+
+// Preconditioned conjugate gradients (Saad 2003, algorithm 9.1).
+void ImplicitViscosity::iterate(Progress& progress) {
+    const auto& parts = progress.parts;
+    const auto& comm = parts.comm;
+    auto& report = progress.report;
+    auto& liquid = parts.liquid;
+    const int n = liquid.store.owned();
+    const auto u = liquid.velocity(), p = liquid.store.get<Array3>(direction_);
+    precondition(liquid, residual_, scaled_);
+    double rz = comm.sum(dot(residual_, scaled_, n));
     turn(0, scaled_, n, p);
     while (report.iterations < parts.options.viscosity.max_iterations) {
-        if (breaks_down(rz, solve::Outcome::indefinite_preconditioner, report)) return report;
-        operator_.multiply(parts, direction_, Walls::resting, product_);
+        if (breaks_down(rz, solve::Outcome::indefinite_preconditioner, report)) return;
+        operator_.multiply(parts, direction_, ViscousOperator::Walls::resting, product_);
         ++report.products;
         const double pq = comm.sum(dot(p, product_, n));
-        if (breaks_down(pq, solve::Outcome::indefinite_matrix, report)) return report;
+        if (breaks_down(pq, solve::Outcome::indefinite_matrix, report)) return;
         ++report.iterations;
         const double square = step(rz / pq, p, product_, n, u, residual_);
-        std::array<double, 2> next{square, precondition(liquid)};
+        precondition(liquid, residual_, scaled_);
+        std::array<double, 2> next{square, dot(residual_, scaled_, n)};
         comm.sum(std::span(next));
-        if (ended(next[0])) return report;
+        if (progress.ended(next[0])) return;
         turn(next[1] / rz, scaled_, n, p);
         rz = next[1];
     }
     report.outcome = solve::Outcome::iteration_limit;
     report.reason = "not converged within " + std::to_string(parts.options.viscosity.max_iterations) + " iterations";
-    return report;
 }
 
 } // namespace treacle::sph

@@ -15,8 +15,10 @@ namespace {
 // A solid particle costs little: only those near liquid are looked at.
 constexpr double solid_weight = 0.05;
 
-bool implicit_viscosity(const IsphSetup& setup) {
-    return setup.options.viscosity.integration == ViscosityIntegration::implicit && setup.forces.viscosity > 0;
+bool viscosity_by_operator(const IsphSetup& setup) {
+    const auto integration = setup.options.viscosity.integration;
+    return setup.forces.viscosity > 0 &&
+           (integration == ViscosityIntegration::implicit || integration == ViscosityIntegration::explicit_form);
 }
 } // namespace
 
@@ -27,7 +29,7 @@ IsphStep::IsphStep(const Comm& comm, const IsphSetup& setup)
       solver_(comm, "pressure", krylov_options(setup.options, setup.constants.dimensions, hierarchy_.get())),
       complementarity_(comm, solver_.options()) {
     explicit_forces_ = setup.forces;
-    if (implicit_viscosity(setup)) {
+    if (viscosity_by_operator(setup)) {
         viscosity_.emplace(comm, liquid_, setup.options.viscosity, setup.grid, setup.forces.friction);
         explicit_forces_.viscosity = 0;
     }
@@ -43,6 +45,7 @@ void IsphStep::start(SolidVolumes volumes) {
     if (divergence_field_ >= 0 && volumes == SolidVolumes::compute) {
         Kokkos::deep_copy(liquid_.store.get<Array<double>>(divergence_field_), 0.0);
     }
+    if (viscosity_ && volumes == SolidVolumes::compute) viscosity_->start(liquid_);
     recut();
     place_liquid();
     place_solids();
@@ -463,7 +466,7 @@ double IsphStep::stable_step(double cfl) const {
     const auto& g = setup_.forces.gravity;
     const double pull = std::sqrt(g[0] * g[0] + g[1] * g[1] + g[2] * g[2]);
     const double d = setup_.constants.spacing;
-    double dt = viscosity_ ? 1e300 : viscous_step_limit(setup_.constants, setup_.forces.viscosity);
+    double dt = viscous_step_limit(setup_.options.viscosity, setup_.constants, setup_.forces.viscosity);
     cfl *= setup_.constants.mixture.step_share;
     if (speed > 0) dt = std::min(dt, cfl * d / speed);
     if (pull > 0) dt = std::min(dt, cfl * std::sqrt(d / pull));

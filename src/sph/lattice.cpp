@@ -176,25 +176,37 @@ LayerSums see_layer(const Kernel& kernel, const WallSetup& setup, double volume,
     return out;
 }
 
-// Force on the first layer of liquid between a wall that counts `grip` times and a uniform stress of 1, over that of a
-// layer's neighbours on one side: positive towards the wall.
+// The layers of liquid at multiples of the spacing away, and the wall's as each of them sees it.
+struct Layers {
+    std::vector<LayerSums> liquid, solid; // by number; liquid[0] is empty
+    double gap, spacing;
+};
 template <class Kernel>
-double layer_imbalance(const Kernel& kernel, const WallSetup& setup, double gap, double grip) {
+Layers see_layers(const Kernel& kernel, const WallSetup& setup, double gap) {
     const auto lattice = measure_lattice(setup.kind, setup.dimensions, setup.support, setup.spacing);
     const auto wall = measure_aligned(setup, gap);
     const double d = setup.spacing;
-    const int layers = static_cast<int>(std::ceil(setup.support / d));
-    const auto liquid = [&](int apart) { return see_layer(kernel, setup, lattice.volume, d, apart * d); };
-    const auto solid = [&](int layer) { return see_layer(kernel, setup, wall.wall_volume, setup.wall_spacing, gap + layer * d); };
-    std::vector<double> spread;
-    for (int at = 0; at <= layers; ++at) {
-        double sum = grip * solid(at).spread;
-        for (int apart = 1; apart <= layers; ++apart) sum += (at >= apart ? 2 : 1) * liquid(apart).spread;
-        spread.push_back(sum);
+    Layers out{{{}}, {see_layer(kernel, setup, wall.wall_volume, setup.wall_spacing, gap)}, gap, d};
+    for (int layer = 1; layer <= static_cast<int>(std::ceil(setup.support / d)); ++layer) {
+        out.liquid.push_back(see_layer(kernel, setup, lattice.volume, d, layer * d));
+        out.solid.push_back(see_layer(kernel, setup, wall.wall_volume, setup.wall_spacing, gap + layer * d));
     }
-    double out = grip * gap / (0.5 * d) * solid(0).push / spread[0];
-    for (int apart = 1; apart <= layers; ++apart) {
-        out -= liquid(apart).push * (1 / spread[0] + 1 / spread[static_cast<std::size_t>(apart)]);
+    return out;
+}
+
+// Force on the first layer of liquid between a wall that counts `grip` times and a uniform stress of 1, over that of a
+// layer's neighbours on one side: positive towards the wall.
+double layer_imbalance(const Layers& layers, double grip) {
+    const auto spread = [&](std::size_t at) {
+        double sum = grip * layers.solid[at].spread;
+        for (std::size_t apart = 1; apart < layers.liquid.size(); ++apart) {
+            sum += (at >= apart ? 2 : 1) * layers.liquid[apart].spread;
+        }
+        return sum;
+    };
+    double out = grip * layers.gap / (0.5 * layers.spacing) * layers.solid[0].push / spread(0);
+    for (std::size_t apart = 1; apart < layers.liquid.size(); ++apart) {
+        out -= layers.liquid[apart].push * (1 / spread(0) + 1 / spread(apart));
     }
     return out;
 }
@@ -204,9 +216,10 @@ double wall_grip(const WallSetup& setup, const DensityOptions& density) {
     const double gap = rest_gap(setup, density);
     double lo = 0, hi = 10;
     with_kernel(setup.kind, setup.dimensions, setup.support, [&](const auto& kernel) {
+        const Layers layers = see_layers(kernel, setup, gap);
         for (int k = 0; k < 60; ++k) {
             const double grip = (lo + hi) / 2;
-            (layer_imbalance(kernel, setup, gap, grip) > 0 ? hi : lo) = grip;
+            (layer_imbalance(layers, grip) > 0 ? hi : lo) = grip;
         }
     });
     return (lo + hi) / 2;

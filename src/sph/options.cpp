@@ -174,24 +174,48 @@ void ViscosityOptions::declare(Declaration& d) {
     d.choice("integration", integration,
              {{"automatic", ViscosityIntegration::automatic},
               {"implicit", ViscosityIntegration::implicit},
-              {"explicit", ViscosityIntegration::explicit_pairs}},
-             "Whether the liquids' viscosity acts by a linear solve in each step, or by the pairwise form at the velocities "
-             "that the step starts with, which limits the step; `automatic` is implicit where that limit would matter.");
+              {"explicit", ViscosityIntegration::explicit_form}},
+             "Whether the liquids' viscosity acts by a linear solve in each step, or at the velocities that the step "
+             "starts with, which limits the step; `automatic` is implicit where that limit would matter, and where not "
+             "explicit by forces along the lines between particles, whatever the form.");
     d.choice("form", form,
              {{"corrected", ViscosityForm::corrected},
               {"adjoint", ViscosityForm::adjoint},
               {"pairwise", ViscosityForm::pairwise},
-              {"laplacian", ViscosityForm::laplacian}},
-             "What the solve is of: the full stress (dissertation, chapter 4) of gradients that are exact for linear "
-             "velocities; of the plain ones, made symmetric; forces along the lines between particles (Weiler et al. "
-             "2018), for support_ratio 3 and more; or the Laplacian of each component, which stops rotations.");
+              {"laplacian", ViscosityForm::laplacian},
+              {"printed", ViscosityForm::printed}},
+             "The full stress (dissertation, chapter 4) of gradients that are exact for linear velocities; of the plain "
+             "ones, made symmetric; forces along the lines between particles (Weiler et al. 2018), for support_ratio 3 "
+             "and more; the Laplacian of each component, which stops rotations; or equations 4.5 to 4.12 as printed, "
+             "which are not symmetric.");
     d.number("checkerboard_damping", checkerboard_damping, unit::none, range_between(0, 1),
              "Share of the viscosity that acts on what `corrected` gradients do not see of the velocities around a "
              "particle.");
+    d.boolean("assembled", assembled,
+              "Solve with the matrix, whose rows reach to the neighbours' neighbours (dissertation, Algorithm 8), and not "
+              "with products that need none; up to 50 kB a particle.");
+    d.choice("solver", solver,
+             {{"conjugate_gradients", ViscositySolver::conjugate_gradients}, {"bicgstab", ViscositySolver::bicgstab}},
+             "Conjugate gradients need a symmetric matrix, and may fail on the printed form at high viscosities; "
+             "`bicgstab` does not.");
     d.choice("preconditioner", preconditioner,
-             {{"jacobi", ViscosityPreconditioner::jacobi}, {"rigid_blocks", ViscosityPreconditioner::rigid_blocks}},
+             {{"jacobi", ViscosityPreconditioner::jacobi},
+              {"rigid_blocks", ViscosityPreconditioner::rigid_blocks},
+              {"gamg", ViscosityPreconditioner::gamg},
+              {"boomeramg", ViscosityPreconditioner::boomeramg}},
              "Of the viscous solve: the diagonal blocks of the particles, to which `rigid_blocks` adds, but for the "
-             "Laplacian form, blocks of many particles that move as rigid bodies.");
+             "Laplacian form, blocks of many particles that move as rigid bodies; or algebraic multigrid of the "
+             "assembled matrix.");
+    const bool by_matrix = preconditioner == ViscosityPreconditioner::gamg || preconditioner == ViscosityPreconditioner::boomeramg;
+    d.check(assembled || !by_matrix, "preconditioner",
+            {"needs assembled: true", "algebraic multigrid is made of a matrix", "take rigid_blocks, or set assembled: true"});
+    d.check(assembled || solver != ViscositySolver::bicgstab, "solver",
+            {"bicgstab needs assembled: true", "the other forms are symmetric", "leave it out, or set assembled: true"});
+    d.check(assembled || form != ViscosityForm::printed || integration == ViscosityIntegration::explicit_form, "form",
+            {"printed needs assembled: true", "it is there to compare with, solved as the dissertation does",
+             "set assembled: true, or take adjoint, which is symmetric"});
+    d.choice("guess", guess, {{"velocity", ViscosityGuess::velocity}, {"last_change", ViscosityGuess::last_change}},
+             "What the solve starts from: the velocities that it is given, or these and what the last solve changed.");
     d.number("residual", residual, unit::none, range_above_to(0, 0.1), "Relative residual at which the solve ends.");
     d.integer("max_iterations", max_iterations, range_between(1, 1000000), "Iterations after which the solve has failed.");
     d.number("artificial", artificial, unit::none, range_at_least(0),

@@ -27,17 +27,27 @@ enum class PressurePreconditioner {
     multilevel,      // Galerkin products on cells (src/solve/README.md)
     multilevel_grids // the dissertation's grids, 3.5
 };
-enum class ViscosityIntegration { automatic, implicit, explicit_pairs };
+enum class ViscosityIntegration {
+    automatic,
+    implicit,
+    explicit_pairs, // Monaghan & Cleary's, with the other forces
+    explicit_form   // one product with the operator of the form
+};
 enum class ViscosityForm {
     corrected, // the adjoint form of exact gradients: rotations stay what they are
     adjoint,   // the symmetric form of section 4.4
     pairwise,  // Weiler et al. 2018
-    laplacian  // Brookshaw 1985, component by component
+    laplacian, // Brookshaw 1985, component by component
+    printed    // equations 4.5-4.12, not symmetric
 };
 enum class ViscosityPreconditioner {
     jacobi,      // the diagonal 3 x 3 blocks
-    rigid_blocks // and blocks of particles that move as rigid bodies
+    rigid_blocks, // and blocks of particles that move as rigid bodies
+    gamg,         // of the assembled matrix
+    boomeramg
 };
+enum class ViscositySolver { conjugate_gradients, bicgstab };
+enum class ViscosityGuess { velocity, last_change };
 enum class MultilevelCycle { v, w };
 enum class MultilevelSmoother { gauss_seidel, jacobi };
 
@@ -98,7 +108,10 @@ struct ViscosityOptions {
     ViscosityIntegration integration = ViscosityIntegration::automatic;
     ViscosityForm form = ViscosityForm::corrected;
     double checkerboard_damping = 0.1; // kappa of the corrected form (README)
+    bool assembled = false;            // the matrix with its second ring, in place of products without one
+    ViscositySolver solver = ViscositySolver::conjugate_gradients;
     ViscosityPreconditioner preconditioner = ViscosityPreconditioner::rigid_blocks;
+    ViscosityGuess guess = ViscosityGuess::velocity;
     double residual = 1e-6;            // relative
     int max_iterations = 5000;
     double artificial = 0.2;      // Monaghan's alpha

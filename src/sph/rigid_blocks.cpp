@@ -1,5 +1,7 @@
 #include "sph/rigid_blocks.hpp"
 
+#include "sph/pair_softening.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -8,6 +10,7 @@ namespace treacle::sph {
 
 namespace {
 constexpr int cells_across = 2; // of a block
+constexpr std::size_t most_neighbours = 26; // blocks at the border of ranks may have more
 // A particle alone in its block has no arm, and the block's rotations no inertia: they get this share of the largest
 // diagonal entry, which changes nothing else.
 constexpr double floor_of_diagonal = 1e-8;
@@ -37,9 +40,6 @@ struct RigidBlocks::Entry {
 
 struct RigidBlocks::Rows {
     std::vector<std::vector<Entry>> blocks; // the first entry of each is its own
-    std::vector<solve::Index> offsets, columns, off_offsets, off_columns;
-    std::vector<double> values, off_values;
-    RowHalo halo;
 
     Entry& at(int local, int block) {
         auto& row = blocks[static_cast<std::size_t>(local)];
@@ -115,10 +115,14 @@ void RigidBlocks::assemble(const ViscousParts& parts, const ViscousWalls& walls,
     const auto arm = on_host(store.get<Array3>(arm_field_));
     const auto share = on_host(device_share);
     const auto& constants = parts.constants;
-    const double soft = 0.01 * constants.support * constants.support;
+    const double soft = pair_softening(constants.support);
     const auto relative = relative_density(constants, parts.liquid);
     rows_->blocks.assign(static_cast<std::size_t>(count_), {});
-    for (int b = 0; b < count_; ++b) rows_->blocks[static_cast<std::size_t>(b)].push_back({first_ + b});
+    for (int b = 0; b < count_; ++b) {
+        auto& row = rows_->blocks[static_cast<std::size_t>(b)];
+        row.reserve(most_neighbours + 1);
+        row.push_back({first_ + b});
+    }
     const auto arm_of = [&](int i) { return std::array<double, 3>{arm(i, 0), arm(i, 1), arm(i, 2)}; };
     const auto add_all = [&](int local, double c, const double a[3]) { // the same along each axis
         auto& own = rows_->blocks[static_cast<std::size_t>(local)].front();
@@ -155,65 +159,39 @@ void RigidBlocks::assemble(const ViscousParts& parts, const ViscousWalls& walls,
 
 // The blocks as a matrix of numbers.
 void RigidBlocks::connect() {
-    auto& rows = *rows_;
     const int m = unknowns_;
-    std::vector<int> others;
-    for (auto& row : rows.blocks) {
-        std::sort(row.begin(), row.end(), [](const Entry& a, const Entry& b) { return a.block < b.block; });
-        for (const auto& entry : row) {
-            if (entry.block >= first_ && entry.block < first_ + count_) continue;
-            for (int k = 0; k < m; ++k) others.push_back(m * entry.block + k);
-        }
-    }
-    std::sort(others.begin(), others.end());
-    others.erase(std::unique(others.begin(), others.end()), others.end());
-    rows.halo.connect(comm_, std::int64_t(m) * first_, others);
-    for (auto* part : {&rows.columns, &rows.off_columns}) part->clear();
-    for (auto* part : {&rows.values, &rows.off_values}) part->clear();
-    rows.offsets.assign(1, 0);
-    rows.off_offsets.assign(1, 0);
+    solve::BlockRows out;
+    out.size = m;
+    out.first = first_;
+    std::size_t entries = 0;
+    for (const auto& row : rows_->blocks) entries += row.size();
+    out.columns.reserve(entries);
+    out.values.reserve(entries * static_cast<std::size_t>(m * m));
     for (int b = 0; b < count_; ++b) {
-        const auto& row = rows.blocks[static_cast<std::size_t>(b)];
+        auto& row = rows_->blocks[static_cast<std::size_t>(b)];
         double most = 0;
-        const auto own = std::find_if(row.begin(), row.end(), [&](const Entry& e) { return e.block == first_ + b; });
-        for (std::size_t k = 0; k < 6; ++k) most = std::max(most, own->values[7 * k]);
-        for (int k = 0; k < m; ++k) {
-            for (const auto& entry : row) {
-                const bool mine = entry.block >= first_ && entry.block < first_ + count_;
-                const int from = m * entry.block;
-                const auto place = std::lower_bound(others.begin(), others.end(), from) - others.begin();
-                for (int l = 0; l < m; ++l) {
-                    double value = entry.values[static_cast<std::size_t>(6 * motion_of(k, m) + motion_of(l, m))];
-                    if (entry.block == first_ + b && k == l) value += floor_of_diagonal * most;
-                    (mine ? rows.columns : rows.off_columns).push_back(mine ? from - m * first_ + l : static_cast<int>(place) + l);
-                    (mine ? rows.values : rows.off_values).push_back(value);
-                }
+        for (std::size_t k = 0; k < 6; ++k) most = std::max(most, row.front().values[7 * k]);
+        for (std::size_t k = 0; k < 6; ++k) row.front().values[7 * k] += floor_of_diagonal * most;
+        std::sort(row.begin(), row.end(), [](const Entry& x, const Entry& y) { return x.block < y.block; });
+        for (const auto& entry : row) {
+            out.columns.push_back(entry.block);
+            for (int k = 0; k < m * m; ++k) {
+                const int at = 6 * motion_of(k / m, m) + motion_of(k % m, m);
+                out.values.push_back(entry.values[static_cast<std::size_t>(at)]);
             }
-            rows.offsets.push_back(static_cast<int>(rows.columns.size()));
-            rows.off_offsets.push_back(static_cast<int>(rows.off_columns.size()));
         }
+        out.offsets.push_back(static_cast<solve::Index>(out.columns.size()));
     }
-    solve::CsrBlocks blocks;
-    blocks.diagonal_offsets = rows.offsets.data();
-    blocks.diagonal_columns = rows.columns.data();
-    blocks.diagonal_values = rows.values.data();
-    blocks.off_offsets = rows.off_offsets.data();
-    blocks.off_columns = rows.off_columns.data();
-    blocks.off_values = rows.off_values.data();
-    blocks.halo = &rows.halo;
-    blocks.first_row = m * first_;
-    blocks.rows = m * count_;
-    blocks.global_rows = static_cast<int>(comm_.sum(std::int64_t(blocks.rows)));
-    matrix_.emplace(comm_, blocks);
+    rows_->blocks = {}; // before the multigrid takes as much
+    matrix_.build(comm_, out);
 }
 
 void RigidBlocks::set_up(const ViscousParts& parts, const ViscousWalls& walls, const Array<double>& share) {
-    matrix_.reset();
     number(parts);
     assemble(parts, walls, share);
     connect();
-    matrix_->set_blocks(unknowns_, rigid_motions());
-    solver_.set_up(*matrix_);
+    matrix_.matrix()->set_blocks(unknowns_, rigid_motions());
+    solver_.set_up(*matrix_.matrix());
     const auto rows = static_cast<std::size_t>(unknowns_ * count_);
     reserve(coarse_, rows);
     residual_.resize(rows);
@@ -283,9 +261,7 @@ void RigidBlocks::correct(const LiquidParticles& liquid, const Array3& r, const 
 }
 
 std::size_t RigidBlocks::bytes() const {
-    return 8 * (coarse_.span() + residual_.capacity() + correction_.capacity() + rows_->values.capacity() +
-                rows_->off_values.capacity()) +
-           4 * (rows_->columns.capacity() + rows_->off_columns.capacity());
+    return 8 * (coarse_.span() + residual_.capacity() + correction_.capacity()) + matrix_.bytes();
 }
 
 } // namespace treacle::sph

@@ -1,9 +1,9 @@
 #pragma once
+#include "solve/block_rows.hpp"
 #include "solve/krylov.hpp"
 #include "sph/viscous_operator.hpp"
 
 #include <memory>
-#include <optional>
 #include <vector>
 
 namespace treacle::sph {
@@ -18,7 +18,8 @@ public:
     RigidBlocks(const Comm& comm, LiquidParticles& liquid, const CellGrid& grid);
     ~RigidBlocks();
 
-    // Collective: blocks of the present particles, the matrix and its own preconditioner. `share` is dt/m V mu of owned and ghost particles.
+    // Collective: blocks of the present particles, the matrix and its own preconditioner. `share` is dt/m V mu of owned
+    // and ghost particles.
     void set_up(const ViscousParts& parts, const ViscousWalls& walls, const Array<double>& share);
 
     // Collective: z += P M P^T r on the owned particles, M being one cycle of multigrid on the matrix.
@@ -43,7 +44,7 @@ private:
     std::vector<Vec3> centres_;
     std::unique_ptr<Rows> rows_;
     solve::KrylovSolver solver_;
-    std::optional<solve::Matrix> matrix_;
+    solve::BlockMatrix matrix_;
     Array<double> coarse_{"treacle::rigid_blocks", 0}; // [count][unknowns]
     std::vector<double> residual_, correction_;
 };

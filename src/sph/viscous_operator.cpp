@@ -1,5 +1,7 @@
 #include "sph/viscous_operator.hpp"
 
+#include "kokkos/quad.hpp"
+#include "sph/pair_softening.hpp"
 #include "sph/symmetric.hpp"
 
 namespace treacle::sph {
@@ -14,7 +16,7 @@ constexpr double least_height = 0.25;
 using Array6 = Kokkos::View<double* [6], Memory>;
 
 KOKKOS_INLINE_FUNCTION bool by_gradients(ViscosityForm form) {
-    return form == ViscosityForm::corrected || form == ViscosityForm::adjoint;
+    return form == ViscosityForm::corrected || form == ViscosityForm::adjoint || form == ViscosityForm::printed;
 }
 
 // What every loop reads; `place` has the shares dt/m V mu, `motion` the velocities.
@@ -23,8 +25,16 @@ struct ViscousLoop {
     Kernel kernel;
     Fluid fluid;
     ViscousWalls walls;
-    double volume; // V0 [m^D]
+    Array<float> weights; // V0 |W'|/r of each pair in the list [1/m2]
 
+    // visit(w, j, dx, dy, dz, r2) for the liquid particles around i.
+    template <class Visit>
+    KOKKOS_INLINE_FUNCTION void each_pair(int i, const Visit& visit) const {
+        std::int64_t k = fluid.liquid.offset(i);
+        fluid.liquid.each(i, [&](int j, double dx, double dy, double dz, double r2) {
+            visit(static_cast<double>(weights(k++)), j, dx, dy, dz, r2);
+        });
+    }
     KOKKOS_INLINE_FUNCTION double weight(double volumes, double r2) const {
         return -volumes * kernel.gradient(math::sqrt(r2));
     }
@@ -52,21 +62,23 @@ struct ViscousLoop {
 
 // What one solid particle adds to a row of C u.
 struct StressGrip {
-    Array4 packed[3];
+    Array3 stress[3]; // columns of Q_i
+    Array<double> share;
+    double damping;
 
     template <class Contact>
     KOKKOS_INLINE_FUNCTION void operator()(int i, double w, const double x[3], const double u[3],
                                            const Contact& contact, double out[3]) const {
         for (int k = 0; k < 3; ++k) {
-            const double pull = packed[k](i, 0) * x[0] + packed[k](i, 1) * x[1] + packed[k](i, 2) * x[2];
-            const double slide = packed[0](i, 3) * contact.reach * (u[k] - contact.velocity[k]);
+            const double pull = stress[0](i, k) * x[0] + stress[1](i, k) * x[1] + stress[2](i, k) * x[2];
+            const double slide = damping * share(i) * contact.reach * (u[k] - contact.velocity[k]);
             out[k] = w * contact.reach * (pull + slide);
         }
     }
 };
 struct PairGrip {
     Array<double> share;
-    double soft, line; // 0.01 h^2; D + 2 for the pairwise form, 0 for the Laplacian
+    double soft, line; // see pair_softening(); D + 2 for the pairwise form, 0 for the Laplacian
 
     template <class Contact>
     KOKKOS_INLINE_FUNCTION void operator()(int i, double w, const double x[3], const double u[3],
@@ -77,6 +89,26 @@ struct PairGrip {
         for (int k = 0; k < 3; ++k) along += (u[k] - contact.velocity[k]) * x[k];
         for (int k = 0; k < 3; ++k) {
             out[k] = c * (line > 0 ? line * along * x[k] : r2 * (u[k] - contact.velocity[k]));
+        }
+    }
+};
+
+// The weights, which a solve needs in every product; the same number for both particles of a pair.
+template <class Kernel>
+struct WeightLoop {
+    Kernel kernel;
+    Fluid fluid;
+    double volume; // V0 [m^D]
+    Array<float> weights;
+
+    KOKKOS_INLINE_FUNCTION void operator()(int i) const {
+        const Row row = fluid.row(i);
+        const std::int64_t first = fluid.liquid.offset(i);
+        for (int k = 0; k < row.count; k += lanes) {
+            const auto along = distance(row.near(k).r2);
+            double w[lanes];
+            store_lanes(-volume * kernel.gradient(along.r, along.inverse), w);
+            for (int l = 0; l < math::min(lanes, row.count - k); ++l) weights(first + k + l) = static_cast<float>(w[l]);
         }
     }
 };
@@ -94,8 +126,7 @@ struct PrepareLoop : ViscousLoop<Kernel> {
     KOKKOS_INLINE_FUNCTION void operator()(int i) const {
         Symmetric spread;
         double weights = 0, pull[3] = {0, 0, 0};
-        Base::fluid.liquid.each(i, [&](int, double dx, double dy, double dz, double r2) {
-            const double w = Base::weight(Base::volume, r2);
+        Base::each_pair(i, [&](double w, int, double dx, double dy, double dz, double) {
             add(spread, weights, pull, w, 1, dx, dy, dz);
         });
         Base::each_wall(i, [&](int, double w, double dx, double dy, double dz, const auto& contact) {
@@ -131,7 +162,7 @@ private:
     // What the strains of the neighbours, or the pairs, add. Their corrections are taken to be like this one's.
     KOKKOS_INLINE_FUNCTION Symmetric pair_block(int i, const Symmetric& fit) const {
         Symmetric d;
-        const double soft = 0.01 * Base::kernel.h * Base::kernel.h;
+        const double soft = pair_softening(Base::kernel.h);
         const auto pair = [&](double shares, double w, double dx, double dy, double dz, double r2) {
             if (by_gradients(form)) {
                 const double x[3] = {dx, dy, dz};
@@ -148,8 +179,8 @@ private:
                 d.xx += along, d.yy += along, d.zz += along;
             }
         };
-        Base::fluid.liquid.each(i, [&](int j, double dx, double dy, double dz, double r2) {
-            pair(share(i) + share(j), Base::weight(Base::volume, r2), dx, dy, dz, r2);
+        Base::each_pair(i, [&](double w, int j, double dx, double dy, double dz, double r2) {
+            pair(share(i) + share(j), w, dx, dy, dz, r2);
         });
         if (by_gradients(form)) return d;
         Base::each_wall(i, [&](int, double w, double dx, double dy, double dz, const auto& contact) {
@@ -164,10 +195,10 @@ template <class Kernel>
 struct StressLoop : ViscousLoop<Kernel> {
     using Base = ViscousLoop<Kernel>;
     double damping;
+    bool by_volumes; // of the neighbours, as the printed form has it
     Array<double> share;
     Array6 correction, span;
-    Array3 stress[3];
-    Array4 packed[3];
+    Array3 stress[3]; // columns
 
     KOKKOS_INLINE_FUNCTION void operator()(int i) const {
         double n[3][3];
@@ -192,39 +223,30 @@ struct StressLoop : ViscousLoop<Kernel> {
             double q[3];
             fit.times(s[k], q);
             for (int l = 0; l < 3; ++l) {
-                const double value = c * (2 * q[l] - damping * g[k][l]);
-                stress[k](i, l) = value;
-                packed[k](i, l) = value;
+                stress[l](i, k) = c * (2 * q[l] - damping * g[k][l]);
             }
         }
-        packed[0](i, 3) = damping * c;
     }
 
 private:
     KOKKOS_INLINE_FUNCTION void sum_pairs(int i, double n[3][3]) const {
-        const auto& motion = Base::fluid.motion;
-        const double ux = motion(i, 0), uy = motion(i, 1), uz = motion(i, 2);
-        const Row row = Base::fluid.row(i);
-        Lanes xx = 0.0, xy = 0.0, xz = 0.0, yx = 0.0, yy = 0.0, yz = 0.0, zx = 0.0, zy = 0.0, zz = 0.0;
-        for (int k = 0; k < row.count; k += lanes) {
-            const auto d = row.near(k);
-            const auto v = Base::fluid.motions(row, k);
-            const auto along = distance(d.r2);
-            const Lanes w = row.within(k, -Base::volume * Base::kernel.gradient(along.r, along.inverse));
-            const Lanes ax = w * (ux - v.x), ay = w * (uy - v.y), az = w * (uz - v.z);
-            xx = xx + ax * d.x;
-            xy = xy + ax * d.y;
-            xz = xz + ax * d.z;
-            yx = yx + ay * d.x;
-            yy = yy + ay * d.y;
-            yz = yz + ay * d.z;
-            zx = zx + az * d.x;
-            zy = zy + az * d.y;
-            zz = zz + az * d.z;
+        const double *place = Base::fluid.place.data(), *motion = Base::fluid.motion.data();
+        const Quad x = Quad::load(place + 4 * std::int64_t(i)), u = Quad::load(motion + 4 * std::int64_t(i));
+        Quad columns[3] = {0.0, 0.0, 0.0};
+        const std::int64_t last = Base::fluid.liquid.offset(i + 1);
+        for (std::int64_t k = Base::fluid.liquid.offset(i); k < last; ++k) {
+            const double* other = motion + 4 * std::int64_t(Base::fluid.liquid.index(k));
+            const double w = by_volumes ? Base::weights(k) * other[3] : Base::weights(k);
+            const Quad along = Quad(w) * (x - Quad::load(place + 4 * std::int64_t(Base::fluid.liquid.index(k))));
+            const Quad apart = u - Quad::load(other);
+            columns[0].add(along.all<0>(), apart);
+            columns[1].add(along.all<1>(), apart);
+            columns[2].add(along.all<2>(), apart);
         }
-        const Lanes sums[3][3] = {{xx, xy, xz}, {yx, yy, yz}, {zx, zy, zz}};
-        for (int k = 0; k < 3; ++k) {
-            for (int l = 0; l < 3; ++l) n[k][l] = sum_lanes(sums[k][l]);
+        for (int l = 0; l < 3; ++l) {
+            double column[4];
+            columns[l].store(column);
+            for (int k = 0; k < 3; ++k) n[k][l] = column[k];
         }
     }
     // The symmetric part of G within the span, in which a rotation has none.
@@ -246,36 +268,51 @@ private:
 template <class Kernel>
 struct StressForceLoop : ViscousLoop<Kernel> {
     using Base = ViscousLoop<Kernel>;
+    double damping;
     RelativeDensity relative;
-    Array4 packed[3];
+    Array<double> share;
+    Array3 stress[3];
     Array3 product;
 
     KOKKOS_INLINE_FUNCTION void operator()(int i) const {
         double u[3];
         Base::read_velocity(i, u);
-        double q[3][3], own = packed[0](i, 3);
-        for (int k = 0; k < 3; ++k) {
-            for (int l = 0; l < 3; ++l) q[k][l] = packed[k](i, l);
-        }
-        const Row row = Base::fluid.row(i);
-        Lanes fx = 0.0, fy = 0.0, fz = 0.0;
-        for (int k = 0; k < row.count; k += lanes) {
-            const auto d = row.near(k);
-            const auto v = Base::fluid.motions(row, k);
-            const auto x = gather_quads(packed[0].data(), row.index + k);
-            const auto y = gather_quads(packed[1].data(), row.index + k);
-            const auto z = gather_quads(packed[2].data(), row.index + k);
-            const auto along = distance(d.r2);
-            const Lanes w = row.within(k, -Base::volume * Base::kernel.gradient(along.r, along.inverse));
-            const Lanes damp = own + x.w;
-            fx = fx + w * ((q[0][0] + x.x) * d.x + (q[0][1] + x.y) * d.y + (q[0][2] + x.z) * d.z + damp * (u[0] - v.x));
-            fy = fy + w * ((q[1][0] + y.x) * d.x + (q[1][1] + y.y) * d.y + (q[1][2] + y.z) * d.z + damp * (u[1] - v.y));
-            fz = fz + w * ((q[2][0] + z.x) * d.x + (q[2][1] + z.y) * d.y + (q[2][2] + z.z) * d.z + damp * (u[2] - v.z));
-        }
-        double f[3] = {sum_lanes(fx), sum_lanes(fy), sum_lanes(fz)};
-        Base::add_walls(i, StressGrip{{packed[0], packed[1], packed[2]}}, u, f);
+        double f[3];
+        sum_pairs(i, f);
+        Base::add_walls(i, StressGrip{{stress[0], stress[1], stress[2]}, share, damping}, u, f);
         const double inertia = relative(i);
         for (int k = 0; k < 3; ++k) product(i, k) = inertia * u[k] + f[k];
+    }
+
+private:
+    // The fourth ones of `place` are the shares dt/m V mu, of which `damping` acts on differences of velocities.
+    KOKKOS_INLINE_FUNCTION void sum_pairs(int i, double f[3]) const {
+        const double *place = Base::fluid.place.data(), *motion = Base::fluid.motion.data();
+        const auto read = [](const double* rows, int row) { return Quad::load(rows + 4 * std::int64_t(row)); };
+        const Quad x = read(place, i), u = read(motion, i);
+        const Quad twice = 2 * Base::fluid.place(i, 3), factor = damping;
+        const Quad own[3] = {Quad::load(stress[0], i), Quad::load(stress[1], i), Quad::load(stress[2], i)};
+        Quad pull[3] = {0.0, 0.0, 0.0}, slide = 0.0, spread = 0.0;
+        const std::int64_t last = Base::fluid.liquid.offset(i + 1);
+        for (std::int64_t k = Base::fluid.liquid.offset(i); k < last; ++k) {
+            const int j = Base::fluid.liquid.index(k);
+            const Quad w = static_cast<double>(Base::weights(k)), apart = x - read(place, j);
+            const Quad along = w * apart;
+            spread.add(w, apart);
+            pull[0].add(along.all<0>(), Quad::load(stress[0], j));
+            pull[1].add(along.all<1>(), Quad::load(stress[1], j));
+            pull[2].add(along.all<2>(), Quad::load(stress[2], j));
+            slide.add(w * twice - along.all<3>(), u - read(motion, j));
+        }
+        Quad sum = 0.0;
+        sum.add(factor, slide);
+        sum.add(spread.all<0>(), own[0]);
+        sum.add(spread.all<1>(), own[1]);
+        sum.add(spread.all<2>(), own[2]);
+        for (const Quad& one : pull) sum.add(1.0, one);
+        double out[4];
+        sum.store(out);
+        for (int k = 0; k < 3; ++k) f[k] = out[k];
     }
 };
 
@@ -292,12 +329,12 @@ struct PairForceLoop : ViscousLoop<Kernel> {
         Base::read_velocity(i, u);
         const double soft = grip.soft, line = grip.line, own = grip.share(i);
         const Row row = Base::fluid.row(i);
+        const std::int64_t first = Base::fluid.liquid.offset(i);
         Lanes fx = 0.0, fy = 0.0, fz = 0.0;
         for (int k = 0; k < row.count; k += lanes) {
             const auto d = row.near(k);
             const auto v = Base::fluid.motions(row, k);
-            const auto along = distance(d.r2);
-            const Lanes w = row.within(k, -Base::volume * Base::kernel.gradient(along.r, along.inverse));
+            const Lanes w = row.within(k, load_lanes(&Base::weights(first + k)));
             const Lanes c = w * (own + d.number) * inverse(d.r2 + soft);
             const Lanes ax = u[0] - v.x, ay = u[1] - v.y, az = u[2] - v.z;
             if (line > 0) {
@@ -349,36 +386,29 @@ double write_shares(const Liquids& liquids, double scale, int n, const Array<dou
     return n > 0 ? most : 0;
 }
 
-void pack_motion(LiquidParticles& liquid, const Array3& u) {
-    const int n = liquid.store.total();
-    reserve(liquid.motion, static_cast<std::size_t>(n));
-    const auto to = liquid.motion;
-    Kokkos::parallel_for("treacle::viscous_motion", n, KOKKOS_LAMBDA(int i) {
-        for (int k = 0; k < 3; ++k) to(i, k) = u(i, k);
-        to(i, 3) = 0;
+// m/rho in place of the lattice's V on both sides (equations 4.5 and 4.6).
+void scale_by_volumes(const Array<double>& volume, double rest_volume, int n, const Array<double>& share) {
+    Kokkos::parallel_for("treacle::viscous_volumes", n, KOKKOS_LAMBDA(int i) {
+        const double ratio = volume(i) / rest_volume;
+        share(i) *= ratio * ratio;
     });
 }
 
-// The ghosts' rows of Q_i, to where pair sums read them.
-void pack_ghosts(const ParticleStore& store, const Array3 (&from)[3], const Array4 (&to)[3],
-                 const Array<double>& share, double damping) {
-    const auto fx = from[0], fy = from[1], fz = from[2];
-    const auto x = to[0], y = to[1], z = to[2];
-    using Range = Kokkos::RangePolicy<Execution>;
-    Kokkos::parallel_for("treacle::viscous_ghosts", Range(store.owned(), store.total()), KOKKOS_LAMBDA(int i) {
-        for (int k = 0; k < 3; ++k) {
-            x(i, k) = fx(i, k);
-            y(i, k) = fy(i, k);
-            z(i, k) = fz(i, k);
-        }
-        x(i, 3) = damping * share(i);
+// Velocities, and volumes over the lattice's.
+void pack_motion(LiquidParticles& liquid, const Array3& u, double rest_volume) {
+    const int n = liquid.store.total();
+    reserve(liquid.motion, static_cast<std::size_t>(n));
+    const auto to = liquid.motion;
+    const auto volume = liquid.volume();
+    Kokkos::parallel_for("treacle::viscous_motion", n, KOKKOS_LAMBDA(int i) {
+        for (int k = 0; k < 3; ++k) to(i, k) = u(i, k);
+        to(i, 3) = volume(i) / rest_volume;
     });
 }
 
 PairGrip pair_grip(const ViscousParts& parts, const Array<double>& share) {
-    const double h = parts.constants.support;
     const double line = parts.options.viscosity.form == ViscosityForm::pairwise ? parts.constants.dimensions + 2 : 0;
-    return {share, 0.01 * h * h, line};
+    return {share, pair_softening(parts.constants.support), line};
 }
 } // namespace
 
@@ -416,15 +446,19 @@ double ViscousOperator::prepare(const ViscousParts& parts, double dt) {
                  [&](const auto& liquids) { most = write_shares(liquids, scale, n, share); });
     most = parts.comm.max(most);
     if (most == 0) return 0;
+    if (viscosity.form == ViscosityForm::printed) scale_by_volumes(liquid.volume(), constants.rest_volume, n, share);
     parts.halo.gather(liquid.store, {share_});
     for (auto* array : {&correction_, &span_, &block_}) reserve(*array, static_cast<std::size_t>(n));
-    for (auto& array : packed_) reserve(array, static_cast<std::size_t>(liquid.store.total()));
     write_places(liquid, share);
     const auto fluid = gather_fluid(constants, liquid, parts.solid, parts.neighbours);
+    // Rows are read several entries at a time, beyond their ends.
+    reserve(weights_, static_cast<std::size_t>(parts.neighbours.liquid.size + NeighbourList::spare));
     with_kernel(parts.options.kernel, constants.dimensions, constants.support, [&](const auto& kernel) {
         using Kernel = std::decay_t<decltype(kernel)>;
+        Kokkos::parallel_for("treacle::viscous_weights", n,
+                             WeightLoop<Kernel>{kernel, fluid, constants.rest_volume, weights_});
         Kokkos::parallel_for("treacle::viscous_prepare", n,
-                             PrepareLoop<Kernel>{{kernel, fluid, walls(parts, Walls::resting), constants.rest_volume},
+                             PrepareLoop<Kernel>{{kernel, fluid, walls(parts, Walls::resting), weights_},
                                                  viscosity.form, damping_, relative_density(constants, liquid), share,
                                                  correction_, span_, block_});
     });
@@ -437,12 +471,12 @@ void ViscousOperator::multiply(const ViscousParts& parts, int u_field, Walls whi
     const ViscosityForm form = parts.options.viscosity.form;
     const auto share = liquid.store.get<Array<double>>(share_);
     parts.halo.gather(liquid.store, {u_field});
-    pack_motion(liquid, liquid.store.get<Array3>(u_field));
+    pack_motion(liquid, liquid.store.get<Array3>(u_field), constants.rest_volume);
     const auto fluid = gather_fluid(constants, liquid, parts.solid, parts.neighbours);
     const auto relative = relative_density(constants, liquid);
     with_kernel(parts.options.kernel, constants.dimensions, constants.support, [&](const auto& kernel) {
         using Kernel = std::decay_t<decltype(kernel)>;
-        const ViscousLoop<Kernel> base{kernel, fluid, walls(parts, which), constants.rest_volume};
+        const ViscousLoop<Kernel> base{kernel, fluid, walls(parts, which), weights_};
         if (!by_gradients(form)) {
             Kokkos::parallel_for("treacle::viscous_pairs", fluid.count,
                                  PairForceLoop<Kernel>{base, relative, pair_grip(parts, share), product});
@@ -451,12 +485,10 @@ void ViscousOperator::multiply(const ViscousParts& parts, int u_field, Walls whi
         const auto& store = liquid.store;
         const Array3 rows[3] = {store.get<Array3>(stress_[0]), store.get<Array3>(stress_[1]), store.get<Array3>(stress_[2])};
         Kokkos::parallel_for("treacle::viscous_stress", fluid.count,
-                             StressLoop<Kernel>{base, damping_, share, correction_, span_, {rows[0], rows[1], rows[2]},
-                                                {packed_[0], packed_[1], packed_[2]}});
+                             StressLoop<Kernel>{base, damping_, form == ViscosityForm::printed, share, correction_, span_, {rows[0], rows[1], rows[2]}});
         parts.halo.gather(store, {stress_[0], stress_[1], stress_[2]});
-        pack_ghosts(store, rows, packed_, share, damping_);
         Kokkos::parallel_for("treacle::viscous_forces", fluid.count,
-                             StressForceLoop<Kernel>{base, relative, {packed_[0], packed_[1], packed_[2]}, product});
+                             StressForceLoop<Kernel>{base, damping_, relative, share, {rows[0], rows[1], rows[2]}, product});
     });
 }
 
@@ -477,14 +509,16 @@ BodyLoads ViscousOperator::loads(const ViscousParts& parts) const {
     const double scale = constants.mass / dt_;
     with_kernel(parts.options.kernel, constants.dimensions, constants.support, [&](const auto& kernel) {
         using Kernel = std::decay_t<decltype(kernel)>;
-        const ViscousLoop<Kernel> base{kernel, fluid, walls(parts, Walls::moving), constants.rest_volume};
+        const ViscousLoop<Kernel> base{kernel, fluid, walls(parts, Walls::moving), weights_};
         const auto sum = [&](const auto& grip) {
             using Grip = std::decay_t<decltype(grip)>;
             Kokkos::parallel_reduce("treacle::viscous_loads", fluid.count,
                                     ViscousLoadLoop<Kernel, Grip>{base, {out.size()}, grip, scale}, host_sums(out));
         };
         if (by_gradients(parts.options.viscosity.form)) {
-            sum(StressGrip{{packed_[0], packed_[1], packed_[2]}});
+            const auto& store = parts.liquid.store;
+            sum(StressGrip{{store.get<Array3>(stress_[0]), store.get<Array3>(stress_[1]), store.get<Array3>(stress_[2])},
+                           store.get<Array<double>>(share_), damping_});
         } else {
             sum(pair_grip(parts, parts.liquid.store.get<Array<double>>(share_)));
         }
@@ -493,7 +527,7 @@ BodyLoads ViscousOperator::loads(const ViscousParts& parts) const {
 }
 
 std::size_t ViscousOperator::bytes() const {
-    return 8 * (correction_.span() + span_.span() + block_.span() + packed_[0].span() + packed_[1].span() + packed_[2].span());
+    return sizeof(double) * (correction_.span() + span_.span() + block_.span()) + sizeof(float) * weights_.span();
 }
 
 } // namespace treacle::sph

@@ -25,8 +25,8 @@ struct ViscousParts : ViscousScene {
 };
 
 // C u = u - dt/m f(u) on the owned particles, f being the viscous force (dissertation, chapter 4) in the form that
-// `viscosity.form` names: matrix-free, symmetric, positive definite (README, "Implicit viscosity"). Of several liquids
-// the first term has the relative density as a factor.
+// `viscosity.form` names: matrix-free, and but for the printed form symmetric and positive definite (README, "Implicit
+// viscosity"). Of several liquids the first term has the relative density as a factor.
 class ViscousOperator {
 public:
     // Declares the fields that are exchanged.
@@ -48,19 +48,24 @@ public:
     // it is for.
     BodyLoads loads(const ViscousParts& parts) const;
 
-    // dt/m V mu of owned and ghost particles [m2], and the solids, after prepare().
+    // After prepare(): B_i^+ of the owned particles and the projector on its range, whose elements are those of
+    // sph::Symmetric; dt/m V mu of owned and ghost particles [m2]; and the solids.
+    using Array6 = Kokkos::View<double* [6], Memory>;
+    const Array6& correction() const { return correction_; }
+    const Array6& span() const { return span_; }
+    const Array<float>& weights() const { return weights_; } // V0 |W'|/r of each pair in the list [1/m2]
+    double damping() const { return damping_; }
     const Array<double>& share(const LiquidParticles& liquid) const { return liquid.store.get<Array<double>>(share_); }
     ViscousWalls walls(const ViscousParts& parts, Walls which) const;
 
     std::size_t bytes() const;
 
 private:
-    using Array6 = Kokkos::View<double* [6], Memory>;
     double dt_ = 0;
     double damping_ = 0;             // of checkerboards, 0 for forms without gradients
-    int stress_[3] = {-1, -1, -1};   // fields: rows of Q_i [m2/s]
+    int stress_[3] = {-1, -1, -1};   // fields: columns of Q_i [m2/s]
     int share_ = -1;                 // field: dt/m V mu [m2]
-    Array4 packed_[3] = {Array4("treacle::stress_x", 0), Array4("treacle::stress_y", 0), Array4("treacle::stress_z", 0)};
+    Array<float> weights_{"treacle::viscous_weights", 0};
     Array6 correction_{"treacle::gradient_correction", 0}; // B_i^+
     Array6 span_{"treacle::gradient_span", 0};             // projector on its range
     Array6 block_{"treacle::viscous_block", 0};            // inverses of the diagonal blocks

@@ -65,6 +65,9 @@ BAD_SCENES = {
     "unreachable_residual": ["method.pressure.residual = 1e-16", "rounding"],
     "unreachable_density_error": ["method.pressure.density_error = 1e-20", "rounding"],
     "long_step": ["time.step", "viscosity"],
+    "printed_without_matrix": ["method.viscosity.form", "assembled: true"],
+    "multigrid_without_matrix": ["method.viscosity.preconditioner", "assembled: true"],
+    "bicgstab_without_matrix": ["method.viscosity.solver", "assembled: true"],
 }
 
 # Problems in one scene, where it is more than one.

@@ -32,10 +32,10 @@ def run_gtest(context, program, name_filter, *, ranks=0, timeout=1800):
     with scratch(context, "gtest") as folder:
         report = folder / "report.json"
         binary = built(context, program, "tests")
-        # Every rank would write the report: the variable is given through the environment so that the
+        # Tests that take too long for the suite are disabled in it. Every rank would write the report: the variable is given through the environment so that the
         # printed command stays one that can be pasted.
         done = execute(context, launched(ranks, [binary, f"--gtest_filter={name_filter}"]), expect=None,
-                       timeout=timeout, env={"GTEST_OUTPUT": f"json:{report}"})
+                       timeout=timeout, env={"GTEST_OUTPUT": f"json:{report}", "GTEST_ALSO_RUN_DISABLED_TESTS": "1"})
         if not report.exists():
             tail = " / ".join(done.output.strip().splitlines()[-3:])
             raise CommandFailed(f"{program} ended with exit code {done.code} before its report: {tail}")

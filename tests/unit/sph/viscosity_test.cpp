@@ -1,60 +1,8 @@
 #include "change.hpp"
-#include "sph/implicit_viscosity.hpp"
+#include "viscous_sample.hpp"
 
 namespace treacle::sph {
 namespace {
-
-constexpr double viscosity = 50; // [Pa s]
-constexpr ViscosityForm every_form[] = {ViscosityForm::corrected, ViscosityForm::adjoint, ViscosityForm::pairwise,
-                                        ViscosityForm::laplacian};
-
-// A disc or ball of the lattice, or one whose particles are out of order, turning about its centre.
-struct BlobSetup {
-    int dimensions = 2;
-    double radius = 8; // [spacings]
-    double jitter = 0; // share of the spacing
-    ViscosityForm form = ViscosityForm::corrected;
-};
-Sample turning_blob(const BlobSetup& blob) {
-    const bool space = blob.dimensions == 3;
-    const double size = 2 * (blob.radius + 2) * spacing, middle = size / 2;
-    SphOptions options;
-    options.support_ratio = 3;
-    options.viscosity.form = blob.form;
-    options.viscosity.residual = 1e-12;
-    const Vec3 far{size, size, space ? size : spacing};
-    Sample sample{make_setup(make_domain(blob.dimensions, {0, 0, 0}, far, {scene::FaceKind::open}), options), {}, {}};
-    sample.setup.forces.viscosity = viscosity;
-    const int n = static_cast<int>(2 * blob.radius + 4);
-    add_block(sample, {{spacing / 2, spacing / 2, spacing / 2}, {n, n, space ? n : 1}, spacing, blob.jitter});
-    std::vector<LiquidPoint> inside;
-    for (auto point : sample.liquid) {
-        const double x = point.x[0] - middle, y = point.x[1] - middle, z = space ? point.x[2] - middle : 0;
-        if (x * x + y * y + z * z > blob.radius * blob.radius * spacing * spacing) continue;
-        point.u = {-y, x, 0};
-        inside.push_back(point);
-    }
-    sample.liquid = inside;
-    return sample;
-}
-
-// Parts of a step with the implicit viscosity.
-struct ViscousCase {
-    Parts parts;
-    ImplicitViscosity solver;
-    Bodies bodies;
-
-    explicit ViscousCase(const Sample& sample)
-        : parts(Comm::world(), sample), solver(parts.comm, parts.liquid, sample.setup.options.viscosity, sample.setup.grid, std::vector<double>(2, 1.0)),
-          bodies({}, {}, 0, sample.setup.bodies, sample.setup.domain) {}
-    ViscousScene scene() {
-        return {parts.setup.options, parts.setup.constants, parts.setup.forces, parts.comm, parts.liquid,
-                parts.solid,         parts.neighbours,      parts.halo};
-    }
-    ImplicitViscosity::Result solve(double dt) {
-        return solver.solve(scene(), bodies, dt);
-    }
-};
 
 // Angular momentum after a step of dt over that before.
 double kept_spin(const BlobSetup& blob, double dt) {
@@ -72,62 +20,90 @@ double kept_spin(const BlobSetup& blob, double dt) {
     EXPECT_TRUE(result.solve.converged()) << result.solve.reason;
     return spin() / before;
 }
-
-// nu dt / R^2 of a step.
-double step_of(double number, const BlobSetup& blob) {
-    const double radius = blob.radius * spacing;
-    return number * radius * radius * rest_density / viscosity;
-}
 } // namespace
 
 TEST(ImplicitViscosity, CorrectedFormKeepsRigidRotationOfDiscAndBall) {
+    double lost = 0;
     for (const int dimensions : {2, 3}) {
         for (const double jitter : {0.0, 0.2}) {
             const BlobSetup blob{dimensions, dimensions == 2 ? 12.0 : 5.0, jitter, ViscosityForm::corrected};
-            for (const double number : {0.1, 1.0, 100.0}) EXPECT_NEAR(kept_spin(blob, step_of(number, blob)), 1, 1e-10);
+            for (const double number : {0.1, 1.0, 100.0}) {
+                lost = std::max(lost, std::abs(kept_spin(blob, step_of(number, blob)) - 1));
+            }
         }
     }
+    RecordProperty("rotation_lost", std::to_string(lost * 1e16) + "e-16");
+    EXPECT_LT(lost, 1e-10);
 }
 
-TEST(ImplicitViscosity, LaplacianFormStopsADiscAsTheHeatEquationDoes) {
-    const BlobSetup disc{2, 24, 0, ViscosityForm::laplacian};
-    EXPECT_NEAR(kept_spin(disc, step_of(0.1, disc)), 0.740, 0.05 * 0.740);
-    EXPECT_NEAR(kept_spin(disc, step_of(1, disc)), 0.225, 0.05 * 0.225);
-    EXPECT_NEAR(kept_spin(disc, step_of(100, disc)), 0.00291, 0.06 * 0.00291);
+namespace {
+// The error is of first order: a surface is known to a share of a spacing.
+void expect_heat_equation(double disc_radius, double ball_radius, double tolerance) {
+    const BlobSetup disc{2, disc_radius, 0, ViscosityForm::laplacian}, ball{3, ball_radius, 0, ViscosityForm::laplacian};
+    const auto check = [&](const char* name, const BlobSetup& blob, double number, double exact) {
+        const double kept = kept_spin(blob, step_of(number, blob));
+        testing::Test::RecordProperty(name, std::to_string(kept));
+        EXPECT_NEAR(kept, exact, tolerance * exact) << name;
+    };
+    check("disc_01", disc, 0.1, 0.740);
+    check("disc_1", disc, 1, 0.225);
+    check("disc_100", disc, 100, 0.00291);
+    check("ball_01", ball, 0.1, 0.69226);
+    check("ball_1", ball, 1, 0.18575);
+}
+} // namespace
+
+TEST(ImplicitViscosity, LaplacianFormStopsADiscAndABallAsTheHeatEquationDoes) { expect_heat_equation(24, 10, 0.1); }
+
+// Half a minute: for tools/claims.
+TEST(ImplicitViscosity, DISABLED_LaplacianFormStopsFineDiscsAndBallsAsTheHeatEquationDoes) {
+    expect_heat_equation(64, 24, 0.05);
 }
 
-// Two liquids of different density and viscosity in a corner of walls, out of order.
+namespace {
+// Of u_x = sin k y in a square without a border: what an implicit step leaves of it, as a share of nu k^2.
+double shear_rate(double jitter) {
+    const int n = 32;
+    const double size = n * spacing, k = 2 * math::pi / size;
+    SphOptions options;
+    options.viscosity.residual = 1e-10;
+    Sample sample{make_setup(make_domain(2, {0, 0, 0}, {size, size, spacing}, {scene::FaceKind::wall, {true, true, false}}),
+                             options), {}, {}};
+    sample.setup.forces.viscosity = viscosity;
+    add_block(sample, {{spacing / 2, spacing / 2, 0}, {n, n, 1}, spacing, jitter});
+    for (auto& point : sample.liquid) point.u = {std::sin(k * point.x[1]), 0, 0};
+    ViscousCase one(sample);
+    const double wanted = 1; // nu k^2 dt
+    EXPECT_TRUE(one.solve(wanted * rest_density / (viscosity * k * k)).solve.converged());
+    double before = 0, after = 0;
+    for (const auto& [id, now] : all_states(one.parts.comm, one.parts.liquid)) {
+        before += std::sin(k * now.x[1]) * std::sin(k * now.x[1]);
+        after += std::sin(k * now.x[1]) * now.u[0];
+    }
+    return (before / after - 1) / wanted;
+}
+} // namespace
+
+TEST(ImplicitViscosity, ShearWaveDecaysAtNuKSquared) {
+    const double lattice = shear_rate(0), disordered = shear_rate(0.1);
+    RecordProperty("lattice", std::to_string(lattice));
+    RecordProperty("disordered", std::to_string(disordered));
+    EXPECT_NEAR(lattice, 1, 0.02); // second order: (k h)^2 is 0.24
+    // Particles out of order give way to the stress between them: seen 0.976, 0.956, 0.886 at 0.05, 0.1, 0.2.
+    EXPECT_NEAR(disordered, 1, 0.05);
+}
+
 TEST(ImplicitViscosity, EveryFormIsSymmetricAndPositiveWithWallsAndTwoLiquids) {
     for (const auto form : every_form) {
-        const BlobSetup blob{3, 4, 0.3, form};
-        auto sample = turning_blob(blob);
-        sample.setup.constants.mixture = make_mixture(std::vector<LiquidMaterial>{{rest_density, viscosity}, {300, 1e4 * viscosity}});
-        for (auto& point : sample.liquid) point.liquid = point.x[0] > 6 * spacing ? 1 : 0;
-        const int n = 8;
-        for (int k = 0; k < n * n; ++k) {
-            sample.solid.push_back({{spacing * (2 + k % n), spacing * (2 + k / n), 1.5 * spacing}, 1, {0, 0, 1}});
-        }
-        sample.setup.constants.wall_depth = 0.7 * spacing;
-        Parts parts(Comm::world(), sample);
+        ViscousTest one(two_liquids_on_a_wall(form));
+        auto& parts = one.parts;
         const auto x = parts.liquid.store.add<Array3>("x", "", FieldRole::work);
         const auto y = parts.liquid.store.add<Array3>("y", "", FieldRole::work);
         ViscousOperator matrix(parts.liquid);
-        const Array<double> friction = upload({1, 1}), motion = upload(std::vector<double>(12, 0.0));
-        const LoadPoints points(2);
-        const ViscousParts all{{parts.setup.options, parts.setup.constants, parts.setup.forces, parts.comm,
-                                parts.liquid,        parts.solid,           parts.neighbours,   parts.halo},
-                               points, friction, motion};
-        ASSERT_GT(matrix.prepare(all, step_of(1, blob)), 0);
-        const auto fill = [&](int field, int shift) {
-            const auto id = on_host(parts.liquid.id());
-            test::edit(parts.liquid.store.get<Array3>(field), [&](auto& v) {
-                for (int i = 0; i < parts.liquid.store.owned(); ++i) {
-                    for (int k = 0; k < 3; ++k) v(i, k) = double((id(i) * 31 + k * 17 + shift) % 1009) / 1009 - 0.5;
-                }
-            });
-        };
-        fill(x, 5);
-        fill(y, 11);
+        const auto all = one.all();
+        ASSERT_GT(matrix.prepare(all, step_of(1, {3, 4, 0.3, form})), 0);
+        fill_by_id(parts.liquid, x, 5);
+        fill_by_id(parts.liquid, y, 11);
         const auto rows = parts.liquid.store.total();
         const Array3 cx("cx", rows), cy("cy", rows);
         matrix.multiply(all, x, ViscousOperator::Walls::resting, cx);
@@ -156,15 +132,15 @@ TEST(ImplicitViscosity, EveryFormKeepsMomentum) {
         for (auto& point : sample.liquid) {
             for (double& u : point.u) u = 2 * random.unit() - 1;
         }
+        sample.setup.options.viscosity.residual = 1e-13; // what is left of it is momentum
         ViscousCase one(sample);
         const auto before = all_states(one.parts.comm, one.parts.liquid);
         ASSERT_TRUE(one.solve(step_of(0.1, blob)).solve.converged());
         const auto sum = change(one.parts, before);
         ASSERT_GT(sum.size, 1e-3);
-        // The residual's share besides round-off.
-        for (const double p : sum.momentum) EXPECT_NEAR(p, 0, 1e-11 * sum.size);
+        for (const double p : sum.momentum) EXPECT_NEAR(p, 0, 1e-12 * sum.size);
         if (form == ViscosityForm::corrected || form == ViscosityForm::pairwise) {
-            for (const double l : sum.angular) EXPECT_NEAR(l, 0, 1e-11 * sum.size);
+            for (const double l : sum.angular) EXPECT_NEAR(l, 0, 1e-12 * sum.size);
         }
     }
 }
