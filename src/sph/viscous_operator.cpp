@@ -2,6 +2,8 @@
 
 #include "sph/symmetric.hpp"
 
+#include <algorithm>
+
 namespace treacle::sph {
 
 namespace {
@@ -89,6 +91,8 @@ struct PrepareLoop : ViscousLoop<Kernel> {
     double damping;
     RelativeDensity relative;
     Array<double> share;
+    bool slips;
+    Array<double> drag; // of walls along which the liquid slips
     Array6 correction, span, block;
 
     KOKKOS_INLINE_FUNCTION void operator()(int i) const {
@@ -114,7 +118,7 @@ struct PrepareLoop : ViscousLoop<Kernel> {
             const double both = c * square + 2 * damping * c * weights;
             d.xx += both, d.yy += both, d.zz += both;
         }
-        const double inertia = relative(i);
+        const double inertia = relative(i) + (slips ? drag(i) : 0);
         d.xx += inertia, d.yy += inertia, d.zz += inertia;
         write_symmetric(inverse(d), block, i);
     }
@@ -168,6 +172,8 @@ struct StressLoop : ViscousLoop<Kernel> {
     Array6 correction, span;
     Array3 stress[3];
     Array4 packed[3];
+    bool rated;
+    Array<double> rate;
 
     KOKKOS_INLINE_FUNCTION void operator()(int i) const {
         double n[3][3];
@@ -198,9 +204,17 @@ struct StressLoop : ViscousLoop<Kernel> {
             }
         }
         packed[0](i, 3) = damping * c;
+        if (rated) rate(i) = math::sqrt(2 * contract(s));
     }
 
 private:
+    KOKKOS_INLINE_FUNCTION static double contract(const double s[3][3]) {
+        double sum = 0;
+        for (int k = 0; k < 3; ++k) {
+            for (int l = 0; l < 3; ++l) sum += s[k][l] * s[k][l];
+        }
+        return sum;
+    }
     KOKKOS_INLINE_FUNCTION void sum_pairs(int i, double n[3][3]) const {
         const auto& motion = Base::fluid.motion;
         const double ux = motion(i, 0), uy = motion(i, 1), uz = motion(i, 2);
@@ -339,6 +353,28 @@ struct ViscousLoadLoop : ViscousLoop<Kernel>, LoadReduction {
     }
 };
 
+// How hard the grips hold each solid, to precondition.
+template <class Kernel>
+struct StiffnessLoop : ViscousLoop<Kernel>, LoadReduction {
+    using Base = ViscousLoop<Kernel>;
+    Array<double> share;
+
+    KOKKOS_INLINE_FUNCTION void operator()(int i, value_type sum) const {
+        Base::each_wall(i, [&](int s, double w, double, double, double, const auto& contact) {
+            Base::walls.points.add_stiffness(sum, Base::walls.body(s), contact.place, 2 * share(i) * w * contact.reach);
+        });
+    }
+};
+
+double write_own_shares(const Array<double>& viscosity, double scale, int n, const Array<double>& share) {
+    double most = 0;
+    Kokkos::parallel_reduce("treacle::own_viscous_shares", n, KOKKOS_LAMBDA(int i, double& largest) {
+        share(i) = scale * viscosity(i);
+        largest = math::max(largest, share(i));
+    }, Kokkos::Max<double>(most));
+    return n > 0 ? most : 0;
+}
+
 template <class Liquids>
 double write_shares(const Liquids& liquids, double scale, int n, const Array<double>& share) {
     double most = 0;
@@ -382,7 +418,7 @@ PairGrip pair_grip(const ViscousParts& parts, const Array<double>& share) {
 }
 } // namespace
 
-ViscousOperator::ViscousOperator(LiquidParticles& liquid) {
+ViscousOperator::ViscousOperator(LiquidParticles& liquid, const std::vector<double>& slip_lengths) : slip_(slip_lengths) {
     const char* names[3] = {"viscous_stress_x", "viscous_stress_y", "viscous_stress_z"};
     for (int k = 0; k < 3; ++k) stress_[k] = liquid.store.add<Array3>(names[k], "m2/s", FieldRole::work);
     share_ = liquid.store.add<Array<double>>("viscous_share", "m2", FieldRole::work);
@@ -412,11 +448,17 @@ double ViscousOperator::prepare(const ViscousParts& parts, double dt) {
     const auto share = liquid.store.get<Array<double>>(share_);
     const double scale = dt / constants.mass * constants.rest_volume;
     double most = 0;
-    with_liquids(constants.mixture, liquid.liquid(), parts.forces.viscosity,
-                 [&](const auto& liquids) { most = write_shares(liquids, scale, n, share); });
+    if (parts.forces.by_particle) {
+        most = write_own_shares(liquid.viscosity(), scale, n, share);
+    } else {
+        with_liquids(constants.mixture, liquid.liquid(), parts.forces.viscosity,
+                     [&](const auto& liquids) { most = write_shares(liquids, scale, n, share); });
+    }
     most = parts.comm.max(most);
     if (most == 0) return 0;
+    if (slip_.any()) slip_.prepare(parts, parts.points, share);
     parts.halo.gather(liquid.store, {share_});
+    if (!parts.forces.rheology.empty()) reserve(rate_, static_cast<std::size_t>(n));
     for (auto* array : {&correction_, &span_, &block_}) reserve(*array, static_cast<std::size_t>(n));
     for (auto& array : packed_) reserve(array, static_cast<std::size_t>(liquid.store.total()));
     write_places(liquid, share);
@@ -426,7 +468,7 @@ double ViscousOperator::prepare(const ViscousParts& parts, double dt) {
         Kokkos::parallel_for("treacle::viscous_prepare", n,
                              PrepareLoop<Kernel>{{kernel, fluid, walls(parts, Walls::resting), constants.rest_volume},
                                                  viscosity.form, damping_, relative_density(constants, liquid), share,
-                                                 correction_, span_, block_});
+                                                 slip_.any(), slip_.drag(), correction_, span_, block_});
     });
     return most;
 }
@@ -452,12 +494,16 @@ void ViscousOperator::multiply(const ViscousParts& parts, int u_field, Walls whi
         const Array3 rows[3] = {store.get<Array3>(stress_[0]), store.get<Array3>(stress_[1]), store.get<Array3>(stress_[2])};
         Kokkos::parallel_for("treacle::viscous_stress", fluid.count,
                              StressLoop<Kernel>{base, damping_, share, correction_, span_, {rows[0], rows[1], rows[2]},
-                                                {packed_[0], packed_[1], packed_[2]}});
+                                                {packed_[0], packed_[1], packed_[2]},
+                                                !parts.forces.rheology.empty(), rate_});
         parts.halo.gather(store, {stress_[0], stress_[1], stress_[2]});
         pack_ghosts(store, rows, packed_, share, damping_);
         Kokkos::parallel_for("treacle::viscous_forces", fluid.count,
                              StressForceLoop<Kernel>{base, relative, {packed_[0], packed_[1], packed_[2]}, product});
     });
+    if (!slip_.any()) return;
+    if (which == Walls::resting) slip_.add(parts, product);
+    else slip_.add(parts, parts.motion, product);
 }
 
 void ViscousOperator::precondition(const LiquidParticles& liquid, const Array3& r, const Array3& z) const {
@@ -470,18 +516,29 @@ void ViscousOperator::precondition(const LiquidParticles& liquid, const Array3& 
     });
 }
 
+namespace {
+bool any_grips(const ViscousParts& parts) {
+    const auto& friction = parts.forces.friction;
+    return parts.neighbours.solid.size > 0 && std::ranges::any_of(friction, [](double f) { return f > 0; });
+}
+} // namespace
+
 BodyLoads ViscousOperator::loads(const ViscousParts& parts) const {
     const auto& constants = parts.constants;
     BodyLoads out(static_cast<std::size_t>(6 * parts.points.count), 0.0);
     const auto fluid = gather_fluid(constants, parts.liquid, parts.solid, parts.neighbours);
     const double scale = constants.mass / dt_;
+    if (slip_.any()) slip_.add_loads(parts, parts.motion, scale, out);
+    if (!any_grips(parts)) return out;
     with_kernel(parts.options.kernel, constants.dimensions, constants.support, [&](const auto& kernel) {
         using Kernel = std::decay_t<decltype(kernel)>;
         const ViscousLoop<Kernel> base{kernel, fluid, walls(parts, Walls::moving), constants.rest_volume};
         const auto sum = [&](const auto& grip) {
             using Grip = std::decay_t<decltype(grip)>;
+            BodyLoads sums(out.size(), 0.0);
             Kokkos::parallel_reduce("treacle::viscous_loads", fluid.count,
-                                    ViscousLoadLoop<Kernel, Grip>{base, {out.size()}, grip, scale}, host_sums(out));
+                                    ViscousLoadLoop<Kernel, Grip>{base, {sums.size()}, grip, scale}, host_sums(sums));
+            for (std::size_t k = 0; k < out.size(); ++k) out[k] += sums[k];
         };
         if (by_gradients(parts.options.viscosity.form)) {
             sum(StressGrip{{packed_[0], packed_[1], packed_[2]}});
@@ -490,6 +547,32 @@ BodyLoads ViscousOperator::loads(const ViscousParts& parts) const {
         }
     });
     return out;
+}
+
+std::vector<double> ViscousOperator::stiffness(const ViscousParts& parts) const {
+    const auto& constants = parts.constants;
+    std::vector<double> out(static_cast<std::size_t>(36 * parts.points.count), 0.0);
+    const auto share = parts.liquid.store.get<Array<double>>(share_);
+    const auto fluid = gather_fluid(constants, parts.liquid, parts.solid, parts.neighbours);
+    if (any_grips(parts)) {
+        with_kernel(parts.options.kernel, constants.dimensions, constants.support, [&](const auto& kernel) {
+            using Kernel = std::decay_t<decltype(kernel)>;
+            const ViscousLoop<Kernel> base{kernel, fluid, walls(parts, Walls::resting), constants.rest_volume};
+            Kokkos::parallel_reduce("treacle::viscous_stiffness", fluid.count,
+                                    StiffnessLoop<Kernel>{base, {out.size()}, share}, host_sums(out));
+        });
+    }
+    if (slip_.any()) slip_.add_stiffness(parts, out);
+    return out;
+}
+
+void ViscousOperator::thin(const ViscousParts& parts, const Array<FlowCurve>& curves) const {
+    const auto rate = rate_, viscosity = parts.liquid.viscosity();
+    const auto liquid = parts.liquid.liquid();
+    Kokkos::parallel_for("treacle::thin_by_shear", parts.liquid.store.owned(), KOKKOS_LAMBDA(int i) {
+        const FlowCurve& curve = curves(liquid(i));
+        if (curve.law != scene::ShearLaw::newtonian) viscosity(i) = curve(rate(i));
+    });
 }
 
 std::size_t ViscousOperator::bytes() const {
