@@ -21,11 +21,15 @@ namespace math {
 using Kokkos::floor;
 using Kokkos::fabs;
 using Kokkos::sqrt;
+using Kokkos::exp;
+using Kokkos::pow;
 using Kokkos::isfinite;
 #else
 using Kokkos::Experimental::floor;
 using Kokkos::Experimental::fabs;
 using Kokkos::Experimental::sqrt;
+using Kokkos::Experimental::exp;
+using Kokkos::Experimental::pow;
 KOKKOS_INLINE_FUNCTION bool isfinite(double x) { return x - x == 0.0; }
 #endif
 inline constexpr double pi = 3.141592653589793238462643383279502884;

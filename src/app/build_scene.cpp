@@ -21,6 +21,15 @@ constexpr const char* side_names[domain_sides] = {"x_min", "x_max", "y_min", "y_
 
 double friction_of(scene::Slip slip) { return slip == scene::Slip::no_slip ? 1.0 : 0.0; }
 
+// The shape of each liquid's viscosity, where one depends on the shear rate.
+std::vector<sph::FlowCurve> flow_curves(const Input& input) {
+    const auto thins = [](const scene::Liquid& liquid) { return liquid.rheology.law != scene::ShearLaw::newtonian; };
+    std::vector<sph::FlowCurve> out;
+    if (std::ranges::none_of(input.scene.liquids, thins)) return out;
+    for (const auto& liquid : input.scene.liquids) out.push_back(sph::make_flow_curve(liquid));
+    return out;
+}
+
 // Whether the surface tension is that of the liquid's material, rather than one that the user gave.
 bool is_of_preset(const scene::Liquid& liquid) {
     const auto* preset = scene::find_material(liquid.material);
@@ -52,6 +61,45 @@ void check_comparators(const Input& input, std::vector<Diagnostic>& problems) {
 }
 } // namespace
 
+namespace {
+// What only the implicit viscosity, or some of its forms, can do.
+void check_viscosity(const Input& input, std::vector<Diagnostic>& problems) {
+    const auto& options = input.method.viscosity;
+    const bool implicit = viscosity_integration(input) == sph::ViscosityIntegration::implicit;
+    for (const auto& liquid : input.scene.liquids) {
+        const std::string name = "liquids." + liquid.name;
+        if (liquid.varies() && !implicit) {
+            problems.push_back({liquid.where, name + ": a viscosity that varies needs the implicit viscosity",
+                                "the explicit one knows one viscosity per liquid", "leave out method.viscosity.integration"});
+        }
+        const bool by_rate = liquid.rheology.law != scene::ShearLaw::newtonian;
+        if (by_rate && options.form != sph::ViscosityForm::corrected && options.form != sph::ViscosityForm::adjoint) {
+            problems.push_back({liquid.where, name + ".rheology needs method.viscosity.form: corrected or adjoint",
+                                "the other forms have no shear rate", "leave out method.viscosity.form"});
+        }
+    }
+    const auto refuse_slip = [&](const std::string& where, const std::string& key) {
+        if (options.form != sph::ViscosityForm::corrected) {
+            problems.push_back({where, key + ": a slip length needs method.viscosity.form: corrected",
+                                "the other forms are there to compare with", "leave out method.viscosity.form"});
+        }
+        if (implicit) return;
+        problems.push_back({where, key + ": a slip length needs a viscosity, and the implicit one",
+                            "it is the viscosity's force on the wall that slip limits",
+                            "give the liquid a viscosity and leave out method.viscosity.integration, or choose free_slip or no_slip"});
+    };
+    for (const auto& body : input.scene.bodies) {
+        if (body.slip == scene::Slip::slip_length) refuse_slip(body.where, "bodies." + body.name + ".slip");
+    }
+    for (std::size_t k = 0; k < domain_sides; ++k) {
+        const auto& face = input.scene.domain.faces[k];
+        if (face.slip == scene::Slip::slip_length) {
+            refuse_slip(face.where, std::string("domain.boundaries.") + side_names[k] + ".slip");
+        }
+    }
+}
+} // namespace
+
 void check_supported(const Input& input) {
     std::vector<Diagnostic> problems;
     const auto& liquids = input.scene.liquids;
@@ -62,19 +110,7 @@ void check_supported(const Input& input) {
                                 "it would be ignored", "leave it out"});
         }
     }
-    for (const auto& body : input.scene.bodies) {
-        if (body.slip == scene::Slip::slip_length) {
-            problems.push_back({body.where, "bodies." + body.name + ".slip: a slip length is not modelled by method sph",
-                                "", "choose free_slip or no_slip"});
-        }
-    }
-    for (std::size_t k = 0; k < domain_sides; ++k) {
-        if (input.scene.domain.faces[k].slip == scene::Slip::slip_length) {
-            problems.push_back({input.scene.domain.faces[k].where, std::string("domain.boundaries.") + side_names[k] +
-                                        ".slip: a slip length is not modelled by method sph",
-                                "", "choose free_slip or no_slip"});
-        }
-    }
+    check_viscosity(input, problems);
     if (!problems.empty()) throw InputError(std::move(problems));
 }
 
@@ -138,6 +174,10 @@ std::unique_ptr<sph::IsphStep> make_solver(const Comm& comm, const Input& input,
     }
     for (const auto& face : domain.faces) setup.forces.friction.push_back(friction_of(face.slip));
     for (const auto& body : input.scene.bodies) setup.forces.friction.push_back(friction_of(body.slip));
+    for (const auto& face : domain.faces) setup.forces.slip_length.push_back(face.slip_length);
+    for (const auto& body : input.scene.bodies) setup.forces.slip_length.push_back(body.slip_length);
+    setup.forces.by_particle = viscosities_vary(input);
+    setup.forces.rheology = flow_curves(input);
     for (const auto& face : domain.faces) setup.forces.skin_friction.push_back(face.skin_friction);
     for (const auto& body : input.scene.bodies) setup.forces.skin_friction.push_back(body.skin_friction);
     setup.reference_speed = reference_speed;
@@ -196,7 +236,7 @@ void add_liquid(const Input& input, const Geometry& geometry, const scene::Bound
     Column x(liquid.position()), u(liquid.velocity());
     Column id(liquid.id());
     Column which(liquid.liquid());
-    Column p(liquid.pressure());
+    Column p(liquid.pressure()), viscosity(liquid.viscosity());
     for (std::size_t i = 0; i < samples.positions.size(); ++i) {
         const auto& velocity = input.scene.liquids[static_cast<std::size_t>(samples.liquids[i])].velocity;
         for (int k = 0; k < 3; ++k) {
@@ -207,6 +247,7 @@ void add_liquid(const Input& input, const Geometry& geometry, const scene::Bound
         (*id)(i) = static_cast<std::int64_t>(samples.ids[i]);
         (*which)(i) = samples.liquids[i];
         (*p)(i) = 0;
+        (*viscosity)(i) = initial_viscosity(input, geometry, static_cast<std::size_t>(samples.liquids[i]), samples.positions[i]);
     }
 }
 

@@ -9,7 +9,7 @@ namespace treacle::app {
 // Names of what carries loads: the six sides of the domain, then the bodies.
 std::vector<std::string> load_names(const Input& input);
 
-// Throws InputError for what the SPH method does not do: slip lengths, several liquids with another solver than isph.
+// Throws InputError for what the SPH method does not do, as several liquids with another solver than isph.
 void check_supported(const Input& input);
 
 // What the method leaves out of the scene without harm, one sentence each: the surface tension of a material.

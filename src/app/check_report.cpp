@@ -63,6 +63,7 @@ std::string edges(const Vec3& min, const Vec3& max, int dimensions) {
 std::string side_text(const scene::Face& face) {
     if (face.kind == scene::FaceKind::open) return "open";
     if (face.kind == scene::FaceKind::periodic) return "periodic";
+    if (face.slip == scene::Slip::slip_length) return "wall with a slip length of " + short_number(face.slip_length) + " m";
     return face.slip == scene::Slip::no_slip ? "no-slip wall" : "free-slip wall";
 }
 
@@ -110,8 +111,9 @@ void Report::liquids() {
     heading("liquids");
     for (std::size_t i = 0; i < scene().liquids.size(); ++i) {
         const auto& liquid = scene().liquids[i];
-        row(liquid.name,
-            short_number(liquid.density) + " kg/m3, " + short_number(liquid.viscosity) + " Pa s");
+        const std::string viscosity = liquid.varies() ? "up to " + short_number(largest_viscosity(liquid))
+                                                      : short_number(liquid.viscosity);
+        row(liquid.name, short_number(liquid.density) + " kg/m3, " + viscosity + " Pa s");
         std::uint64_t count = 0;
         for (const int which : at_.preview.liquid.liquids) count += which == static_cast<int>(i);
         const double d = at_.preview.lattice.spacing;

@@ -4,6 +4,7 @@
 #include "base/error.hpp"
 #include "base/text.hpp"
 #include "sph/forces.hpp"
+#include "sph/slip_lattice.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -48,6 +49,8 @@ Geometry build_geometry(const Input& input, const std::vector<std::string>& fold
     for (const auto& liquid : input.scene.liquids) {
         auto& regions = out.liquids.emplace_back();
         for (const auto& shape : liquid.shapes) add(shape, regions);
+        auto& parts = out.viscosity_regions.emplace_back();
+        for (const auto& part : liquid.viscosity_regions) add(part.shape, parts);
     }
     for (const auto& body : input.scene.bodies) {
         add(body.shape, out.bodies);
@@ -171,9 +174,35 @@ void validate_geometry(const Input& input, const Geometry& geometry, const Comm&
     if (!problems.empty()) throw InputError(std::move(problems));
 }
 
+double largest_viscosity(const scene::Liquid& liquid) {
+    if (liquid.rheology.law != scene::ShearLaw::newtonian) {
+        const auto curve = sph::make_flow_curve(liquid);
+        constexpr double fast = 1e6; // [1/s] beyond what any scene has, for liquids that thicken
+        return std::max(curve(0), curve(fast));
+    }
+    const auto& points = liquid.viscosity_profile.points;
+    double most = points.empty() ? liquid.viscosity : 0;
+    for (const auto& point : points) most = std::max(most, point.viscosity);
+    for (const auto& region : liquid.viscosity_regions) most = std::max(most, region.viscosity);
+    return most;
+}
+
+double initial_viscosity(const Input& input, const Geometry& geometry, std::size_t which, const Vec3& x) {
+    const auto& liquid = input.scene.liquids[which];
+    if (liquid.rheology.law != scene::ShearLaw::newtonian) return sph::make_flow_curve(liquid)(0);
+    const auto& profile = liquid.viscosity_profile;
+    double viscosity = profile.points.empty() ? liquid.viscosity : profile.at(x[static_cast<std::size_t>(profile.axis)]);
+    for (std::size_t k = 0; k < liquid.viscosity_regions.size(); ++k) {
+        if (geometry.viscosity_regions[which][k].distance(x) <= 0) viscosity = liquid.viscosity_regions[k].viscosity;
+    }
+    return viscosity;
+}
+
+bool viscosities_vary(const Input& input) { return std::ranges::any_of(input.scene.liquids, &scene::Liquid::varies); }
+
 std::vector<sph::LiquidMaterial> liquid_materials(const Input& input) {
     std::vector<sph::LiquidMaterial> out;
-    for (const auto& liquid : input.scene.liquids) out.push_back({liquid.density, liquid.viscosity});
+    for (const auto& liquid : input.scene.liquids) out.push_back({liquid.density, largest_viscosity(liquid)});
     return out;
 }
 
@@ -183,11 +212,17 @@ double limiting_viscosity(const Input& input) {
     return materials.front().density * sph::largest_kinematic_viscosity(materials);
 }
 
+bool any_slip_length(const Input& input) {
+    const auto slips = [](const auto& solid) { return solid.slip == scene::Slip::slip_length; };
+    return std::ranges::any_of(input.scene.domain.faces, slips) || std::ranges::any_of(input.scene.bodies, slips);
+}
+
 sph::ViscosityIntegration viscosity_integration(const Input& input) {
     using sph::ViscosityIntegration;
     if (input.method.viscosity.integration != ViscosityIntegration::automatic) return input.method.viscosity.integration;
     const double viscosity = limiting_viscosity(input);
     if (viscosity == 0) return ViscosityIntegration::explicit_pairs;
+    if (viscosities_vary(input) || any_slip_length(input)) return ViscosityIntegration::implicit;
     const auto& time = input.scene.time;
     const auto& g = input.scene.domain.gravity;
     const double d = input.scene.domain.spacing, pull = std::hypot(g[0], g[1], g[2]);
@@ -218,6 +253,7 @@ sph::Constants make_constants(const Input& input) {
     out.laplacian_diagonal = lattice.laplacian_diagonal;
     const sph::WallSetup wall{input.method.kernel, domain.dimensions, out.support, domain.spacing, domain.spacing};
     if (limiting_viscosity(input) > 0) out.wall_grip = sph::wall_grip(wall, input.method.density);
+    if (any_slip_length(input)) sph::measure_slip(wall, input.method.density, out);
     if (input.method.pressure.dirichlet == sph::DirichletRule::ghosts) {
         out.wall_cover = sph::wall_cover(wall, input.method.density);
     }

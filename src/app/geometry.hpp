@@ -12,6 +12,7 @@ namespace treacle::app {
 struct Geometry {
     scene::Lattice lattice;
     std::vector<scene::Regions> liquids;   // one union per liquid
+    std::vector<scene::Regions> viscosity_regions; // per liquid
     scene::Regions bodies;
     std::vector<char> moving;              // per body: 1 when its place changes
     scene::WallSampling walls;
@@ -52,13 +53,25 @@ void validate_geometry(const Input& input, const Geometry& geometry, const Comm&
 // Bytes that a run needs per liquid and per solid particle, all told.
 double bytes_per_particle(const Input& input);
 
-// What the scene's liquids are made of.
+// The largest that a liquid has anywhere and at any shear rate [Pa s].
+double largest_viscosity(const scene::Liquid& liquid);
+
+// Of a particle of liquid `which` of the scene that starts at x [Pa s].
+double initial_viscosity(const Input& input, const Geometry& geometry, std::size_t which, const Vec3& x);
+
+// Whether any liquid's particles differ in viscosity, or any viscosity depends on the shear rate.
+bool viscosities_vary(const Input& input);
+
+// What the scene's liquids are made of, with their largest viscosities.
 std::vector<sph::LiquidMaterial> liquid_materials(const Input& input);
 
 // Of a liquid of the first one's density whose explicit viscosity limits the step as the liquids together do [Pa s].
 double limiting_viscosity(const Input& input);
 
-// What `integration: automatic` stands for: implicit where the explicit viscosity would take part in choosing the step,
+// Whether a wall or body has a slip length.
+bool any_slip_length(const Input& input);
+
+// What `integration: automatic` stands for: implicit where viscosities vary, solids have slip lengths, or where the explicit viscosity would take part in choosing the step,
 // that is where its limit is within four times the largest step that all else allows.
 sph::ViscosityIntegration viscosity_integration(const Input& input);
 

@@ -16,6 +16,25 @@ std::vector<std::pair<std::string, std::string>> material_choices() {
     return choices;
 }
 
+// Viscosities that differ from particle to particle.
+void declare_variation(Declaration& d, Liquid& liquid) {
+    d.block("rheology", liquid.rheology, "How the viscosity depends on the shear rate.", "law");
+    d.block("viscosity_profile", liquid.viscosity_profile, "A viscosity that depends on where particles start.");
+    d.list("viscosity_regions", liquid.viscosity_regions,
+           "Parts of the liquid with a viscosity of their own: of particles that start in them, which keep it wherever "
+           "they go. Where regions overlap the last one counts.");
+    const bool newtonian = liquid.rheology.law == ShearLaw::newtonian;
+    d.check(newtonian || liquid.viscosity > 0, "viscosity",
+            {"must be > 0 with a rheology", "it is the law's viscosity at rest (carreau, cross) or at a shear rate of 1/s",
+             "give the liquid's viscosity"});
+    d.check(newtonian || liquid.rheology.infinite_viscosity <= liquid.viscosity, "rheology",
+            {"infinite_viscosity must be at most viscosity", "these liquids thin with the shear rate", "swap the two"});
+    d.check(newtonian || liquid.viscosity_profile.points.empty(), "viscosity_profile",
+            {"cannot go with a rheology", "both would say what the viscosity is", "make it two liquids of the same density"});
+    d.check(newtonian || liquid.viscosity_regions.empty(), "viscosity_regions",
+            {"cannot go with a rheology", "both would say what the viscosity is", "make it two liquids of the same density"});
+}
+
 } // namespace
 
 void Liquid::declare(Declaration& d) {
@@ -38,6 +57,7 @@ void Liquid::declare(Declaration& d) {
              range_at_least(0).because("a Newtonian viscosity is positive",
                                        "honey is about 10 Pa s, water 0.001 Pa s"),
              "Dynamic viscosity; a kinematic one is accepted with its unit and multiplied by the density.");
+    declare_variation(d, *this);
     d.number("surface_tension", surface_tension, unit::surface_tension,
              range_at_least(0).because("a liquid with a negative one would fly apart", "water has 72 mN/m"),
              "Surface tension against air.");

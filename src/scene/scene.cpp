@@ -51,8 +51,8 @@ void check_partners(Declaration& d, const std::vector<Joint>& joints, const std:
 } // namespace
 
 const std::vector<std::string>& frame_fields() {
-    static const std::vector<std::string> names{"id",       "velocity",        "pressure", "liquid",
-                                                "density", "blended_density", "role"};
+    static const std::vector<std::string> names{"id",      "velocity",        "pressure", "liquid",
+                                                "density", "blended_density", "role",     "viscosity"};
     return names;
 }
 

@@ -44,11 +44,56 @@ struct Domain {
     void declare(Declaration& d);
 };
 
+enum class ShearLaw { newtonian, power_law, carreau, cross, herschel_bulkley };
+
+// How a liquid's viscosity depends on the shear rate; its `viscosity` is the law's own (sph/rheology.hpp).
+struct Rheology {
+    ShearLaw law = ShearLaw::newtonian;
+    double exponent = 1;
+    double infinite_viscosity = 0;    // [Pa s] Carreau, Cross: at high rates
+    double relaxation_time = 0;       // [s] Carreau, Cross
+    double yield_stress = 0;          // [Pa] Herschel-Bulkley
+    double regularisation_time = 100; // [s] Herschel-Bulkley
+    double least_shear_rate = 1e-3;   // [1/s] power law, Herschel-Bulkley
+
+    void declare(Declaration& d);
+};
+
+// The particles that start in a shape have a viscosity of their own.
+struct ViscosityRegion {
+    Shape shape;
+    double viscosity = 0; // [Pa s]
+
+    void declare(Declaration& d);
+};
+
+struct ViscosityPoint {
+    double at = 0;        // [m]
+    double viscosity = 0; // [Pa s]
+
+    void declare(Declaration& d);
+};
+
+enum class Interpolation { linear, logarithmic };
+
+// Viscosity of the particles by where they start along an axis; beyond the first and last point that of these.
+struct ViscosityProfile {
+    int axis = 0; // 0 x, 1 y, 2 z
+    Interpolation interpolation = Interpolation::linear;
+    std::vector<ViscosityPoint> points; // none: no profile
+
+    void declare(Declaration& d);
+    double at(double x) const; // [Pa s]
+};
+
 struct Liquid {
     std::string name;
     std::string material = "none"; // a preset of `treacle materials`, or "none"
     double density = 1000;         // [kg/m3]
     double viscosity = 0;          // [Pa s]
+    Rheology rheology;
+    ViscosityProfile viscosity_profile;            // in the place of the viscosity
+    std::vector<ViscosityRegion> viscosity_regions; // in the place of both; the last one that holds a particle counts
     double surface_tension = 0;    // [N/m]
     std::vector<Shape> shapes;
     bool around_bodies = false; // where a body is, the liquid is left out
@@ -56,6 +101,10 @@ struct Liquid {
     std::string where;
 
     void declare(Declaration& d);
+    // Whether its particles may differ in viscosity.
+    bool varies() const {
+        return rheology.law != ShearLaw::newtonian || !viscosity_profile.points.empty() || !viscosity_regions.empty();
+    }
 };
 
 enum class BodyKind { fixed, kinematic, dynamic };

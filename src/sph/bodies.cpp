@@ -3,13 +3,14 @@
 namespace treacle::sph {
 
 namespace {
-// Of a body: centre, velocity, spin, turn (rows of its matrix), centre at the start.
-enum Frame { velocity = 0, spin = 3, turn = 6, start = 15, frame_width = 18 };
+// Of a body: turn (rows of its matrix), centre at the start.
+enum Frame { turn = 0, start = 9, frame_width = 12 };
 } // namespace
 
 Bodies::Bodies(rigid::BodiesSetup setup, const std::vector<double>& scale, int first, int count,
                const DomainBox& domain)
-    : rigid(std::move(setup)), domain_(domain), first_(first), points_(count) {
+    : rigid(std::move(setup)), domain_(domain), first_(first), points_(count),
+      motion_("treacle::solid_motion", static_cast<std::size_t>(6 * count)) {
     if (!rigid.any_moves()) return;
     points_.moving = true;
     points_.centre = Array<double>("treacle::body_centres", static_cast<std::size_t>(4 * count));
@@ -28,6 +29,7 @@ Bodies::Bodies(rigid::BodiesSetup setup, const std::vector<double>& scale, int f
 void Bodies::upload() {
     auto centres = Kokkos::create_mirror_view(points_.centre);
     auto frames = Kokkos::create_mirror_view(frames_);
+    auto motion = Kokkos::create_mirror_view(motion_); // of solids that rest it stays 0
     for (std::size_t b = 0; b < rigid.size(); ++b) {
         if (!rigid.moves(b)) continue;
         const auto load = static_cast<std::size_t>(first_) + b;
@@ -36,8 +38,8 @@ void Bodies::upload() {
         const auto row = load * frame_width;
         for (std::size_t k = 0; k < 3; ++k) {
             centres(4 * load + k) = rigid.pose(b).centre[k];
-            frames(row + velocity + k) = rigid.velocity(b)[k];
-            frames(row + spin + k) = spinning[k];
+            motion(6 * load + k) = rigid.velocity(b)[k];
+            motion(6 * load + 3 + k) = spinning[k];
             frames(row + start + k) = rigid.setup().bodies[b].centre[k];
             for (std::size_t l = 0; l < 3; ++l) frames(row + turn + 3 * k + l) = axes[k][l];
         }
@@ -45,6 +47,7 @@ void Bodies::upload() {
     }
     Kokkos::deep_copy(points_.centre, centres);
     Kokkos::deep_copy(frames_, frames);
+    Kokkos::deep_copy(motion_, motion);
 }
 
 void Bodies::mark_start(const SolidParticles& solid) const {
@@ -62,19 +65,15 @@ void Bodies::set_velocities(const SolidParticles& solid) {
     if (!any_moves()) return;
     upload();
     const auto points = points_;
-    const auto frames = frames_;
+    const auto motion = motion_;
     const auto x = solid.position(), v = solid.velocity();
     const auto body = solid.body();
     Kokkos::parallel_for("treacle::solid_velocities", solid.store.total(), KOKKOS_LAMBDA(int s) {
         if (!points.moves(body(s))) return;
         const double place[3] = {x(s, 0), x(s, 1), x(s, 2)};
-        double arm[3];
-        points.arm(body(s), place, arm);
-        const double* frame = &frames(static_cast<std::size_t>(body(s)) * frame_width);
-        const double* w = frame + spin;
-        v(s, 0) = frame[velocity] + w[1] * arm[2] - w[2] * arm[1];
-        v(s, 1) = frame[velocity + 1] + w[2] * arm[0] - w[0] * arm[2];
-        v(s, 2) = frame[velocity + 2] + w[0] * arm[1] - w[1] * arm[0];
+        double velocity[3];
+        points.velocity(motion, body(s), place, velocity);
+        for (int k = 0; k < 3; ++k) v(s, k) = velocity[k];
     });
 }
 

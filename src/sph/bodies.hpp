@@ -27,6 +27,8 @@ public:
     void set_velocities(const SolidParticles& solid);
     // Places of the owned particles of bodies that move.
     void place(const SolidParticles& solid);
+    // Velocity [m/s] and spin [rad/s] of all solids, 6 numbers each; 0 of those that rest. As of set_velocities().
+    const Array<double>& motion() const { return motion_; }
     // Loads of the bodies among the loads of all solids.
     std::span<const double> loads_of(const std::vector<double>& loads) const {
         return std::span(loads).subspan(6 * static_cast<std::size_t>(first_), 6 * rigid.size());
@@ -38,7 +40,8 @@ private:
     DomainBox domain_{};
     int first_ = 0;
     LoadPoints points_;
-    Array<double> frames_{"treacle::body_frames", 0}; // [count][frame_width]
+    Array<double> motion_{"treacle::solid_motion", 0}; // [count][6]
+    Array<double> frames_{"treacle::body_frames", 0};  // [count][frame_width]
 };
 
 } // namespace treacle::sph

@@ -2,6 +2,7 @@
 #include "base/vec3.hpp"
 #include "sph/load_points.hpp"
 #include "sph/neighbourhood.hpp"
+#include "sph/rheology.hpp"
 
 #include <vector>
 
@@ -15,6 +16,9 @@ struct ForceOptions {
                                    // the step as much (largest_kinematic_viscosity)
     std::vector<double> friction;  // per body: 0 free slip, 1 no slip
     std::vector<double> skin_friction; // per body: c_f
+    std::vector<double> slip_length;   // per body [m]; 0: as `friction` says
+    bool by_particle = false;          // viscosities are those of the particles, not of their liquids
+    std::vector<FlowCurve> rheology;   // per liquid; empty: no viscosity depends on the shear rate
 };
 
 // Force [N] and torque [N m] on each body, 6 numbers a body; the torque about the body's load point.

@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cmath>
+#include <numeric>
 
 namespace treacle::sph {
 
@@ -79,6 +80,15 @@ void step_freely(const RelativeDensity& inertia, const Array3& product, int n, c
     });
 }
 
+double dot(const std::vector<double>& a, const std::vector<double>& b) {
+    return std::inner_product(a.begin(), a.end(), b.begin(), 0.0);
+}
+
+// a += c b
+void add(std::vector<double>& a, double c, const std::vector<double>& b) {
+    for (std::size_t k = 0; k < a.size(); ++k) a[k] += c * b[k];
+}
+
 // True when it has broken down.
 bool breaks_down(double product, solve::Outcome indefinite, solve::SolveReport& report) {
     if (std::isfinite(product) && product > 0) return false;
@@ -90,9 +100,13 @@ bool breaks_down(double product, solve::Outcome indefinite, solve::SolveReport& 
 } // namespace
 
 ImplicitViscosity::ImplicitViscosity(const Comm& comm, LiquidParticles& liquid, const ViscosityOptions& options,
-                                     const CellGrid& grid, const std::vector<double>& friction)
-    : operator_(liquid), friction_(upload(friction)),
+                                     const CellGrid& grid, const std::vector<double>& friction,
+                                     const std::vector<double>& slip_lengths, const std::vector<FlowCurve>& rheology)
+    : operator_(liquid, slip_lengths), friction_(upload(friction)), rheology_("treacle::flow_curves", rheology.size()),
       direction_(liquid.store.add<Array3>("viscous_direction", "m/s", FieldRole::work)) {
+    auto host = Kokkos::create_mirror_view(rheology_);
+    for (std::size_t k = 0; k < rheology.size(); ++k) host(k) = rheology[k];
+    Kokkos::deep_copy(rheology_, host);
     if (options.integration == ViscosityIntegration::explicit_form) return;
     const bool keeps_rotations = options.form != ViscosityForm::laplacian;
     if (options.preconditioner == ViscosityPreconditioner::rigid_blocks && keeps_rotations) {
@@ -116,39 +130,30 @@ std::size_t ImplicitViscosity::bytes() const {
     return out;
 }
 
-void ImplicitViscosity::upload_motion(const Bodies& bodies) {
-    const auto count = static_cast<std::size_t>(bodies.load_points().count);
-    reserve(motion_, 6 * count);
-    auto host = Kokkos::create_mirror_view(motion_);
-    for (std::size_t k = 0; k < motion_.extent(0); ++k) host(k) = 0;
-    for (std::size_t b = 0; b < bodies.rigid.size(); ++b) {
-        if (!bodies.rigid.moves(b)) continue;
-        const auto row = 6 * (static_cast<std::size_t>(bodies.first()) + b);
-        const auto spin = bodies.rigid.spin(b);
-        for (std::size_t k = 0; k < 3; ++k) {
-            host(row + k) = bodies.rigid.velocity(b)[k];
-            host(row + 3 + k) = spin[k];
-        }
-    }
-    Kokkos::deep_copy(motion_, host);
-}
-
 ImplicitViscosity::Result ImplicitViscosity::solve(const ViscousScene& scene, const Bodies& bodies, double dt) {
     const auto start = Clock::now();
-    upload_motion(bodies);
-    auto& liquid = scene.liquid;
-    const ViscousParts parts{scene, bodies.load_points(), friction_, motion_};
+    dt_ = dt;
+    const ViscousParts parts{scene, bodies.load_points(), friction_, bodies.motion()};
     Result out;
     if (operator_.prepare(parts, dt) == 0) return out;
     const bool freely = scene.options.viscosity.integration == ViscosityIntegration::explicit_form;
-    out.solve = freely ? step_explicitly(parts) : solve_implicitly(parts);
+    if (!freely) movers_.prepare(bodies, scene);
+    body_.q.assign(movers_.unknowns(), 0.0);
+    out.solve = freely ? step_explicitly(parts) : solve_implicitly(parts, bodies);
+    const ViscousParts after{scene, bodies.load_points(), friction_, moved(bodies)};
     if (out.solve.iterations > 0) { // else the last product was of these velocities, or of those that the forces are of
-        operator_.multiply(parts, liquid.velocity_field(), ViscousOperator::Walls::moving, product_);
+        operator_.multiply(after, scene.liquid.velocity_field(), ViscousOperator::Walls::moving, product_);
         ++out.solve.products;
     }
-    out.loads = operator_.loads(parts);
+    out.loads = operator_.loads(after);
+    if (rheology_.extent(0) > 0) operator_.thin(after, rheology_);
     out.solve.iteration_seconds = seconds_since(start);
     return out;
+}
+
+// How the solids move with what the solve has found for the bodies so far.
+const Array<double>& ImplicitViscosity::moved(const Bodies& bodies) {
+    return movers_.any() ? movers_.moved(bodies, body_.q) : bodies.motion();
 }
 
 // (4.3) and (4.4) at the velocities before.
@@ -174,33 +179,85 @@ bool ImplicitViscosity::Progress::ended(double square) {
     report.relative_residual = norm > 0 ? std::sqrt(square) / norm : 0;
     report.error_measure = std::sqrt(square);
     if (!std::isfinite(square)) return breaks_down(square, solve::Outcome::non_finite, report);
-    return report.relative_residual <= parts.options.viscosity.residual;
+    return report.relative_residual <= std::max(parts.options.viscosity.residual, report.iterations == 0 ? enough : 0);
 }
 
-solve::SolveReport ImplicitViscosity::solve_implicitly(const ViscousParts& parts) {
+solve::SolveReport ImplicitViscosity::solve_implicitly(const ViscousParts& parts, const Bodies& bodies) {
     auto& liquid = parts.liquid;
     const int n = liquid.store.owned();
     for (auto* array : {&residual_, &scaled_, &product_}) reserve(*array, static_cast<std::size_t>(n));
+    const bool guessing = last_change_ >= 0, rated = rheology_.extent(0) > 0;
+    if (guessing || rated) {
+        reserve(before_, static_cast<std::size_t>(n));
+        copy(liquid.velocity(), n, before_);
+    }
+    const auto report = rated ? solve_by_rates(parts, bodies) : solve_once({parts, bodies, liquid.velocity()});
+    if (guessing) keep_change(liquid);
+    return report;
+}
+
+// Fixed point on the viscosities: each solve has those of the velocities of the one before, the first one those of the
+// last step.
+solve::SolveReport ImplicitViscosity::solve_by_rates(const ViscousParts& parts, const Bodies& bodies) {
+    auto& liquid = parts.liquid;
+    const auto& options = parts.options.viscosity;
+    solve::SolveReport sum;
+    for (int k = 0; k < options.rheology_solves; ++k) {
+        Progress progress{parts, bodies, before_};
+        if (k > 0) {
+            const ViscousParts now{parts, parts.points, parts.friction, moved(bodies)};
+            operator_.multiply(now, liquid.velocity_field(), ViscousOperator::Walls::moving, product_);
+            operator_.thin(now, rheology_);
+            operator_.prepare(parts, dt_);
+            ++sum.products;
+            progress.enough = options.rheology_residual;
+            progress.first = false;
+        }
+        const auto one = solve_once(progress);
+        const auto before = sum;
+        sum = one;
+        sum.iterations += before.iterations;
+        sum.products += before.products;
+        sum.set_up_seconds += before.set_up_seconds;
+        if (!one.converged() || one.iterations == 0) return sum;
+    }
+    return sum;
+}
+
+// L^T (dt/m) F of the velocities of the last multiply, of which the parts have the motion of the bodies. Collective.
+std::vector<double> ImplicitViscosity::pull(const ViscousParts& parts) {
+    auto loads = operator_.loads(parts);
+    parts.comm.sum(std::span(loads));
+    auto out = movers_.project(loads);
+    for (double& entry : out) entry *= dt_ / parts.constants.mass;
+    return out;
+}
+
+// C u = before, from the present velocities on.
+solve::SolveReport ImplicitViscosity::solve_once(Progress progress) {
+    const auto& parts = progress.parts;
+    auto& liquid = parts.liquid;
+    const int n = liquid.store.owned();
     const auto inertia = relative_density(parts.constants, liquid);
-    const auto u = liquid.velocity();
-    Progress progress{parts};
-    // r = M u* - (C u* - walls), b = M u* + walls
-    operator_.multiply(parts, liquid.velocity_field(), ViscousOperator::Walls::moving, product_);
+    // r = M u* - (C u - walls), b = M u* + walls
+    const ViscousParts now{parts, parts.points, parts.friction, moved(progress.bodies)};
+    operator_.multiply(now, liquid.velocity_field(), ViscousOperator::Walls::moving, product_);
     ++progress.report.products;
-    std::array<double, 2> sums{subtract(u, inertia, product_, n, residual_), sum_squares(u, n, inertia)};
+    if (movers_.any()) {
+        body_.residual = pull(now);
+        add(body_.residual, -1, body_.q);
+    }
+    std::array<double, 2> sums{subtract(progress.before, inertia, product_, n, residual_),
+                               sum_squares(progress.before, n, inertia)};
     parts.comm.sum(std::span(sums));
+    sums[0] += dot(body_.residual, body_.residual);
     // A liquid at rest between walls that move: what these add counts.
     progress.norm = std::sqrt(std::max(sums[0], sums[1]));
-    const bool guessing = last_change_ >= 0;
-    if (guessing) {
-        reserve(before_, static_cast<std::size_t>(n));
-        copy(u, n, before_);
-    }
+    const bool guessing = last_change_ >= 0 && progress.first;
     if (!progress.ended(sums[0]) && !(guessing && start_from_last_change(progress, sums[0]))) {
         set_up(progress);
         matrix_ ? solve_assembled(progress) : iterate(progress);
     }
-    if (guessing) keep_change(liquid);
     return progress.report;
 }
 
@@ -215,8 +272,14 @@ void ImplicitViscosity::keep_change(const LiquidParticles& liquid) {
 void ImplicitViscosity::set_up(Progress& progress) {
     const auto start = Clock::now();
     const auto& parts = progress.parts;
-    if (blocks_) blocks_->set_up(parts, operator_.walls(parts, ViscousOperator::Walls::resting), operator_.share(parts.liquid));
+    if (blocks_) blocks_->set_up(parts, operator_.walls(parts, ViscousOperator::Walls::resting), operator_.share(parts.liquid),
+                                  operator_.slip());
     if (matrix_) matrix_->assemble(parts, operator_);
+    if (movers_.any()) {
+        auto held = operator_.stiffness(parts);
+        parts.comm.sum(std::span(held));
+        movers_.factorise(held);
+    }
     progress.report.set_up_seconds = seconds_since(start);
 }
 
@@ -254,6 +317,29 @@ void ImplicitViscosity::solve_assembled(Progress& progress) {
     progress.report = report;
 }
 
+// Products with the directions; returns p.C p of all ranks.
+double ImplicitViscosity::multiply(const ViscousParts& parts, std::vector<double>& body_product) {
+    using Walls = ViscousOperator::Walls;
+    const auto p = parts.liquid.store.get<Array3>(direction_);
+    const int n = parts.liquid.store.owned();
+    if (!movers_.any()) {
+        operator_.multiply(parts, direction_, Walls::resting, product_);
+        return parts.comm.sum(dot(p, product_, n));
+    }
+    const ViscousParts trial{parts, parts.points, parts.friction, movers_.trial(body_.direction)};
+    operator_.multiply(trial, direction_, Walls::moving, product_);
+    body_product = body_.direction;
+    add(body_product, -1, pull(trial));
+    return parts.comm.sum(dot(p, product_, n)) + dot(body_.direction, body_product);
+}
+
+// z = M r of particles and bodies; returns this rank's r.z of the particles.
+double ImplicitViscosity::precondition(const LiquidParticles& liquid) {
+    precondition(liquid, residual_, scaled_);
+    if (movers_.any()) body_.scaled = movers_.precondition(body_.residual);
+    return dot(residual_, scaled_, liquid.store.owned());
+}
+
 // Preconditioned conjugate gradients (Saad 2003, algorithm 9.1).
 void ImplicitViscosity::iterate(Progress& progress) {
     const auto& parts = progress.parts;
@@ -262,22 +348,26 @@ void ImplicitViscosity::iterate(Progress& progress) {
     auto& liquid = parts.liquid;
     const int n = liquid.store.owned();
     const auto u = liquid.velocity(), p = liquid.store.get<Array3>(direction_);
-    precondition(liquid, residual_, scaled_);
-    double rz = comm.sum(dot(residual_, scaled_, n));
+    double rz = comm.sum(precondition(liquid)) + dot(body_.residual, body_.scaled);
     turn(0, scaled_, n, p);
+    body_.direction = body_.scaled;
+    std::vector<double> body_product;
     while (report.iterations < parts.options.viscosity.max_iterations) {
         if (breaks_down(rz, solve::Outcome::indefinite_preconditioner, report)) return;
-        operator_.multiply(parts, direction_, ViscousOperator::Walls::resting, product_);
+        const double pq = multiply(parts, body_product);
         ++report.products;
-        const double pq = comm.sum(dot(p, product_, n));
         if (breaks_down(pq, solve::Outcome::indefinite_matrix, report)) return;
         ++report.iterations;
         const double square = step(rz / pq, p, product_, n, u, residual_);
-        precondition(liquid, residual_, scaled_);
-        std::array<double, 2> next{square, dot(residual_, scaled_, n)};
+        add(body_.q, rz / pq, body_.direction);
+        add(body_.residual, -rz / pq, body_product);
+        std::array<double, 2> next{square, precondition(liquid)};
         comm.sum(std::span(next));
+        next[0] += dot(body_.residual, body_.residual);
+        next[1] += dot(body_.residual, body_.scaled);
         if (progress.ended(next[0])) return;
         turn(next[1] / rz, scaled_, n, p);
+        for (std::size_t k = 0; k < body_.q.size(); ++k) body_.direction[k] = body_.scaled[k] + next[1] / rz * body_.direction[k];
         rz = next[1];
     }
     report.outcome = solve::Outcome::iteration_limit;

@@ -1,6 +1,7 @@
 #pragma once
 #include "solve/krylov.hpp"
 #include "sph/rigid_blocks.hpp"
+#include "sph/viscous_bodies.hpp"
 #include "sph/viscous_matrix.hpp"
 #include "sph/viscous_operator.hpp"
 
@@ -12,12 +13,14 @@ namespace treacle::sph {
 class Bodies;
 
 // Viscosity by the operator of a form (dissertation, chapter 4): implicit, C u = u*, by conjugate gradients on the device
-// from u* on, or with the assembled matrix; or explicit, u = u* + dt/m f(u*).
+// from u* on, with dynamic bodies as unknowns of the same system, or with the assembled matrix; again with the viscosities
+// that the velocities bring, where these depend on the shear rate; or explicit, u = u* + dt/m f(u*).
 class ImplicitViscosity {
 public:
-    // Friction per solid, as ForceOptions::friction.
+    // Friction and slip length per solid and flow curves per liquid, as in ForceOptions.
     ImplicitViscosity(const Comm& comm, LiquidParticles& liquid, const ViscosityOptions& options, const CellGrid& grid,
-                      const std::vector<double>& friction);
+                      const std::vector<double>& friction, const std::vector<double>& slip_lengths = {},
+                      const std::vector<FlowCurve>& rheology = {});
 
     // No particle has been through a step: what the last solve changed is nothing. Before the first step of a run.
     void start(const LiquidParticles& liquid);
@@ -27,7 +30,8 @@ public:
         BodyLoads loads; // this rank's share of what the liquid puts on the solids [N], [N m]
     };
     // Collective: changes the owned particles' velocities, u* before and u after a step of dt [s]. The ghosts' are left
-    // stale. An unsuccessful solve is a report, with the last iterate.
+    // stale. An unsuccessful solve is a report, with the last iterate. The bodies stay as they are, also those that the
+    // solve moved: they come to the velocities of its solution by the loads.
     Result solve(const ViscousScene& scene, const Bodies& bodies, double dt);
 
     // Of the last solve; null where none is assembled.
@@ -35,32 +39,48 @@ public:
     std::size_t bytes() const;
 
 private:
-    // C u = u* as it goes: the report, and the norm that the residual is a share of.
+    // C u = before as it goes: the report, and the norm that the residual is a share of.
     struct Progress {
         const ViscousParts& parts;
+        const Bodies& bodies;
+        const Array3& before; // u*
+        double enough = 0;    // relative residual of the present velocities that spares all iterations
+        bool first = true;    // solve of the step
         solve::SolveReport report{};
         double norm = 0;
         bool ended(double square);
     };
-    void upload_motion(const Bodies& bodies);
+    // Of the conjugate gradients, what bodies have in the place of the particles' arrays.
+    struct BodyVectors {
+        std::vector<double> q, residual, scaled, direction;
+    };
+    const Array<double>& moved(const Bodies& bodies);
+    solve::SolveReport step_explicitly(const ViscousParts& parts);
+    solve::SolveReport solve_implicitly(const ViscousParts& parts, const Bodies& bodies);
+    solve::SolveReport solve_by_rates(const ViscousParts& parts, const Bodies& bodies);
+    solve::SolveReport solve_once(Progress progress);
     void set_up(Progress& progress);
     bool start_from_last_change(Progress& progress, double square);
     void keep_change(const LiquidParticles& liquid);
     void iterate(Progress& progress);
     void solve_assembled(Progress& progress);
-    solve::SolveReport solve_implicitly(const ViscousParts& parts);
-    solve::SolveReport step_explicitly(const ViscousParts& parts);
+    double multiply(const ViscousParts& parts, std::vector<double>& body_product);
     void precondition(const LiquidParticles& liquid, const Array3& r, const Array3& z);
+    double precondition(const LiquidParticles& liquid);
+    std::vector<double> pull(const ViscousParts& parts);
 
     ViscousOperator operator_;
     std::unique_ptr<RigidBlocks> blocks_; // null: the diagonal blocks alone precondition
     std::optional<ViscousMatrix> matrix_; // empty: products without a matrix
+    ViscousBodies movers_;
+    BodyVectors body_;
     Array<double> friction_;
-    Array<double> motion_{"treacle::solid_motion", 0};
+    Array<FlowCurve> rheology_{"treacle::flow_curves", 0};
+    double dt_ = 0;
     int direction_ = -1;   // field
     int last_change_ = -1; // field, where the guess is made of it [m/s]
     Array3 residual_{"treacle::viscous_residual", 0}, scaled_{"treacle::viscous_scaled", 0},
-        product_{"treacle::viscous_product", 0}, before_{"treacle::viscous_before", 0};
+        product_{"treacle::viscous_product", 0}, before_{"treacle::velocity_before", 0};
 };
 
 } // namespace treacle::sph

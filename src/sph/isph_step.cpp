@@ -30,7 +30,8 @@ IsphStep::IsphStep(const Comm& comm, const IsphSetup& setup)
       complementarity_(comm, solver_.options()) {
     explicit_forces_ = setup.forces;
     if (viscosity_by_operator(setup)) {
-        viscosity_.emplace(comm, liquid_, setup.options.viscosity, setup.grid, setup.forces.friction);
+        const auto& forces = setup.forces;
+        viscosity_.emplace(comm, liquid_, setup.options.viscosity, setup.grid, forces.friction, forces.slip_length, forces.rheology);
         explicit_forces_.viscosity = 0;
     }
     if (setup.options.pressure.solver != PressureSolver::dfsph) return;
@@ -247,25 +248,39 @@ void IsphStep::accelerate(StepReport& report, double dt) {
 // (V)
 void IsphStep::apply_viscosity(StepReport& report, double dt) {
     const auto phase = timers_.scope("viscosity");
+    if (give_way()) {
+        bodies_.rigid.fall(dt);
+        push_by_viscosity(report.viscous_loads, dt);
+    }
     auto result = viscosity_->solve({setup_.options, setup_.constants, setup_.forces, comm_, liquid_, solid_, neighbours_,
-                                     halo_}, bodies_, dt);
+                                     halo_, &solid_halo_}, bodies_, dt);
     report.viscosity = result.solve;
     if (!result.solve.converged()) {
         throw SimulationError({"viscosity solve", result.solve.reason,
                                "after " + std::to_string(result.solve.iterations) + " iterations",
                                "take a smaller time step or a larger method.viscosity.residual"});
     }
+    if (give_way()) push_by_viscosity(result.loads, dt);
     for (std::size_t k = 0; k < result.loads.size(); ++k) report.viscous_loads[k] += result.loads[k];
+}
+
+// Whether dynamic bodies are unknowns of the viscous solve.
+bool IsphStep::give_way() const {
+    return viscosity_ && bodies_.any_dynamic() && setup_.options.viscosity.body_coupling == BodyCoupling::implicit;
+}
+
+void IsphStep::push_by_viscosity(BodyLoads& loads, double dt) {
+    comm_.sum(std::span(loads));
+    bodies_.rigid.push(bodies_.loads_of(loads), dt);
+    bodies_.set_velocities(solid_);
 }
 
 // (S4), for the bodies.
 void IsphStep::accelerate_bodies(StepReport& report, double dt) {
     halo_.gather(liquid_.store, {liquid_.velocity_field(), liquid_.pressure_field()});
-    if (!bodies_.any_dynamic()) return;
-    comm_.sum(std::span(report.viscous_loads));
+    if (!bodies_.any_dynamic() || give_way()) return;
     bodies_.rigid.fall(dt);
-    bodies_.rigid.push(bodies_.loads_of(report.viscous_loads), dt);
-    bodies_.set_velocities(solid_);
+    push_by_viscosity(report.viscous_loads, dt);
 }
 
 void IsphStep::assemble_system() {

@@ -109,6 +109,8 @@ private:
     void update_density(StepReport& report);
     void accelerate(StepReport& report, double dt);
     void apply_viscosity(StepReport& report, double dt);
+    bool give_way() const;
+    void push_by_viscosity(BodyLoads& loads, double dt);
     void accelerate_bodies(StepReport& report, double dt);
     void correct_pressures(solve::Matrix& matrix, double dt, StepReport& report);
     void find_pressures(StepReport& report, double dt);

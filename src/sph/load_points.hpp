@@ -27,6 +27,16 @@ struct LoadPoints {
         }
     }
 
+    // Velocity [m/s] of a point that moves with a body, `motion` being six numbers a body: velocity and spin.
+    KOKKOS_INLINE_FUNCTION void velocity(const Array<double>& motion, int body, const double x[3], double out[3]) const {
+        double lever[3];
+        arm(body, x, lever);
+        const double* m = &motion(6 * body);
+        out[0] = m[0] + m[4] * lever[2] - m[5] * lever[1];
+        out[1] = m[1] + m[5] * lever[0] - m[3] * lever[2];
+        out[2] = m[2] + m[3] * lever[1] - m[4] * lever[0];
+    }
+
     // Adds a force [N] at a point of a body to its load, 6 numbers.
     KOKKOS_INLINE_FUNCTION void add(double load[], int body, const double x[3], const double force[3]) const {
         double lever[3];
@@ -35,6 +45,19 @@ struct LoadPoints {
         load[3] += lever[1] * force[2] - lever[2] * force[1];
         load[4] += lever[2] * force[0] - lever[0] * force[2];
         load[5] += lever[0] * force[1] - lever[1] * force[0];
+    }
+
+    // Adds c J^T J to the 6 x 6 numbers of a body, J being how its motion moves the point.
+    KOKKOS_INLINE_FUNCTION void add_stiffness(double held[], int body, const double x[3], double c) const {
+        double a[3];
+        arm(body, x, a);
+        const double move[6][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, -a[2], a[1]}, {a[2], 0, -a[0]}, {-a[1], a[0], 0}};
+        double* of = held + 36 * body;
+        for (int k = 0; k < 6; ++k) {
+            for (int l = 0; l < 6; ++l) {
+                of[6 * k + l] += c * (move[k][0] * move[l][0] + move[k][1] * move[l][1] + move[k][2] * move[l][2]);
+            }
+        }
     }
 };
 

@@ -18,6 +18,8 @@ struct Constants {
     double wall_cover = 1;         // how many times a_is count as cover (lattice.hpp)
     double wall_push = 1;          // how many times Akinci's one-sided pressure of solids acts (lattice.hpp)
     double wall_grip = 1;          // how many times V_s counts in the viscous sums (lattice.hpp)
+    double wall_wetting = 0;       // sum of V0 |W'|/r of the lattice over a particle of a plane wall [1/m2]
+    double wall_volume = 0;        // V_s of a plane wall [m^D]
     double wall_depth = 0;         // of the layer of solid particles below the surface [m]
     int dimensions = 3;
     Mixture mixture;           // of several liquids, otherwise empty

@@ -218,6 +218,16 @@ void ViscosityOptions::declare(Declaration& d) {
              "What the solve starts from: the velocities that it is given, or these and what the last solve changed.");
     d.number("residual", residual, unit::none, range_above_to(0, 0.1), "Relative residual at which the solve ends.");
     d.integer("max_iterations", max_iterations, range_between(1, 1000000), "Iterations after which the solve has failed.");
+    d.choice("body_coupling", body_coupling,
+             {{"implicit", BodyCoupling::implicit}, {"explicit", BodyCoupling::one_step_late}},
+             "Whether dynamic bodies move along in the viscous solve, or take the forces that the liquid would put on them "
+             "if they did not; bodies that are light, or in very viscous liquid, are shaken to pieces then.");
+    d.number("rheology_residual", rheology_residual, unit::none, range_above_to(0, 1),
+             "Of liquids whose viscosity depends on the shear rate: the step is solved again with the viscosities of the "
+             "velocities found, until these leave no larger a relative residual.");
+    d.integer("rheology_solves", rheology_solves, range_between(1, 1000),
+              "Most solves of a step for that; what is left is taken up by the next step. 1: the viscosities are those of "
+              "the last step.");
     d.number("artificial", artificial, unit::none, range_at_least(0),
              "Coefficient alpha of Monaghan's artificial viscosity alpha h c, which acts between approaching "
              "particles.");

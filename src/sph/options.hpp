@@ -107,13 +107,16 @@ struct PressureOptions {
 struct ViscosityOptions {
     ViscosityIntegration integration = ViscosityIntegration::automatic;
     ViscosityForm form = ViscosityForm::corrected;
-    double checkerboard_damping = 0.1; // kappa of the corrected form (README)
+    double checkerboard_damping = 1;   // kappa of the corrected form (README)
     bool assembled = false;            // the matrix with its second ring, in place of products without one
     ViscositySolver solver = ViscositySolver::conjugate_gradients;
     ViscosityPreconditioner preconditioner = ViscosityPreconditioner::rigid_blocks;
     ViscosityGuess guess = ViscosityGuess::velocity;
     double residual = 1e-6;            // relative
     int max_iterations = 5000;
+    BodyCoupling body_coupling = BodyCoupling::implicit;
+    double rheology_residual = 0.01;   // relative, with the viscosities of the velocities that were found
+    int rheology_solves = 4;           // most in a step, when viscosities depend on the shear rate
     double artificial = 0.2;      // Monaghan's alpha
     double reference_speed = 0;   // [m/s]; 0: sqrt(g H) of the initial liquid
     double xsph = 0;              // share of the neighbours' mean velocity that moves a particle

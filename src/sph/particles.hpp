@@ -17,6 +17,7 @@ public:
         : velocity_(store.add<Array3>("velocity", "m/s", FieldRole::state, true)),
           pressure_(store.add<Array<double>>("pressure", "Pa", FieldRole::state, true)),
           liquid_(store.add<Array<int>>("liquid", "", FieldRole::state, true)),
+          viscosity_(store.add<Array<double>>("viscosity", "Pa s", FieldRole::state, true)),
           density_(store.add<Array<double>>("density", "kg/m3", FieldRole::work, true)),
           volume_(store.add<Array<double>>("volume", "m3", FieldRole::work)),
           load_(store.add<Array<double>>("load", "Pa m6/kg2", FieldRole::work)),
@@ -42,6 +43,8 @@ public:
     const Array3& velocity() const { return store.get<Array3>(velocity_); }
     const Array<double>& pressure() const { return store.get<Array<double>>(pressure_); }
     const Array<int>& liquid() const { return store.get<Array<int>>(liquid_); }
+    // Counts where ForceOptions::by_particle says so; otherwise a copy of the liquid's, for frames.
+    const Array<double>& viscosity() const { return store.get<Array<double>>(viscosity_); }
     const Array<double>& density() const { return store.get<Array<double>>(density_); }
     const Array<double>& volume() const { return store.get<Array<double>>(volume_); } // m / density
     const Array<double>& load() const { return store.get<Array<double>>(load_); }     // pressure / density^2
@@ -67,7 +70,7 @@ public:
     int component_field() const { return component_; }
 
 private:
-    int velocity_, pressure_, liquid_, density_, volume_, load_, blended_, source_, diagonal_, wall_term_,
+    int velocity_, pressure_, liquid_, viscosity_, density_, volume_, load_, blended_, source_, diagonal_, wall_term_,
         response_, acceleration_, role_, row_, component_;
 };
 
@@ -84,6 +87,7 @@ public:
           pressure_(store.add<Array<double>>("pressure", "Pa", FieldRole::state, true)),
           diagonal_(store.add<Array<double>>("diagonal", "1/m2", FieldRole::work)),
           hold_(store.add<Array<double>>("hold", "", FieldRole::work)),
+          wetting_(store.add<Array<double>>("wetting", "1/m2", FieldRole::work)),
           role_(store.add<Array<int>>("role", "", FieldRole::work, true)),
           row_(store.add<Array<int>>("row", "", FieldRole::work)) {}
 
@@ -101,6 +105,7 @@ public:
     const Array<double>& pressure() const { return store.get<Array<double>>(pressure_); }
     const Array<double>& diagonal() const { return store.get<Array<double>>(diagonal_); }
     const Array<double>& hold() const { return store.get<Array<double>>(hold_); }
+    const Array<double>& wetting() const { return store.get<Array<double>>(wetting_); } // wall_slip.hpp
     const Array<int>& role() const { return store.get<Array<int>>(role_); }
     const Array<int>& row() const { return store.get<Array<int>>(row_); }
 
@@ -110,11 +115,12 @@ public:
     int velocity_field() const { return velocity_; }
     int pressure_field() const { return pressure_; }
     int hold_field() const { return hold_; }
+    int wetting_field() const { return wetting_; }
     int role_field() const { return role_; }
     int row_field() const { return row_; }
 
 private:
-    int velocity_, volume_, body_, reference_, normal_, reference_normal_, pressure_, diagonal_, hold_, role_, row_;
+    int velocity_, volume_, body_, reference_, normal_, reference_normal_, pressure_, diagonal_, hold_, wetting_, role_, row_;
 };
 
 } // namespace treacle::sph

@@ -109,11 +109,12 @@ void RigidBlocks::number(const ViscousParts& parts) {
 }
 
 // On the host, as the coarse levels of the pressure system are.
-void RigidBlocks::assemble(const ViscousParts& parts, const ViscousWalls& walls, const Array<double>& device_share) {
+void RigidBlocks::assemble(const ViscousParts& parts, const ViscousWalls& walls, const Array<double>& device_share,
+                           const WallSlip& slip) {
     const auto& store = parts.liquid.store;
     const auto block = on_host(store.get<Array<int>>(block_field_));
     const auto arm = on_host(store.get<Array3>(arm_field_));
-    const auto share = on_host(device_share);
+    const auto share = on_host(device_share), drag = on_host(slip.drag());
     const auto& constants = parts.constants;
     const double soft = pair_softening(constants.support);
     const auto relative = relative_density(constants, parts.liquid);
@@ -137,7 +138,7 @@ void RigidBlocks::assemble(const ViscousParts& parts, const ViscousWalls& walls,
         for (int i = 0; i < store.owned(); ++i) {
             const int local = block(i) - first_;
             const auto own_arm = arm_of(i);
-            add_all(local, relative(i), own_arm.data());
+            add_all(local, relative(i) + (slip.any() ? drag(i) : 0), own_arm.data());
             liquid.each(i, [&](int j, double dx, double dy, double dz, double r2) {
                 if (block(j) == block(i)) return; // a rigid motion strains no pair
                 const double w = -constants.rest_volume * kernel.gradient(std::sqrt(r2));
@@ -186,9 +187,9 @@ void RigidBlocks::connect() {
     matrix_.build(comm_, out);
 }
 
-void RigidBlocks::set_up(const ViscousParts& parts, const ViscousWalls& walls, const Array<double>& share) {
+void RigidBlocks::set_up(const ViscousParts& parts, const ViscousWalls& walls, const Array<double>& share, const WallSlip& slip) {
     number(parts);
-    assemble(parts, walls, share);
+    assemble(parts, walls, share, slip);
     connect();
     matrix_.matrix()->set_blocks(unknowns_, rigid_motions());
     solver_.set_up(*matrix_.matrix());

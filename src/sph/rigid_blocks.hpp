@@ -20,7 +20,7 @@ public:
 
     // Collective: blocks of the present particles, the matrix and its own preconditioner. `share` is dt/m V mu of owned
     // and ghost particles.
-    void set_up(const ViscousParts& parts, const ViscousWalls& walls, const Array<double>& share);
+    void set_up(const ViscousParts& parts, const ViscousWalls& walls, const Array<double>& share, const WallSlip& slip);
 
     // Collective: z += P M P^T r on the owned particles, M being one cycle of multigrid on the matrix.
     void correct(const LiquidParticles& liquid, const Array3& r, const Array3& z);
@@ -31,7 +31,7 @@ private:
     struct Entry;
     struct Rows;
     void number(const ViscousParts& parts);
-    void assemble(const ViscousParts& parts, const ViscousWalls& walls, const Array<double>& share);
+    void assemble(const ViscousParts& parts, const ViscousWalls& walls, const Array<double>& share, const WallSlip& slip);
     void connect();
     std::vector<std::vector<double>> rigid_motions() const;
 

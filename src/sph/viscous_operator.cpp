@@ -4,6 +4,8 @@
 #include "sph/pair_softening.hpp"
 #include "sph/symmetric.hpp"
 
+#include <algorithm>
+
 namespace treacle::sph {
 
 namespace {
@@ -121,6 +123,8 @@ struct PrepareLoop : ViscousLoop<Kernel> {
     double damping;
     RelativeDensity relative;
     Array<double> share;
+    bool slips;
+    Array<double> drag; // of walls along which the liquid slips
     Array6 correction, span, block;
 
     KOKKOS_INLINE_FUNCTION void operator()(int i) const {
@@ -145,7 +149,7 @@ struct PrepareLoop : ViscousLoop<Kernel> {
             const double both = c * square + 2 * damping * c * weights;
             d.xx += both, d.yy += both, d.zz += both;
         }
-        const double inertia = relative(i);
+        const double inertia = relative(i) + (slips ? drag(i) : 0);
         d.xx += inertia, d.yy += inertia, d.zz += inertia;
         write_symmetric(inverse(d), block, i);
     }
@@ -199,6 +203,8 @@ struct StressLoop : ViscousLoop<Kernel> {
     Array<double> share;
     Array6 correction, span;
     Array3 stress[3]; // columns
+    bool rated;
+    Array<double> rate;
 
     KOKKOS_INLINE_FUNCTION void operator()(int i) const {
         double n[3][3];
@@ -226,9 +232,17 @@ struct StressLoop : ViscousLoop<Kernel> {
                 stress[l](i, k) = c * (2 * q[l] - damping * g[k][l]);
             }
         }
+        if (rated) rate(i) = math::sqrt(2 * contract(s));
     }
 
 private:
+    KOKKOS_INLINE_FUNCTION static double contract(const double s[3][3]) {
+        double sum = 0;
+        for (int k = 0; k < 3; ++k) {
+            for (int l = 0; l < 3; ++l) sum += s[k][l] * s[k][l];
+        }
+        return sum;
+    }
     KOKKOS_INLINE_FUNCTION void sum_pairs(int i, double n[3][3]) const {
         const double *place = Base::fluid.place.data(), *motion = Base::fluid.motion.data();
         const Quad x = Quad::load(place + 4 * std::int64_t(i)), u = Quad::load(motion + 4 * std::int64_t(i));
@@ -376,6 +390,28 @@ struct ViscousLoadLoop : ViscousLoop<Kernel>, LoadReduction {
     }
 };
 
+// How hard the grips hold each solid, to precondition.
+template <class Kernel>
+struct StiffnessLoop : ViscousLoop<Kernel>, LoadReduction {
+    using Base = ViscousLoop<Kernel>;
+    Array<double> share;
+
+    KOKKOS_INLINE_FUNCTION void operator()(int i, value_type sum) const {
+        Base::each_wall(i, [&](int s, double w, double, double, double, const auto& contact) {
+            Base::walls.points.add_stiffness(sum, Base::walls.body(s), contact.place, 2 * share(i) * w * contact.reach);
+        });
+    }
+};
+
+double write_own_shares(const Array<double>& viscosity, double scale, int n, const Array<double>& share) {
+    double most = 0;
+    Kokkos::parallel_reduce("treacle::own_viscous_shares", n, KOKKOS_LAMBDA(int i, double& largest) {
+        share(i) = scale * viscosity(i);
+        largest = math::max(largest, share(i));
+    }, Kokkos::Max<double>(most));
+    return n > 0 ? most : 0;
+}
+
 template <class Liquids>
 double write_shares(const Liquids& liquids, double scale, int n, const Array<double>& share) {
     double most = 0;
@@ -412,7 +448,7 @@ PairGrip pair_grip(const ViscousParts& parts, const Array<double>& share) {
 }
 } // namespace
 
-ViscousOperator::ViscousOperator(LiquidParticles& liquid) {
+ViscousOperator::ViscousOperator(LiquidParticles& liquid, const std::vector<double>& slip_lengths) : slip_(slip_lengths) {
     const char* names[3] = {"viscous_stress_x", "viscous_stress_y", "viscous_stress_z"};
     for (int k = 0; k < 3; ++k) stress_[k] = liquid.store.add<Array3>(names[k], "m2/s", FieldRole::work);
     share_ = liquid.store.add<Array<double>>("viscous_share", "m2", FieldRole::work);
@@ -442,12 +478,18 @@ double ViscousOperator::prepare(const ViscousParts& parts, double dt) {
     const auto share = liquid.store.get<Array<double>>(share_);
     const double scale = dt / constants.mass * constants.rest_volume;
     double most = 0;
-    with_liquids(constants.mixture, liquid.liquid(), parts.forces.viscosity,
-                 [&](const auto& liquids) { most = write_shares(liquids, scale, n, share); });
+    if (parts.forces.by_particle) {
+        most = write_own_shares(liquid.viscosity(), scale, n, share);
+    } else {
+        with_liquids(constants.mixture, liquid.liquid(), parts.forces.viscosity,
+                     [&](const auto& liquids) { most = write_shares(liquids, scale, n, share); });
+    }
     most = parts.comm.max(most);
     if (most == 0) return 0;
     if (viscosity.form == ViscosityForm::printed) scale_by_volumes(liquid.volume(), constants.rest_volume, n, share);
+    if (slip_.any()) slip_.prepare(parts, parts.points, share);
     parts.halo.gather(liquid.store, {share_});
+    if (!parts.forces.rheology.empty()) reserve(rate_, static_cast<std::size_t>(n));
     for (auto* array : {&correction_, &span_, &block_}) reserve(*array, static_cast<std::size_t>(n));
     write_places(liquid, share);
     const auto fluid = gather_fluid(constants, liquid, parts.solid, parts.neighbours);
@@ -460,7 +502,7 @@ double ViscousOperator::prepare(const ViscousParts& parts, double dt) {
         Kokkos::parallel_for("treacle::viscous_prepare", n,
                              PrepareLoop<Kernel>{{kernel, fluid, walls(parts, Walls::resting), weights_},
                                                  viscosity.form, damping_, relative_density(constants, liquid), share,
-                                                 correction_, span_, block_});
+                                                 slip_.any(), slip_.drag(), correction_, span_, block_});
     });
     return most;
 }
@@ -485,11 +527,15 @@ void ViscousOperator::multiply(const ViscousParts& parts, int u_field, Walls whi
         const auto& store = liquid.store;
         const Array3 rows[3] = {store.get<Array3>(stress_[0]), store.get<Array3>(stress_[1]), store.get<Array3>(stress_[2])};
         Kokkos::parallel_for("treacle::viscous_stress", fluid.count,
-                             StressLoop<Kernel>{base, damping_, form == ViscosityForm::printed, share, correction_, span_, {rows[0], rows[1], rows[2]}});
+                             StressLoop<Kernel>{base, damping_, form == ViscosityForm::printed, share, correction_, span_,
+                                                {rows[0], rows[1], rows[2]}, !parts.forces.rheology.empty(), rate_});
         parts.halo.gather(store, {stress_[0], stress_[1], stress_[2]});
         Kokkos::parallel_for("treacle::viscous_forces", fluid.count,
                              StressForceLoop<Kernel>{base, damping_, relative, share, {rows[0], rows[1], rows[2]}, product});
     });
+    if (!slip_.any()) return;
+    if (which == Walls::resting) slip_.add(parts, product);
+    else slip_.add(parts, parts.motion, product);
 }
 
 void ViscousOperator::precondition(const LiquidParticles& liquid, const Array3& r, const Array3& z) const {
@@ -502,18 +548,29 @@ void ViscousOperator::precondition(const LiquidParticles& liquid, const Array3& 
     });
 }
 
+namespace {
+bool any_grips(const ViscousParts& parts) {
+    const auto& friction = parts.forces.friction;
+    return parts.neighbours.solid.size > 0 && std::ranges::any_of(friction, [](double f) { return f > 0; });
+}
+} // namespace
+
 BodyLoads ViscousOperator::loads(const ViscousParts& parts) const {
     const auto& constants = parts.constants;
     BodyLoads out(static_cast<std::size_t>(6 * parts.points.count), 0.0);
     const auto fluid = gather_fluid(constants, parts.liquid, parts.solid, parts.neighbours);
     const double scale = constants.mass / dt_;
+    if (slip_.any()) slip_.add_loads(parts, parts.motion, scale, out);
+    if (!any_grips(parts)) return out;
     with_kernel(parts.options.kernel, constants.dimensions, constants.support, [&](const auto& kernel) {
         using Kernel = std::decay_t<decltype(kernel)>;
         const ViscousLoop<Kernel> base{kernel, fluid, walls(parts, Walls::moving), weights_};
         const auto sum = [&](const auto& grip) {
             using Grip = std::decay_t<decltype(grip)>;
+            BodyLoads sums(out.size(), 0.0);
             Kokkos::parallel_reduce("treacle::viscous_loads", fluid.count,
-                                    ViscousLoadLoop<Kernel, Grip>{base, {out.size()}, grip, scale}, host_sums(out));
+                                    ViscousLoadLoop<Kernel, Grip>{base, {sums.size()}, grip, scale}, host_sums(sums));
+            for (std::size_t k = 0; k < out.size(); ++k) out[k] += sums[k];
         };
         if (by_gradients(parts.options.viscosity.form)) {
             const auto& store = parts.liquid.store;
@@ -524,6 +581,32 @@ BodyLoads ViscousOperator::loads(const ViscousParts& parts) const {
         }
     });
     return out;
+}
+
+std::vector<double> ViscousOperator::stiffness(const ViscousParts& parts) const {
+    const auto& constants = parts.constants;
+    std::vector<double> out(static_cast<std::size_t>(36 * parts.points.count), 0.0);
+    const auto share = parts.liquid.store.get<Array<double>>(share_);
+    const auto fluid = gather_fluid(constants, parts.liquid, parts.solid, parts.neighbours);
+    if (any_grips(parts)) {
+        with_kernel(parts.options.kernel, constants.dimensions, constants.support, [&](const auto& kernel) {
+            using Kernel = std::decay_t<decltype(kernel)>;
+            const ViscousLoop<Kernel> base{kernel, fluid, walls(parts, Walls::resting), weights_};
+            Kokkos::parallel_reduce("treacle::viscous_stiffness", fluid.count,
+                                    StiffnessLoop<Kernel>{base, {out.size()}, share}, host_sums(out));
+        });
+    }
+    if (slip_.any()) slip_.add_stiffness(parts, out);
+    return out;
+}
+
+void ViscousOperator::thin(const ViscousParts& parts, const Array<FlowCurve>& curves) const {
+    const auto rate = rate_, viscosity = parts.liquid.viscosity();
+    const auto liquid = parts.liquid.liquid();
+    Kokkos::parallel_for("treacle::thin_by_shear", parts.liquid.store.owned(), KOKKOS_LAMBDA(int i) {
+        const FlowCurve& curve = curves(liquid(i));
+        if (curve.law != scene::ShearLaw::newtonian) viscosity(i) = curve(rate(i));
+    });
 }
 
 std::size_t ViscousOperator::bytes() const {

@@ -1,36 +1,16 @@
 #pragma once
-#include "mpi/halo.hpp"
-#include "sph/forces.hpp"
 #include "sph/viscous_walls.hpp"
+#include "sph/wall_slip.hpp"
 
 namespace treacle::sph {
-
-// What a step has for the viscous solve. Positions of ghosts must be current, and the neighbours those of the positions.
-struct ViscousScene {
-    const SphOptions& options;
-    const Constants& constants;
-    const ForceOptions& forces;
-    const Comm& comm;
-    LiquidParticles& liquid;
-    const SolidParticles& solid;
-    const Neighbourhood& neighbours;
-    Halo& halo;
-};
-
-// And how its solids move.
-struct ViscousParts : ViscousScene {
-    const LoadPoints& points;
-    const Array<double>& friction; // of each solid, see ViscousWalls
-    const Array<double>& motion;
-};
 
 // C u = u - dt/m f(u) on the owned particles, f being the viscous force (dissertation, chapter 4) in the form that
 // `viscosity.form` names: matrix-free, and but for the printed form symmetric and positive definite (README, "Implicit
 // viscosity"). Of several liquids the first term has the relative density as a factor.
 class ViscousOperator {
 public:
-    // Declares the fields that are exchanged.
-    explicit ViscousOperator(LiquidParticles& liquid);
+    // Declares the fields that are exchanged. Slip lengths as in ForceOptions.
+    explicit ViscousOperator(LiquidParticles& liquid, const std::vector<double>& slip_lengths = {});
 
     // Collective: viscosities, gradient corrections and diagonal blocks for the present places and a step of dt [s].
     // Returns the largest dt/m V mu of all ranks [m2]; 0: C is the identity.
@@ -47,6 +27,11 @@ public:
     // This rank's share of the force and torque on each solid [N], [N m]. After a multiply with moving walls, whose u
     // it is for.
     BodyLoads loads(const ViscousParts& parts) const;
+    // And of how the liquid would hold each solid if nothing else moved, times dt/m: 36 numbers each, roughly.
+    std::vector<double> stiffness(const ViscousParts& parts) const;
+
+    // Viscosities of the particles at the shear rates of the last multiply; forms with gradients only.
+    void thin(const ViscousParts& parts, const Array<FlowCurve>& curves) const;
 
     // After prepare(): B_i^+ of the owned particles and the projector on its range, whose elements are those of
     // sph::Symmetric; dt/m V mu of owned and ghost particles [m2]; and the solids.
@@ -57,6 +42,7 @@ public:
     double damping() const { return damping_; }
     const Array<double>& share(const LiquidParticles& liquid) const { return liquid.store.get<Array<double>>(share_); }
     ViscousWalls walls(const ViscousParts& parts, Walls which) const;
+    const WallSlip& slip() const { return slip_; }
 
     std::size_t bytes() const;
 
@@ -64,6 +50,8 @@ private:
     double dt_ = 0;
     double damping_ = 0;             // of checkerboards, 0 for forms without gradients
     int stress_[3] = {-1, -1, -1};   // fields: columns of Q_i [m2/s]
+    WallSlip slip_;
+    Array<double> rate_{"treacle::shear_rate", 0}; // of owned particles [1/s], where a viscosity depends on it
     int share_ = -1;                 // field: dt/m V mu [m2]
     Array<float> weights_{"treacle::viscous_weights", 0};
     Array6 correction_{"treacle::gradient_correction", 0}; // B_i^+

@@ -34,12 +34,7 @@ struct ViscousWalls {
         const auto& x = pairs.among;
         Contact out{1 / tau, {0, 0, 0}, {x(s, 0) + (1 - tau) * dx, x(s, 1) + (1 - tau) * dy, x(s, 2) + (1 - tau) * dz}};
         if (resting) return out;
-        double arm[3];
-        points.arm(body(s), out.place, arm);
-        const double* m = &motion(6 * body(s));
-        out.velocity[0] = m[0] + m[4] * arm[2] - m[5] * arm[1];
-        out.velocity[1] = m[1] + m[5] * arm[0] - m[3] * arm[2];
-        out.velocity[2] = m[2] + m[3] * arm[1] - m[4] * arm[0];
+        points.velocity(motion, body(s), out.place, out.velocity);
         return out;
     }
 };

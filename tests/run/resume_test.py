@@ -8,6 +8,8 @@ import shutil
 import sys
 import tempfile
 
+import numpy
+
 import harness
 from harness import SCENES, TIGHT, Workplace
 
@@ -15,6 +17,7 @@ DAM = os.path.join(SCENES, "dam.yaml")
 RAFT = os.path.join(SCENES, "raft.yaml")
 FLAP = os.path.join(SCENES, "flap.yaml")
 LAYERS = os.path.join(SCENES, "layers.yaml")
+THINNING = os.path.join(SCENES, "thinning.yaml")
 SPACING = 0.02
 # On the same ranks nothing but the checkpoint lies between the two; on others sums are in another order.
 SAME_RANKS = 1e-12
@@ -118,6 +121,24 @@ class Resume(Workplace):
                 self.treacle("resume", "run", ranks=read)
                 self.expect_the_same_end(tolerance)
                 self.assertEqual(sorted(set(self.frame("run")["liquid"])), [0, 1])
+                shutil.rmtree(self.path("run"))
+                shutil.rmtree(self.path("straight"))
+
+    def test_with_viscosities_that_vary(self):
+        for written, read, tolerance in [(2, 2, SAME_RANKS), (3, 1, OTHER_RANKS)]:
+            with self.subTest(written=written, read=read):
+                self.run_scene(THINNING, "run", written, {**TIGHT, "method.viscosity.residual": "1e-11"})
+                shutil.copytree(self.path("run"), self.path("straight"))
+                self.remove_newest(2)
+                self.treacle("resume", "run", ranks=read)
+                self.expect_the_same_end(tolerance)
+                one, other = self.frame("straight"), self.frame("run")
+                share = SAME_RANKS if read == written else 1e-5  # the shear rates' share of the solver's residual
+                self.assertLess(abs(one["viscosity"] / numpy.maximum(other["viscosity"], 1e-30) - 1).max(
+                    initial=0, where=other["viscosity"] > 0), share)
+                self.assertEqual(one["viscosity"].min(), 0)
+                self.assertEqual(one["viscosity"].max(), numpy.float32(1e8))
+                self.assertGreater(len(set(one["viscosity"])), 50)
                 shutil.rmtree(self.path("run"))
                 shutil.rmtree(self.path("straight"))
 

@@ -1,0 +1,11 @@
+#pragma once
+#include "sph/lattice.hpp"
+#include "sph/neighbourhood.hpp"
+
+namespace treacle::sph {
+
+// The constants of walls with a slip length (wall_slip.hpp), of a lattice at rest beside a plane wall:
+// wall_volume and wall_wetting.
+void measure_slip(const WallSetup& wall, const DensityOptions& density, Constants& constants);
+
+} // namespace treacle::sph
