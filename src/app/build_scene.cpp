@@ -1,6 +1,7 @@
 #include "app/build_scene.hpp"
 
 #include "app/bodies.hpp"
+#include "app/inflow.hpp"
 #include "app/table_text.hpp"
 #include "base/error.hpp"
 #include "scene/materials.hpp"
@@ -144,6 +145,7 @@ std::unique_ptr<sph::IsphStep> make_solver(const Comm& comm, const Input& input,
         setup.solid_scale = solid_scales(input, geometry);
     }
     setup.first_body = domain_sides;
+    setup.inflow = make_inflow(input);
     setup.forces.artificial = input.method.viscosity.artificial * setup.constants.support * reference_speed;
     return std::make_unique<sph::IsphStep>(comm, setup);
 }
@@ -277,6 +279,7 @@ std::vector<std::string> fill_solver(const Input& input, const Geometry& geometr
     auto notes = geometry.notes;
     for (auto& note : body_notes(input, geometry)) notes.push_back(std::move(note));
     for (auto& note : method_notes(input)) notes.push_back(std::move(note));
+    for (auto& note : inflow_notes(input)) notes.push_back(std::move(note));
     thin = solver.comm().max(thin);
     if (thin > 0) notes.push_back(thin_note(static_cast<std::size_t>(thin)));
     return notes;

@@ -1,6 +1,7 @@
 #include "app/geometry.hpp"
 
 #include "app/bodies.hpp"
+#include "app/inflow.hpp"
 #include "base/error.hpp"
 #include "base/text.hpp"
 #include "sph/forces.hpp"
@@ -152,7 +153,9 @@ void validate_geometry(const Input& input, const Geometry& geometry, const Comm&
     std::vector<Diagnostic> problems;
     check_overlaps(input, geometry, problems);
     check_bodies(input, geometry, problems);
-    const auto counts = estimate_particles(geometry);
+    check_inflow(input, geometry, problems);
+    auto counts = estimate_particles(geometry);
+    counts.liquid += poured_particles(input);
     if (counts.liquid == 0) {
         problems.push_back({input.scene.liquids.front().where, "the scene has no liquid particle", "no point of the particle lattice lies in its liquids",
                             "enlarge the liquid's shapes, or refine domain.spacing"});

@@ -2,6 +2,7 @@
 
 #include "base/clock.hpp"
 #include "sph/bodies.hpp"
+#include "sph/inflow.hpp"
 
 #include <array>
 #include <cmath>
@@ -56,6 +57,16 @@ double step(double alpha, const Array3& p, const Array3& q, int n, const Array3&
 void turn(double beta, const Array3& z, int n, const Array3& p) {
     Kokkos::parallel_for("treacle::viscous_turn", n, KOKKOS_LAMBDA(int i) {
         for (int k = 0; k < 3; ++k) p(i, k) = z(i, k) + (beta != 0 ? beta * p(i, k) : 0);
+    });
+}
+
+// The rows of particles that an inlet holds are M u = M u*: that velocity is prescribed.
+void hold_rows(const LiquidParticles& liquid, const RelativeDensity& inertia, const Array3& u, const Array3& product) {
+    if (!liquid.has_inlets()) return;
+    const auto inlet = liquid.inlet();
+    Kokkos::parallel_for("treacle::viscous_held", liquid.store.owned(), KOKKOS_LAMBDA(int i) {
+        if (inlet(i) == 0) return;
+        for (int k = 0; k < 3; ++k) product(i, k) = inertia(i) * u(i, k);
     });
 }
 
@@ -117,6 +128,7 @@ ImplicitViscosity::Result ImplicitViscosity::solve(const ViscousScene& scene, co
 double ImplicitViscosity::precondition(const LiquidParticles& liquid) {
     operator_.precondition(liquid, residual_, scaled_);
     if (blocks_) blocks_->correct(liquid, residual_, scaled_);
+    clear_held(liquid, scaled_);
     return dot(residual_, scaled_, liquid.store.owned());
 }
 
@@ -132,6 +144,7 @@ solve::SolveReport ImplicitViscosity::iterate(const ViscousParts& parts) {
     solve::SolveReport report;
     // r = M u* - (C u* - walls), b = M u* + walls
     operator_.multiply(parts, liquid.velocity_field(), Walls::moving, product_);
+    hold_rows(liquid, inertia, u, product_);
     ++report.products;
     std::array<double, 2> sums{subtract(u, inertia, product_, n, residual_), sum_squares(u, n, inertia)};
     comm.sum(std::span(sums));
@@ -154,6 +167,7 @@ solve::SolveReport ImplicitViscosity::iterate(const ViscousParts& parts) {
     while (report.iterations < parts.options.viscosity.max_iterations) {
         if (breaks_down(rz, solve::Outcome::indefinite_preconditioner, report)) return report;
         operator_.multiply(parts, direction_, Walls::resting, product_);
+        hold_rows(liquid, inertia, p, product_);
         ++report.products;
         const double pq = comm.sum(dot(p, product_, n));
         if (breaks_down(pq, solve::Outcome::indefinite_matrix, report)) return report;
