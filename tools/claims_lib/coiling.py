@@ -5,9 +5,10 @@ import numpy
 from .run import run_scene, scratch
 from .table import Figure
 
-RADIUS, SPACING, HEIGHT = 0.01, 0.004, 0.14  # [m] of the opening, of the particles, of the opening over the floor
+RADIUS, SPACING = 0.01, 0.004  # [m] of the opening, of the particles
+HEIGHT, LOW = 0.14, 0.04  # [m] of the opening over the floor: high enough to buckle, and not
+VISCOSITY = 2000  # [Pa s]
 SLICE = 0.35  # of the height: where the rope is watched, above what has piled up
-LENGTH = 10  # of rope that is poured, in heights
 
 SCENE = """
 schema_version: 1
@@ -59,11 +60,34 @@ def swings(times, middles):
     return (len(passages) - 1) / (2 * (passages[-1] - passages[0])), amplitude, len(passages)
 
 
-def pour(context, folder, speed, viscosity):
-    end = LENGTH * HEIGHT / speed
-    folder.mkdir(parents=True)
-    scene = folder / "scene.yaml"
-    scene.write_text(SCENE.format(top=HEIGHT + 0.04, spacing=SPACING, viscosity=viscosity, height=HEIGHT, radius=RADIUS,
-                                  speed=speed, end=end, interval=0.004 / speed))
-    run = run_scene(context, scene, folder / "run", ranks=0, timeout=4 * 3600)
-    return swings(*watch(run, SLICE * HEIGHT, SPACING))
+def pour(context, folder, height, speed, length):
+    """Frequency [Hz], amplitude [m] and passages of a rope poured from a height [m], that many heights of it."""
+    scene = folder / f"rope_{height}_{speed}.yaml"
+    scene.write_text(SCENE.format(top=height + 0.04, spacing=SPACING, viscosity=VISCOSITY, height=height, radius=RADIUS,
+                                  speed=speed, end=length * height / speed, interval=0.004 / speed))
+    run = run_scene(context, scene, folder / scene.stem, ranks=0, timeout=4 * 3600)
+    return swings(*watch(run, SLICE * height, SPACING))
+
+
+def coiling(context):
+    """In the viscous regime a rope swings at Omega ~ Q / (H a^2), that is, at its speed over the height: at an exponent of 1
+    of the flow rate. It must be higher than some five times its width to buckle at all (Cruickshank & Munson 1981)."""
+    speeds = (0.2, 0.4) if context.quick else (0.15, 0.3, 0.6)
+    length = 7 if context.quick else 14
+    with scratch(context, "coiling") as folder:
+        still = pour(context, folder, LOW, speeds[-1], 4)
+        found = [pour(context, folder, HEIGHT, speed, length) for speed in speeds]
+    steady = still[1] < 0.25 * RADIUS
+    swinging = all(passages >= 3 for _, _, passages in found)
+    text = f"from {1e3 * LOW:.0f} mm {'steady' if steady else 'NOT steady'}, {1e3 * still[1]:.1f} mm; from {1e3 * HEIGHT:.0f} mm: "
+    text += ", ".join(f"{f:.2f} Hz by {1e3 * amplitude:.0f} mm at {speed} m/s" for speed, (f, amplitude, _) in zip(speeds, found))
+    if not swinging:
+        return Figure(text + "; too few swings to tell a frequency", False)
+    exponent = numpy.polyfit(numpy.log(speeds), numpy.log([f for f, _, _ in found]), 1)[0]
+    return Figure(f"{text}: exponent {exponent:.2f}", bool(steady and abs(exponent - 1) <= 0.2))
+
+
+def add_rows(table):
+    table.row("coiling", claim="a poured rope buckles and coils from a height on, and the faster the more is poured",
+              asked="viscous regime, 5 particles across, rho g H^2 / (mu U) < 0.7: frequency by flow rate to the power "
+                    "1 +- 20 %; steady from twice its width")(coiling)
