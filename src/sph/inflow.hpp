@@ -15,8 +15,8 @@ struct InletSetup {
     Vec3 direction{0, 0, -1}; // unit
     std::vector<Vec3> points; // of one layer, from the centre, across the direction [m]
     double speed = 0;         // [m/s]
-    double start = 0,
-           end = 0; // [s] when the first and the last layer pass the opening; end 0: none is the last
+    double start = 0;         // [s] when the first layer passes the opening
+    double end = 0;           // [s] when the last one does; 0: none is the last
 };
 
 // Where particles are taken out: a box, or what lies behind a plane.
