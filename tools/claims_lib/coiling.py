@@ -73,7 +73,7 @@ def coiling(context):
     """In the viscous regime a rope swings at Omega ~ Q / (H a^2), that is, at its speed over the height: at an exponent of 1
     of the flow rate. It must be higher than some five times its width to buckle at all (Cruickshank & Munson 1981)."""
     speeds = (0.2, 0.4) if context.quick else (0.15, 0.3, 0.6)
-    length = 7 if context.quick else 14
+    length = 14 if context.quick else 20
     with scratch(context, "coiling") as folder:
         still = pour(context, folder, LOW, speeds[-1], 4)
         found = [pour(context, folder, HEIGHT, speed, length) for speed in speeds]
