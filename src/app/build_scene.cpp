@@ -1,6 +1,7 @@
 #include "app/build_scene.hpp"
 
 #include "app/bodies.hpp"
+#include "app/inflow.hpp"
 #include "app/table_text.hpp"
 #include "base/error.hpp"
 #include "scene/materials.hpp"
@@ -79,6 +80,10 @@ void check_viscosity(const Input& input, std::vector<Diagnostic>& problems) {
         }
     }
     const auto refuse_slip = [&](const std::string& where, const std::string& key) {
+        if (options.assembled) {
+            problems.push_back({where, key + ": a slip length cannot go with method.viscosity.assembled",
+                                "the matrix does not have its traction", "leave assembled out"});
+        }
         if (options.form != sph::ViscosityForm::corrected) {
             problems.push_back({where, key + ": a slip length needs method.viscosity.form: corrected",
                                 "the other forms are there to compare with", "leave out method.viscosity.form"});
@@ -88,6 +93,20 @@ void check_viscosity(const Input& input, std::vector<Diagnostic>& problems) {
                             "it is the viscosity's force on the wall that slip limits",
                             "give the liquid a viscosity and leave out method.viscosity.integration, or choose free_slip or no_slip"});
     };
+    if (options.assembled && !input.scene.inlets.empty()) {
+        problems.push_back({input.scene.inlets.front().where, "inlets cannot go with method.viscosity.assembled",
+                            "the matrix does not know what waits behind an opening", "leave assembled out"});
+    }
+    const bool coupled = implicit && options.body_coupling == sph::BodyCoupling::implicit;
+    for (const auto& body : input.scene.bodies) {
+        if (body.kind != scene::BodyKind::dynamic || !coupled) continue;
+        const auto refuse = [&](const std::string& key, const std::string& why) {
+            problems.push_back({body.where, "bodies." + body.name + " is dynamic, with method.viscosity." + key, why,
+                                "leave " + key + " out, or write method.viscosity.body_coupling: explicit"});
+        };
+        if (options.assembled) refuse("assembled", "the matrix has no bodies as unknowns");
+        if (options.guess == sph::ViscosityGuess::last_change) refuse("guess", "it knows the liquid's velocities alone");
+    }
     for (const auto& body : input.scene.bodies) {
         if (body.slip == scene::Slip::slip_length) refuse_slip(body.where, "bodies." + body.name + ".slip");
     }
@@ -187,6 +206,7 @@ std::unique_ptr<sph::IsphStep> make_solver(const Comm& comm, const Input& input,
         setup.solid_scale = solid_scales(input, geometry);
     }
     setup.first_body = domain_sides;
+    setup.inflow = make_inflow(input);
     setup.forces.artificial = input.method.viscosity.artificial * setup.constants.support * reference_speed;
     return std::make_unique<sph::IsphStep>(comm, setup);
 }
@@ -321,6 +341,7 @@ std::vector<std::string> fill_solver(const Input& input, const Geometry& geometr
     auto notes = geometry.notes;
     for (auto& note : body_notes(input, geometry)) notes.push_back(std::move(note));
     for (auto& note : method_notes(input)) notes.push_back(std::move(note));
+    for (auto& note : inflow_notes(input)) notes.push_back(std::move(note));
     thin = solver.comm().max(thin);
     if (thin > 0) notes.push_back(thin_note(static_cast<std::size_t>(thin)));
     return notes;

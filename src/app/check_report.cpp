@@ -3,6 +3,7 @@
 #include "app/bodies.hpp"
 #include "app/build_scene.hpp"
 #include "app/estimates.hpp"
+#include "app/inflow.hpp"
 #include "app/table_text.hpp"
 #include "base/text.hpp"
 
@@ -24,6 +25,7 @@ public:
     std::vector<std::string> lines() {
         domain();
         liquids();
+        inflow();
         bodies();
         particles();
         steps();
@@ -40,6 +42,7 @@ private:
 
     void domain();
     void liquids();
+    void inflow();
     void bodies();
     void mesh(const scene::SolidRegion& region, const std::string& owner);
     void particles();
@@ -132,6 +135,22 @@ void Report::liquids() {
     }
 }
 
+void Report::inflow() {
+    const auto inflow = make_inflow(at_.input);
+    if (inflow.inlets.empty()) return;
+    heading("inlets");
+    for (std::size_t q = 0; q < inflow.inlets.size(); ++q) {
+        const auto& given = scene().inlets[q];
+        const auto& inlet = inflow.inlets[q];
+        const bool space = scene().domain.dimensions == 3;
+        row(given.name, given.liquid + ", " + short_number(flow_of(at_.input, inlet)) + (space ? " m3/s" : " m2/s") + " at " +
+                            short_number(inlet.speed) + " m/s, " + std::to_string(inlet.points.size()) + " particles across");
+        row("", "from " + short_number(inlet.start) + " s to " +
+                    (inlet.end > 0 ? short_number(inlet.end) + " s" : std::string("the end")) + ", " +
+                    grouped(poured_particles(at_.input, inlet)) + " particles by the end");
+    }
+}
+
 void Report::bodies() {
     if (!scene().bodies.empty()) heading("bodies");
     for (std::size_t i = 0; i < scene().bodies.size(); ++i) {
@@ -157,6 +176,7 @@ void Report::particles() {
     const std::string about = at_.preview.coarsening > 1 ? "about " : "";
     heading("particles");
     row("liquid", about + grouped(at_.preview.liquid_count));
+    if (estimates_.poured > 0) row("", "and up to " + grouped(static_cast<std::uint64_t>(estimates_.poured)) + " more by the end");
     row("solid", about + grouped(at_.preview.solid_count));
     const auto per_rank = estimates_.bytes / at_.ranks;
     row("memory", "about " + format_bytes(static_cast<std::uint64_t>(estimates_.bytes)) + " in all, " +
@@ -216,6 +236,7 @@ void Report::warnings() {
     for (const auto& note : at_.geometry.notes) warn(note);
     for (const auto& note : body_notes(at_.input, at_.geometry)) warn(note);
     for (const auto& note : method_notes(at_.input)) warn(note);
+    for (const auto& note : inflow_notes(at_.input)) warn(note);
     for (const auto& text : warnings_) lines_.push_back("warning: " + text);
     if (warnings_.empty()) lines_.emplace_back("no warnings");
 }

@@ -59,6 +59,8 @@ void save_checkpoint(const io::RunFolder& folder, const Input& input, const std:
     writer.replicated("decomposition", std::span<const std::int64_t>(decomposition));
     const auto bodies = solver.bodies().state();
     writer.replicated("bodies", std::span<const double>(bodies));
+    const auto inflow = solver.inflow_state();
+    if (!inflow.empty()) writer.replicated("inflow", std::span<const double>(inflow));
     add_store(writer, "liquid", solver.liquid().store);
     add_store(writer, "solid", solver.solid().store);
     writer.commit();
@@ -103,6 +105,7 @@ void load_checkpoint(const Checkpoint& checkpoint, sph::IsphStep& solver) {
     read_store(reader, "liquid", solver.liquid().store);
     read_store(reader, "solid", solver.solid().store);
     solver.restore_bodies(reader.replicated<double>("bodies"));
+    if (!solver.setup().inflow.inlets.empty()) solver.restore_inflow(reader.replicated<double>("inflow"));
     if (reader.writer_ranks() == comm.size()) {
         solver.restore(reader.replicated<std::int64_t>("decomposition"));
     } else {

@@ -1,5 +1,6 @@
 #include "app/estimates.hpp"
 
+#include "app/inflow.hpp"
 #include "sph/forces.hpp"
 
 #include <algorithm>
@@ -54,6 +55,8 @@ Estimates estimate_run(const Input& input, const Geometry& geometry, std::uint64
     out.length = typical_length(input, geometry);
     for (const auto& one : scene.liquids)
         out.initial_speed = std::max(out.initial_speed, length_of(one.velocity));
+    const auto inflow = make_inflow(input);
+    for (const auto& inlet : inflow.inlets) out.initial_speed = std::max(out.initial_speed, inlet.speed);
     out.speed = std::max(out.initial_speed, std::sqrt(pull * out.length));
     const double cfl = scene.time.cfl * sph::step_share(liquid_materials(input));
     out.courant_step = out.speed > 0 ? cfl * d / out.speed : infinite;
@@ -67,7 +70,8 @@ Estimates estimate_run(const Input& input, const Geometry& geometry, std::uint64
                              scene.time.step > 0 ? scene.time.step : infinite});
     }
     out.steps = std::ceil(scene.time.end / out.step);
-    out.bytes = bytes_per_particle(input) * static_cast<double>(liquid) + 200.0 * static_cast<double>(solid);
+    out.poured = static_cast<double>(poured_particles(input));
+    out.bytes = bytes_per_particle(input) * (static_cast<double>(liquid) + out.poured) + 200.0 * static_cast<double>(solid);
     return out;
 }
 
@@ -78,7 +82,7 @@ void add_numbers_of(const scene::Liquid& liquid, const std::string& which, doubl
     const auto add = [&](const char* name, const char* formula, double value) {
         out.push_back({name + which, formula, value});
     };
-    if (liquid.viscosity > 0 && speed > 0) {
+    if (liquid.viscosity > 0 && speed > 0 && length > 0) {
         add("Reynolds number", "rho U H / mu", liquid.density * speed * length / liquid.viscosity);
     }
     const double tension = liquid.surface_tension;
@@ -93,7 +97,7 @@ std::vector<DimensionlessNumber> dimensionless_numbers(const Input& input, const
     const auto& liquids = input.scene.liquids;
     const double pull = length_of(input.scene.domain.gravity);
     std::vector<DimensionlessNumber> out;
-    if (pull > 0 && estimates.initial_speed > 0) {
+    if (pull > 0 && estimates.initial_speed > 0 && estimates.length > 0) {
         out.push_back(
             {"Froude number", "U0 / sqrt(g H)", estimates.initial_speed / std::sqrt(pull * estimates.length)});
     }

@@ -1,6 +1,7 @@
 #include "app/geometry.hpp"
 
 #include "app/bodies.hpp"
+#include "app/inflow.hpp"
 #include "base/error.hpp"
 #include "base/text.hpp"
 #include "sph/forces.hpp"
@@ -155,7 +156,9 @@ void validate_geometry(const Input& input, const Geometry& geometry, const Comm&
     std::vector<Diagnostic> problems;
     check_overlaps(input, geometry, problems);
     check_bodies(input, geometry, problems);
-    const auto counts = estimate_particles(geometry);
+    check_inflow(input, geometry, problems);
+    auto counts = estimate_particles(geometry);
+    counts.liquid += poured_particles(input);
     if (counts.liquid == 0) {
         problems.push_back({input.scene.liquids.front().where, "the scene has no liquid particle", "no point of the particle lattice lies in its liquids",
                             "enlarge the liquid's shapes, or refine domain.spacing"});
@@ -187,11 +190,15 @@ double largest_viscosity(const scene::Liquid& liquid) {
     return most;
 }
 
-double initial_viscosity(const Input& input, const Geometry& geometry, std::size_t which, const Vec3& x) {
-    const auto& liquid = input.scene.liquids[which];
+double poured_viscosity(const scene::Liquid& liquid, const Vec3& x) {
     if (liquid.rheology.law != scene::ShearLaw::newtonian) return sph::make_flow_curve(liquid)(0);
     const auto& profile = liquid.viscosity_profile;
-    double viscosity = profile.points.empty() ? liquid.viscosity : profile.at(x[static_cast<std::size_t>(profile.axis)]);
+    return profile.points.empty() ? liquid.viscosity : profile.at(x[static_cast<std::size_t>(profile.axis)]);
+}
+
+double initial_viscosity(const Input& input, const Geometry& geometry, std::size_t which, const Vec3& x) {
+    const auto& liquid = input.scene.liquids[which];
+    double viscosity = poured_viscosity(liquid, x);
     for (std::size_t k = 0; k < liquid.viscosity_regions.size(); ++k) {
         if (geometry.viscosity_regions[which][k].distance(x) <= 0) viscosity = liquid.viscosity_regions[k].viscosity;
     }

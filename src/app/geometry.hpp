@@ -56,6 +56,9 @@ double bytes_per_particle(const Input& input);
 // The largest that a liquid has anywhere and at any shear rate [Pa s].
 double largest_viscosity(const scene::Liquid& liquid);
 
+// Of what an inlet at x pours: a liquid's regions are of its initial particles only [Pa s].
+double poured_viscosity(const scene::Liquid& liquid, const Vec3& x);
+
 // Of a particle of liquid `which` of the scene that starts at x [Pa s].
 double initial_viscosity(const Input& input, const Geometry& geometry, std::size_t which, const Vec3& x);
 

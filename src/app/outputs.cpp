@@ -19,14 +19,14 @@ std::vector<std::string> step_columns(const Input& input) {
     const std::string energy = input.scene.domain.dimensions == 3 ? "J" : "J/m";
     std::vector<std::string> columns{"step", "time [s]", "dt [s]", "pressure iterations", "pressure residual",
                                      "density error", "viscosity iterations", "viscosity residual", "mean compression",
-                                     "max compression", "particles",
+                                     "max compression", "particles", "flowed in", "flowed out",
                                      "poisson", "dirichlet", "separated", "anchored", "stopped at solids", "mass [" + mass + "]"};
     for (const char* axis : {"x", "y", "z"}) columns.push_back(std::string("momentum ") + axis + " [" + mass + " m/s]");
     for (const char* axis : {"x", "y", "z"}) {
         columns.push_back(std::string("angular momentum ") + axis + " [" + mass + " m2/s]");
     }
     for (const auto* name : {"kinetic energy", "potential energy"}) columns.push_back(std::string(name) + " [" + energy + "]");
-    columns.insert(columns.end(), {"max speed [m/s]", "lost by outflow", "lost by leak", "lost as non-finite",
+    columns.insert(columns.end(), {"max speed [m/s]", "lost by leak", "lost as non-finite",
                                    "imbalance"});
     for (const char* phase : phases) columns.push_back(std::string(phase) + " [s]");
     return columns;
@@ -145,21 +145,22 @@ void Outputs::write_solids(const Progress& progress, const sph::IsphStep& solver
 }
 
 void Outputs::write_step(const Progress& progress, const sph::StepReport& report,
-                         const sph::LiquidTotals& totals, const PhaseTimers& timers) {
+                         const sph::LiquidTotals& totals, sph::IsphStep& solver) {
     if (!steps_) return;
     std::vector<double> row{double(progress.step), progress.time, report.dt, double(report.pressure.iterations),
                             report.pressure.relative_residual, report.pressure.error_measure,
                             double(report.viscosity.iterations), report.viscosity.relative_residual,
                             report.mean_compression, report.max_compression, double(totals.particles),
+                            double(solver.emitted()), double(progress.lost[0]),
                             double(report.roles.poisson), double(report.roles.dirichlet),
                             double(report.roles.separated), double(report.anchored), double(report.stopped), totals.mass};
     row.insert(row.end(), totals.momentum.begin(), totals.momentum.end());
     row.insert(row.end(), totals.angular_momentum.begin(), totals.angular_momentum.end());
     row.insert(row.end(), {totals.kinetic_energy, totals.potential_energy, totals.max_speed});
-    for (const auto count : progress.lost) row.push_back(double(count));
+    for (std::size_t k = 1; k < progress.lost.size(); ++k) row.push_back(double(progress.lost[k]));
     row.push_back(report.imbalance);
     for (std::size_t k = 0; k < std::size(phases); ++k) {
-        const double seconds = timers.seconds(phases[k]);
+        const double seconds = solver.timers().seconds(phases[k]);
         row.push_back(seconds - phase_seconds_[k]);
         phase_seconds_[k] = seconds;
     }
@@ -204,9 +205,6 @@ void Outputs::write_bodies(const Progress& progress, const sph::StepReport& repo
 }
 
 void Outputs::write_lost(const Progress& progress, const sph::StepReport& report) {
-    std::int64_t all = 0;
-    for (const auto count : report.lost_by_cause) all += count;
-    if (all == 0) return;
     std::vector<double> rows;
     for (const auto& particle : report.lost) {
         rows.insert(rows.end(), {double(progress.step), progress.time, double(particle.id),

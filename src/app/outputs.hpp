@@ -21,7 +21,7 @@ public:
     // Once for a run where nothing solid moves, otherwise with every frame.
     void write_solids(const Progress& progress, const sph::IsphStep& solver);
     void write_step(const Progress& progress, const sph::StepReport& report, const sph::LiquidTotals& totals,
-                    const PhaseTimers& timers);
+                    sph::IsphStep& solver);
     void write_measurements(const Progress& progress, const sph::IsphStep& solver);
     // Loads of all solids, and where the bodies that move are.
     void write_bodies(const Progress& progress, const sph::StepReport& report, const rigid::RigidBodies& bodies);

@@ -15,7 +15,7 @@ namespace {
 // Times closer than this share of the run count as equal.
 constexpr double same_time = 1e-10;
 
-constexpr const char* cause_words[sph::loss_causes] = {"left through an open side", "went through a wall",
+constexpr const char* cause_words[sph::loss_causes] = {"flowed out", "went through a wall",
                                                        "were no longer finite"};
 
 std::int64_t lost_against_limit(const Progress& progress) {
@@ -71,18 +71,18 @@ double TimeLoop::choose_step() const {
 }
 
 void TimeLoop::check_losses(const sph::StepReport& report, Outputs& outputs) {
-    std::int64_t lost = 0;
+    std::int64_t gone = 0;
     for (std::size_t k = 0; k < sph::loss_causes; ++k) {
         progress_.lost[k] += report.lost_by_cause[k];
-        lost += report.lost_by_cause[k];
+        gone += report.lost_by_cause[k];
     }
-    if (lost == 0) return;
+    stale_ = gone > 0;
+    if (gone == report.lost_by_cause[static_cast<std::size_t>(sph::LossCause::outflow) - 1]) return;
     outputs.write_lost(progress_, report);
-    solver_->refresh();
-    const double limit = setup_.input.scene.lost_limit * double(progress_.initial_particles);
+    const double limit = setup_.input.scene.lost_limit * double(progress_.initial_particles + solver_->emitted());
     if (double(lost_against_limit(progress_)) <= limit) return;
     std::string causes;
-    for (std::size_t k = 0; k < sph::loss_causes; ++k) {
+    for (std::size_t k = 1; k < sph::loss_causes; ++k) {
         if (progress_.lost[k] == 0) continue;
         causes += (causes.empty() ? "" : ", ") + std::to_string(progress_.lost[k]) + " " + cause_words[k];
     }
@@ -104,6 +104,7 @@ void TimeLoop::write_due(Outputs& outputs, const sph::StepReport& report) {
     const double now = progress_.time * (1 + same_time) + 1e-300;
     bool line = finished();
     if (output.interval > 0 && now >= output.interval * double(progress_.frames)) {
+        if (stale_) solver_->refresh();
         outputs.write_frame(progress_, *solver_);
         outputs.write_solids(progress_, *solver_);
         progress_.frames = static_cast<std::int64_t>(std::floor(now / output.interval)) + 1;
@@ -157,7 +158,7 @@ void TimeLoop::take_step(Outputs& outputs) {
         throw SimulationError({"step " + std::to_string(progress_.step), "the kinetic energy is not finite",
                                "velocities have grown without bound", "take a smaller time step"});
     }
-    outputs.write_step(progress_, report, totals_, solver_->timers());
+    outputs.write_step(progress_, report, totals_, *solver_);
     outputs.write_bodies(progress_, report, solver_->bodies());
     outputs.write_measurements(progress_, *solver_);
     write_due(outputs, report);
@@ -173,6 +174,8 @@ void TimeLoop::write_summary(const std::string& how_it_ended) {
                                    {"steps", progress_.step},
                                    {"time [s]", progress_.time},
                                    {"particles at the start", progress_.initial_particles},
+                                   {"particles that flowed in", solver_->emitted()},
+                                   {"particles that flowed out", progress_.lost[0]},
                                    {"particles", totals_.particles},
                                    {"maximum speed [m/s]", totals_.max_speed},
                                    {"kinetic energy [J]", totals_.kinetic_energy},
@@ -180,7 +183,7 @@ void TimeLoop::write_summary(const std::string& how_it_ended) {
                                    {"pressure iterations in this sitting", iterations_},
                                    {"ranks", comm.size()}});
     Value lost = Value::object({});
-    for (std::size_t k = 0; k < sph::loss_causes; ++k) lost.set(cause_words[k], progress_.lost[k]);
+    for (std::size_t k = 1; k < sph::loss_causes; ++k) lost.set(cause_words[k], progress_.lost[k]);
     summary.set("lost particles", lost);
     const auto spread = [&](double value) {
         return Value::object({{"min", comm.min(value)}, {"mean", comm.sum(value) / comm.size()}, {"max", comm.max(value)}});
@@ -201,7 +204,7 @@ ExitCode TimeLoop::run(Opening opening) {
     totals_ = sph::measure_totals(setup_.comm, solver_->liquid(), constants, solver_->setup().forces.gravity);
     Outputs outputs(setup_.comm, setup_.folder, setup_.input, progress_, opening);
     if (opening == Opening::fresh) {
-        progress_.initial_particles = totals_.particles;
+        progress_.initial_particles = totals_.particles - solver_->emitted();
         progress_.initial_mass = totals_.mass;
         log_.line(std::to_string(totals_.particles) + " liquid and " +
                   std::to_string(setup_.comm.sum(static_cast<std::int64_t>(solver_->solid().store.owned()))) +

@@ -45,6 +45,7 @@ private:
     double start_time_ = 0;       // [s] simulated, of this sitting
     double next_wall_save_ = 0;   // [s] of the clock
     std::int64_t start_step_ = 0;
+    bool stale_ = false; // particles were taken out after the densities had been computed
     std::int64_t iterations_ = 0;
 };
 

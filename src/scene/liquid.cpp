@@ -61,11 +61,7 @@ void Liquid::declare(Declaration& d) {
     d.number("surface_tension", surface_tension, unit::surface_tension,
              range_at_least(0).because("a liquid with a negative one would fly apart", "water has 72 mN/m"),
              "Surface tension against air.");
-    d.list("shapes", shapes, "Where the liquid is at the start: the union of these shapes.");
-    d.required("shapes");
-    d.check(!shapes.empty(), "shapes",
-            {"must not be empty", "the liquid would have no particles",
-             "add a shape, for instance - box: {min: [0, 0, 0], max: [1, 1, 1]}"});
+    d.list("shapes", shapes, "Where the liquid is at the start: the union of these shapes. May be left out when an inlet pours it.");
     d.boolean("around_bodies", around_bodies,
               "Whether the shapes may reach into bodies, the liquid being left out there; otherwise that is an error.");
     d.vec3("velocity", velocity, unit::velocity, "Velocity at the start.");

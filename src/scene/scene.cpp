@@ -48,6 +48,26 @@ void check_partners(Declaration& d, const std::vector<Joint>& joints, const std:
     }
 }
 
+// Liquids of the inlets, and shapes of the liquids that no inlet pours.
+void check_pouring(Declaration& d, std::vector<Inlet>& inlets, const std::vector<Liquid>& liquids) {
+    for (auto& inlet : inlets) {
+        if (inlet.liquid.empty() && liquids.size() == 1 && d.parsing()) inlet.liquid = liquids.front().name;
+        d.check(!inlet.liquid.empty(), "inlets",
+                {inlet.name + " does not say which liquid it pours", "there are several",
+                 "give the name of one of them as `liquid`"});
+        const bool known = std::ranges::find(liquids, inlet.liquid, &Liquid::name) != liquids.end();
+        d.check(known || inlet.liquid.empty(), "inlets",
+                {"the liquid " + inlet.liquid + " of " + inlet.name + " is not among `liquids`",
+                 "there would be nothing to pour", "give the name of one of them"});
+    }
+    for (const auto& liquid : liquids) {
+        const bool poured = std::ranges::find(inlets, liquid.name, &Inlet::liquid) != inlets.end();
+        d.check(poured || !liquid.shapes.empty(), "liquids",
+                {"the shapes of " + liquid.name + " are missing", "the liquid would have no particles",
+                 "add a shape, for instance - box: {min: [0, 0, 0], max: [1, 1, 1]}, or an inlet that pours it"});
+    }
+}
+
 } // namespace
 
 const std::vector<std::string>& frame_fields() {
@@ -148,6 +168,11 @@ void Scene::declare(Declaration& d) {
     settle_names(d, "liquids", liquids, [](const Liquid& liquid) {
         return liquid.material == "none" ? std::string("liquid") : liquid.material;
     });
+    d.list("inlets", inlets, "Where liquid flows in.");
+    settle_names(d, "inlets", inlets, [](const Inlet&) { return std::string("inlet"); });
+    check_pouring(d, inlets, liquids);
+    d.list("outlets", outlets, "Where liquid is taken out, besides open sides of the domain.");
+    settle_names(d, "outlets", outlets, [](const Outlet&) { return std::string("outlet"); });
     d.list("bodies", bodies, "The solids besides the sides of the domain.");
     settle_names(d, "bodies", bodies, [](const Body&) { return std::string("body"); });
     d.list("joints", joints, "What links dynamic bodies to each other, to other bodies or to the world.");

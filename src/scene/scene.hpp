@@ -95,7 +95,7 @@ struct Liquid {
     ViscosityProfile viscosity_profile;            // in the place of the viscosity
     std::vector<ViscosityRegion> viscosity_regions; // in the place of both; the last one that holds a particle counts
     double surface_tension = 0;    // [N/m]
-    std::vector<Shape> shapes;
+    std::vector<Shape> shapes;     // none: it comes from inlets only
     bool around_bodies = false; // where a body is, the liquid is left out
     Vec3 velocity{0, 0, 0};     // [m/s]
     std::string where;
@@ -153,6 +153,39 @@ struct Joint {
     std::string to;           // name of another body; empty: the world
     Vec3 point{0, 0, 0};      // [m] at the start
     Vec3 axis{0, 0, 1};       // of a hinge or a slider, at the start, of any length
+    std::string where;
+
+    void declare(Declaration& d);
+};
+
+enum class InletShape { disc, rectangle };
+
+// Liquid that flows in through a plane figure, in the plane through a piece of a line.
+struct Inlet {
+    std::string name;
+    std::string liquid; // name; empty: the only one
+    InletShape shape = InletShape::disc;
+    Vec3 centre{0, 0, 0};      // [m]
+    Vec3 direction{0, 0, -1};  // of the flow, of any length
+    double radius = 0;         // [m] disc
+    double width = 0, height = 0; // [m] rectangle; in the plane only the width counts
+    Vec3 along{0, 0, 0};       // rectangle: direction of its width; zero: a coordinate axis
+    double flow_rate = 0;      // [m3/s], in the plane [m2/s]: this, or the velocity
+    double velocity = 0;       // [m/s]
+    double start = 0, end = 0; // [s]; end 0: with the run
+    std::string where;
+
+    void declare(Declaration& d);
+};
+
+enum class OutletShape { box, half_space };
+
+// Where liquid is taken out.
+struct Outlet {
+    std::string name;
+    OutletShape shape = OutletShape::box;
+    Vec3 min{0, 0, 0}, max{0, 0, 0};          // [m] box
+    Vec3 point{0, 0, 0}, normal{0, 0, 1};     // half space behind the plane
     std::string where;
 
     void declare(Declaration& d);
@@ -223,6 +256,8 @@ struct Scene {
     std::string title;
     Domain domain;
     std::vector<Liquid> liquids;
+    std::vector<Inlet> inlets;
+    std::vector<Outlet> outlets;
     std::vector<Body> bodies;
     std::vector<Joint> joints;
     Time time;

@@ -2,6 +2,7 @@
 
 #include "base/clock.hpp"
 #include "sph/bodies.hpp"
+#include "sph/inflow.hpp"
 
 #include <array>
 #include <cmath>
@@ -89,6 +90,16 @@ void add(std::vector<double>& a, double c, const std::vector<double>& b) {
     for (std::size_t k = 0; k < a.size(); ++k) a[k] += c * b[k];
 }
 
+// The rows of particles that an inlet holds are M u = M u*: that velocity is prescribed.
+void hold_rows(const LiquidParticles& liquid, const RelativeDensity& inertia, const Array3& u, const Array3& product) {
+    if (!liquid.has_inlets()) return;
+    const auto inlet = liquid.inlet();
+    Kokkos::parallel_for("treacle::viscous_held", liquid.store.owned(), KOKKOS_LAMBDA(int i) {
+        if (inlet(i) == 0) return;
+        for (int k = 0; k < 3; ++k) product(i, k) = inertia(i) * u(i, k);
+    });
+}
+
 // True when it has broken down.
 bool breaks_down(double product, solve::Outcome indefinite, solve::SolveReport& report) {
     if (std::isfinite(product) && product > 0) return false;
@@ -162,7 +173,9 @@ solve::SolveReport ImplicitViscosity::step_explicitly(const ViscousParts& parts)
     const int n = liquid.store.owned();
     reserve(product_, static_cast<std::size_t>(n));
     operator_.multiply(parts, liquid.velocity_field(), ViscousOperator::Walls::moving, product_);
-    step_freely(relative_density(parts.constants, liquid), product_, n, liquid.velocity());
+    const auto inertia = relative_density(parts.constants, liquid);
+    hold_rows(liquid, inertia, liquid.velocity(), product_);
+    step_freely(inertia, product_, n, liquid.velocity());
     solve::SolveReport report;
     report.products = 1;
     return report;
@@ -242,6 +255,7 @@ solve::SolveReport ImplicitViscosity::solve_once(Progress progress) {
     // r = M u* - (C u - walls), b = M u* + walls
     const ViscousParts now{parts, parts.points, parts.friction, moved(progress.bodies)};
     operator_.multiply(now, liquid.velocity_field(), ViscousOperator::Walls::moving, product_);
+    hold_rows(liquid, inertia, liquid.velocity(), product_);
     ++progress.report.products;
     if (movers_.any()) {
         body_.residual = pull(now);
@@ -289,6 +303,7 @@ bool ImplicitViscosity::start_from_last_change(Progress& progress, double square
     const int n = parts.liquid.store.owned();
     const auto p = parts.liquid.store.get<Array3>(last_change_);
     operator_.multiply(parts, last_change_, ViscousOperator::Walls::resting, product_);
+    hold_rows(parts.liquid, relative_density(parts.constants, parts.liquid), p, product_);
     ++progress.report.products;
     std::array<double, 2> sums{dot(p, product_, n), dot(p, residual_, n)};
     parts.comm.sum(std::span(sums));
@@ -321,13 +336,16 @@ void ImplicitViscosity::solve_assembled(Progress& progress) {
 double ImplicitViscosity::multiply(const ViscousParts& parts, std::vector<double>& body_product) {
     using Walls = ViscousOperator::Walls;
     const auto p = parts.liquid.store.get<Array3>(direction_);
+    const auto inertia = relative_density(parts.constants, parts.liquid);
     const int n = parts.liquid.store.owned();
     if (!movers_.any()) {
         operator_.multiply(parts, direction_, Walls::resting, product_);
+        hold_rows(parts.liquid, inertia, p, product_);
         return parts.comm.sum(dot(p, product_, n));
     }
     const ViscousParts trial{parts, parts.points, parts.friction, movers_.trial(body_.direction)};
     operator_.multiply(trial, direction_, Walls::moving, product_);
+    hold_rows(parts.liquid, inertia, p, product_);
     body_product = body_.direction;
     add(body_product, -1, pull(trial));
     return parts.comm.sum(dot(p, product_, n)) + dot(body_.direction, body_product);
@@ -336,6 +354,7 @@ double ImplicitViscosity::multiply(const ViscousParts& parts, std::vector<double
 // z = M r of particles and bodies; returns this rank's r.z of the particles.
 double ImplicitViscosity::precondition(const LiquidParticles& liquid) {
     precondition(liquid, residual_, scaled_);
+    clear_held(liquid, scaled_);
     if (movers_.any()) body_.scaled = movers_.precondition(body_.residual);
     return dot(residual_, scaled_, liquid.store.owned());
 }

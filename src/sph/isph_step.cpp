@@ -34,6 +34,8 @@ IsphStep::IsphStep(const Comm& comm, const IsphSetup& setup)
         viscosity_.emplace(comm, liquid_, setup.options.viscosity, setup.grid, forces.friction, forces.slip_length, forces.rheology);
         explicit_forces_.viscosity = 0;
     }
+    outlets_ = upload_outlets(setup.inflow.outlets);
+    if (!setup.inflow.inlets.empty()) inflow_.emplace(setup.inflow, setup.constants, setup.domain, liquid_);
     if (setup.options.pressure.solver != PressureSolver::dfsph) return;
     divergence_field_ = liquid_.store.add<Array<double>>("divergence_pressure", "Pa", FieldRole::state);
 }
@@ -48,6 +50,10 @@ void IsphStep::start(SolidVolumes volumes) {
     }
     if (viscosity_ && volumes == SolidVolumes::compute) viscosity_->start(liquid_);
     recut();
+    if (inflow_ && volumes == SolidVolumes::compute) {
+        Kokkos::deep_copy(liquid_.inlet(), 0);
+        inflow_->emit(liquid_, decomposition_);
+    }
     place_liquid();
     place_solids();
     last_pressures_ = volumes == SolidVolumes::keep ? LastPressures::known : LastPressures::none;
@@ -164,6 +170,7 @@ void IsphStep::update_density(StepReport& report) {
     compute_density(setup_.options, setup_.constants, liquid_, solid_, neighbours_);
     halo_.gather(liquid_.store, {liquid_.volume_field(), liquid_.velocity_field()});
     if (setup_.constants.mixture.several()) halo_.gather(liquid_.store, {liquid_.liquid_field()});
+    if (inflow_) halo_.gather(liquid_.store, {liquid_.inlet_field()});
     const auto compression = measure_compression(setup_.constants, liquid_);
     report.mean_compression = compression.sum;
     report.max_compression = compression.max;
@@ -243,6 +250,7 @@ void IsphStep::accelerate(StepReport& report, double dt) {
                                         bodies_.load_points());
     apply_skin_friction(setup_.options, setup_.constants, liquid_, solid_, neighbours_,
                         {setup_.forces.skin_friction, bodies_.load_points(), dt}, report.viscous_loads);
+    if (inflow_) inflow_->hold(liquid_);
 }
 
 // (V)
@@ -266,7 +274,9 @@ void IsphStep::apply_viscosity(StepReport& report, double dt) {
 
 // Whether dynamic bodies are unknowns of the viscous solve.
 bool IsphStep::give_way() const {
-    return viscosity_ && bodies_.any_dynamic() && setup_.options.viscosity.body_coupling == BodyCoupling::implicit;
+    const auto& options = setup_.options.viscosity;
+    return viscosity_ && bodies_.any_dynamic() && options.integration == ViscosityIntegration::implicit &&
+           options.body_coupling == BodyCoupling::implicit;
 }
 
 void IsphStep::push_by_viscosity(BodyLoads& loads, double dt) {
@@ -305,6 +315,10 @@ void IsphStep::find_pressures(StepReport& report, double dt) {
         report.roles = predict(options, constants, liquid_, solid_, neighbours_, last_pressures_, dt,
                                answering ? Answer::bodies : Answer::none); // (S5), (S6)
         last_pressures_ = LastPressures::known;
+        if (inflow_) {
+            inflow_->close(liquid_);
+            report.roles = count_roles(liquid_);
+        }
         halo_.gather(liquid_.store, {liquid_.role_field()});
         if (solids_unknown()) {
             report.roles.poisson += solid_rows_.predict(options, constants, liquid_, solid_, neighbours_, solid_halo_);
@@ -370,6 +384,7 @@ void IsphStep::push_by_pressure(StepReport& report, double dt) {
         report.stopped = stop_at_walls(setup_.constants, liquid_, solid_, neighbours_, {bodies_.load_points(), dt}, loads);
     }
     report.loads = std::move(loads);
+    if (inflow_) inflow_->hold(liquid_);
     if (!bodies_.any_dynamic()) return;
     comm_.sum(std::span(report.loads));
     bodies_.rigid.push(bodies_.loads_of(report.loads), dt);
@@ -381,14 +396,19 @@ void IsphStep::move(StepReport& report, double dt) {
     if (smooth) {
         halo_.gather(liquid_.store, {liquid_.velocity_field()});
         compute_xsph(setup_.options, setup_.constants, liquid_, solid_, neighbours_);
+        clear_held(liquid_, liquid_.acceleration());
     }
-    const int lost = move_particles(setup_.domain, liquid_, dt, smooth ? Use::yes : Use::no);
+    const auto gone = move_particles(setup_.domain, liquid_, dt, smooth ? Use::yes : Use::no);
     if (bodies_.any_moves()) {
         bodies_.rigid.move(dt);
         bodies_.place(solid_);
     }
+    if (inflow_) inflow_->pass(liquid_, dt);
     report.imbalance = load_imbalance(comm_, liquid_.store.owned());
-    if (lost > 0) report.lost = remove_lost(setup_.domain, liquid_);
+    if (gone.outflow > 0 || outlets_.extent(0) > 0) {
+        report.lost_by_cause[0] = remove_outflow(setup_.domain, outlets_, liquid_);
+    }
+    if (gone.lost > 0) report.lost = remove_lost(setup_.domain, liquid_);
     collect(report);
 }
 
@@ -399,6 +419,7 @@ StepReport IsphStep::advance(double dt) {
     {
         const auto phase = timers_.scope("sort");
         rebalance();
+        if (inflow_) inflow_->emit(liquid_, decomposition_);
         place_liquid();
         if (bodies_.any_moves()) place_solids();
     }
@@ -447,7 +468,7 @@ void IsphStep::collect(StepReport& report) {
         sums.insert(sums.end(), report.viscous_loads.begin(), report.viscous_loads.end());
     }
     const std::size_t n = sums.size();
-    const double lost_before = double(report.lost.size());
+    const double lost_before = double(report.lost.size()) + double(report.lost_by_cause[0]);
     for (const auto count : {report.roles.poisson, report.roles.dirichlet, report.roles.separated,
                              report.anchored, report.stopped, report.lost_by_cause[0], report.lost_by_cause[1],
                              report.lost_by_cause[2]}) {
@@ -477,7 +498,8 @@ double IsphStep::stable_step(double cfl) const {
         most = math::max(most, u(i, 0) * u(i, 0) + u(i, 1) * u(i, 1) + u(i, 2) * u(i, 2));
     }, Kokkos::Max<double>(fastest));
     const double own = std::sqrt(liquid_.store.owned() > 0 ? fastest : 0.0);
-    const double speed = comm_.max(std::max({own, setup_.reference_speed, bodies_.rigid.max_speed()}));
+    const double inflow = inflow_ ? inflow_->max_speed() : 0;
+    const double speed = comm_.max(std::max({own, setup_.reference_speed, bodies_.rigid.max_speed(), inflow}));
     const auto& g = setup_.forces.gravity;
     const double pull = std::sqrt(g[0] * g[0] + g[1] * g[1] + g[2] * g[2]);
     const double d = setup_.constants.spacing;

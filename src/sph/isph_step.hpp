@@ -9,6 +9,7 @@
 #include "sph/forces.hpp"
 #include "sph/iisph.hpp"
 #include "sph/implicit_viscosity.hpp"
+#include "sph/inflow.hpp"
 #include "sph/motion.hpp"
 #include "sph/prediction.hpp"
 #include "sph/pressure_hierarchy.hpp"
@@ -31,6 +32,7 @@ struct IsphSetup {
     int bodies = 1; // solids that carry loads; 0 is the domain's walls
     rigid::BodiesSetup rigid; // may be empty: then all solids rest
     std::vector<double> solid_scale; // per body of `rigid`, or empty: factor on its particles' volumes
+    InflowSetup inflow;
     int first_body = 0;       // number, among the solids that carry loads, of the first of these bodies
 };
 
@@ -47,7 +49,7 @@ struct StepReport {
     double imbalance = 1;              // largest over mean number of particles per rank
     BodyLoads loads;                   // [body][6] by pressure, summed over ranks [N], [N m]
     BodyLoads viscous_loads;           // by viscosity, physical and artificial
-    std::vector<LostParticle> lost;    // of this rank
+    std::vector<LostParticle> lost;    // of this rank, but for what flowed out
     std::array<std::int64_t, loss_causes> lost_by_cause{}; // over all ranks
 };
 
@@ -78,6 +80,11 @@ public:
     // The bodies as a checkpoint has them; before start() or restore().
     void restore_bodies(std::span<const double> state) { bodies_.rigid.restore(state); }
     std::vector<std::int64_t> decomposition_state() const;
+    // The inlets as a checkpoint has them, empty without; before start() or restore().
+    std::vector<double> inflow_state() const { return inflow_ ? inflow_->state() : std::vector<double>{}; }
+    void restore_inflow(const std::vector<double>& state) { if (inflow_) inflow_->restore(state); }
+    // Particles that flowed in since the start of the run, over all ranks.
+    std::int64_t emitted() const { return inflow_ ? inflow_->emitted() : 0; }
 
     // One step of dt [s]. Throws SimulationError, on every rank, when the pressure solve fails.
     StepReport advance(double dt);
@@ -140,6 +147,8 @@ private:
     DensityCorrection correction_;
     ForceOptions explicit_forces_; // without the viscosity when that is implicit
     std::optional<ImplicitViscosity> viscosity_;
+    std::optional<Inflow> inflow_;
+    Array<double> outlets_;
     int divergence_field_ = -1; // of the liquid, with DFSPH: the pressures of the last divergence-free solve [Pa]
     Bodies bodies_;
     BodyResponse response_;

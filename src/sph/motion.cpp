@@ -38,11 +38,11 @@ KOKKOS_INLINE_FUNCTION bool clearly_inside(const DomainBox& domain, const double
 }
 } // namespace
 
-int move_particles(const DomainBox& domain, LiquidParticles& liquid, double dt, Use use_correction) {
+Departures move_particles(const DomainBox& domain, LiquidParticles& liquid, double dt, Use use_correction) {
     const auto x = liquid.position(), u = liquid.velocity(), correction = liquid.acceleration();
     const double share = use_correction == Use::yes ? 1 : 0;
-    int lost = 0;
-    Kokkos::parallel_reduce("treacle::move", liquid.store.owned(), KOKKOS_LAMBDA(int i, int& sum) {
+    Departures out;
+    Kokkos::parallel_reduce("treacle::move", liquid.store.owned(), KOKKOS_LAMBDA(int i, int& lost, int& outflow) {
         double to[3], speed[3];
         for (int k = 0; k < 3; ++k) {
             speed[k] = u(i, k);
@@ -51,9 +51,11 @@ int move_particles(const DomainBox& domain, LiquidParticles& liquid, double dt, 
             x(i, k) = to[k];
         }
         if (clearly_inside(domain, to, speed)) return;
-        sum += static_cast<int>(loss_of(domain, x, u, i) != LossCause::none);
-    }, lost);
-    return lost;
+        const auto cause = loss_of(domain, x, u, i);
+        outflow += static_cast<int>(cause == LossCause::outflow);
+        lost += static_cast<int>(cause != LossCause::none && cause != LossCause::outflow);
+    }, out.lost, out.outflow);
+    return out;
 }
 
 std::vector<LostParticle> remove_lost(const DomainBox& domain, LiquidParticles& liquid) {

@@ -58,6 +58,12 @@ public:
     const Array<int>& row() const { return store.get<Array<int>>(row_); }
     const Array<int>& component() const { return store.get<Array<int>>(component_); }
 
+    // With inlets: the number of the one that still moves the particle as prescribed, from 1 on; 0: it is free.
+    void add_inlets() { inlet_ = store.add<Array<int>>("inlet", "", FieldRole::state); }
+    bool has_inlets() const { return inlet_ >= 0; }
+    const Array<int>& inlet() const { return store.get<Array<int>>(inlet_); }
+    int inlet_field() const { return inlet_; }
+
     // Field numbers, for the halo.
     int velocity_field() const { return velocity_; }
     int liquid_field() const { return liquid_; }
@@ -72,6 +78,7 @@ public:
 private:
     int velocity_, pressure_, liquid_, viscosity_, density_, volume_, load_, blended_, source_, diagonal_, wall_term_,
         response_, acceleration_, role_, row_, component_;
+    int inlet_ = -1;
 };
 
 // One layer of particles on each solid's surface and on the walls of the domain.

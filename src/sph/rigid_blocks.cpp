@@ -118,6 +118,9 @@ void RigidBlocks::assemble(const ViscousParts& parts, const ViscousWalls& walls,
     const auto& constants = parts.constants;
     const double soft = pair_softening(constants.support);
     const auto relative = relative_density(constants, parts.liquid);
+    const bool pours = parts.liquid.has_inlets();
+    const auto inlet = on_host(pours ? parts.liquid.inlet() : Array<int>("treacle::no_inlets", 0));
+    const auto held = [&](int i) { return pours && inlet(i) > 0; };
     rows_->blocks.assign(static_cast<std::size_t>(count_), {});
     for (int b = 0; b < count_; ++b) {
         auto& row = rows_->blocks[static_cast<std::size_t>(b)];
@@ -139,15 +142,16 @@ void RigidBlocks::assemble(const ViscousParts& parts, const ViscousWalls& walls,
             const int local = block(i) - first_;
             const auto own_arm = arm_of(i);
             add_all(local, relative(i) + (slip.any() ? drag(i) : 0), own_arm.data());
+            if (held(i)) continue; // it does not move with its block
             liquid.each(i, [&](int j, double dx, double dy, double dz, double r2) {
-                if (block(j) == block(i)) return; // a rigid motion strains no pair
+                if (block(j) == block(i) && !held(j)) return; // a rigid motion strains no pair
                 const double w = -constants.rest_volume * kernel.gradient(std::sqrt(r2));
                 const double c = (constants.dimensions + 2) * (share(i) + share(j)) * w / (r2 + soft);
                 const Vec3 line{dx, dy, dz};
                 const auto other_arm = arm_of(j);
                 const auto left = along(line, own_arm.data()), right = along(line, other_arm.data());
                 rows_->at(local, block(i)).add(c, left, left);
-                rows_->at(local, block(j)).add(-c, left, right);
+                if (!held(j)) rows_->at(local, block(j)).add(-c, left, right);
             });
             walls.pairs.each(i, [&](int s, double dx, double dy, double dz, double r2) {
                 if (!walls.grips(s)) return;

@@ -29,6 +29,9 @@ SHORTENED = {
     "water_wheel": {"domain.spacing": "0.025", "time.end": "0.06"},
     "viscous_bunny": {"domain.spacing": "0.02", "time.end": "0.1", "method.viscosity.residual": "1e-10"},
     "viscous_film": {"time.end": "0.2", "method.viscosity.residual": "1e-10"},
+    "coiling": {"domain.spacing": "0.005", "time.end": "0.4", "time.cfl": "0.6", "method.viscosity.residual": "1e-10"},
+    "many_viscosities": {"domain.spacing": "0.02", "time.end": "0.1", "method.viscosity.residual": "1e-10"},
+    "buckling": {"domain.spacing": "0.005", "time.end": "0.35", "time.cfl": "0.6", "method.viscosity.residual": "1e-10"},
     "two_liquids": {"domain.spacing": "0.05", "time.end": "0.07"},
 }
 

@@ -214,7 +214,7 @@ def lost_particles(context):
             "domain.spacing": 0.0155 if context.quick else 0.0074, "time.end": 2, "lost_limit": 1,
             "output.interval": 0, "output.checkpoint_interval": 0})
         steps = run.steps()
-        causes = {cause: int(steps[cause].max()) for cause in ("lost by leak", "lost as non-finite", "lost by outflow")}
+        causes = {cause: int(steps[cause].max()) for cause in ("lost by leak", "lost as non-finite", "flowed out")}
         first, last, end = int(steps["particles"][0]), int(steps["particles"][-1]), float(steps["time"][-1])
         # 1 km/s is metres a step: every particle is through the wall at once.
         failed = run_scene(context, scene(context, "dam_break"), folder / "failed", expect=None, set={

@@ -84,9 +84,8 @@ TEST(BadScene, PropertiesOfALiquidAreInRange) {
                    "scene.yaml:5: liquids.honey.viscosity = 3 mm: must be a dynamic viscosity [Pa s]"));
     EXPECT_TRUE(is_problem(liquid("    material: hony\n" + shapes),
                            "scene.yaml:5: liquids.honey.material = hony: must be one of"));
-    EXPECT_TRUE(is_problem(liquid("    density: 1\n"), "scene.yaml:4: liquids.honey.shapes is missing"));
-    EXPECT_TRUE(
-        is_problem(liquid("    shapes: []\n"), "scene.yaml:5: liquids.honey.shapes = []: must not be empty"));
+    EXPECT_TRUE(is_problem(liquid("    density: 1\n"), "scene.yaml:4: liquids: the shapes of honey are missing"));
+    EXPECT_TRUE(is_problem(liquid("    shapes: []\n"), "scene.yaml:4: liquids: the shapes of honey are missing"));
     EXPECT_TRUE(is_problem("schema_version: 1\ndomain: {max: [1, 1, 1], spacing: 0.1}\nliquids: []\n",
                            "scene.yaml:3: liquids = []: must not be empty"));
 }

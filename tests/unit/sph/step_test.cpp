@@ -1,19 +1,14 @@
+#include "solver_environment.hpp"
 #include "sample.hpp"
 
 #include "base/error.hpp"
-#include "solve/runtime.hpp"
 
 #include <gtest/gtest.h>
 
 namespace treacle::sph {
 namespace {
 
-class PetscEnvironment : public testing::Environment {
-    void SetUp() override { runtime_ = std::make_unique<solve::SolveRuntime>(); }
-    void TearDown() override { runtime_.reset(); }
-    std::unique_ptr<solve::SolveRuntime> runtime_;
-};
-[[maybe_unused]] const auto* const environment = testing::AddGlobalTestEnvironment(new PetscEnvironment);
+[[maybe_unused]] const auto* const environment = testing::AddGlobalTestEnvironment(new SolverEnvironment);
 
 constexpr double dt = 4e-3; // [s]; 0.25 d / sqrt(g H) is 7 ms
 

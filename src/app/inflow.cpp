@@ -1,0 +1,305 @@
+#include "app/inflow.hpp"
+
+#include "app/table_text.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace treacle::app {
+
+namespace {
+// Openings narrower than that many spacings are warned of.
+constexpr double fine_opening = 6;
+
+double dot(const Vec3& a, const Vec3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
+Vec3 unit(const Vec3& v) {
+    const double length = std::sqrt(dot(v, v));
+    return {v[0] / length, v[1] / length, v[2] / length};
+}
+
+Vec3 cross(const Vec3& a, const Vec3& b) {
+    return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+
+// What of a vector is across a direction.
+Vec3 across(const Vec3& v, const Vec3& direction) {
+    const double along = dot(v, direction);
+    return {v[0] - along * direction[0], v[1] - along * direction[1], v[2] - along * direction[2]};
+}
+
+// The coordinate axis that is least along the direction; in the plane what is across it in the plane.
+Vec3 width_of(const scene::Inlet& inlet, const Vec3& direction, int dimensions) {
+    if (dimensions == 2) return {direction[1], -direction[0], 0};
+    if (dot(inlet.along, inlet.along) > 0) return unit(across(inlet.along, direction));
+    std::size_t least = 0;
+    for (std::size_t k = 1; k < 3; ++k) {
+        if (std::abs(direction[k]) < std::abs(direction[least])) least = k;
+    }
+    Vec3 axis{0, 0, 0};
+    axis[least] = 1;
+    return unit(across(axis, direction));
+}
+
+// Places -n/2 d ... n/2 d, a spacing apart, of the whole spacings that fit.
+std::vector<double> places_across(double extent, double spacing) {
+    const int n = std::max(1, static_cast<int>(std::floor(extent / spacing + 1e-6)));
+    std::vector<double> out;
+    for (int k = 0; k < n; ++k) out.push_back((k - 0.5 * (n - 1)) * spacing);
+    return out;
+}
+
+std::vector<std::array<double, 2>> rectangle(const scene::Inlet& inlet, double spacing, int dimensions) {
+    std::vector<std::array<double, 2>> out;
+    const double width = inlet.shape == scene::InletShape::disc ? 2 * inlet.radius : inlet.width;
+    for (const double b : dimensions == 3 ? places_across(inlet.height, spacing) : std::vector<double>{0}) {
+        for (const double a : places_across(width, spacing)) out.push_back({a, b});
+    }
+    return out;
+}
+
+// Of the lattices with a point or a cell in the middle the one whose area is nearer the disc's.
+std::vector<std::array<double, 2>> disc(double radius, double spacing) {
+    std::vector<std::array<double, 2>> best;
+    double least = std::numeric_limits<double>::infinity();
+    const int reach = static_cast<int>(std::ceil(radius / spacing)) + 1;
+    for (const double shift : {0.0, 0.5}) {
+        std::vector<std::array<double, 2>> points;
+        for (int j = -reach; j <= reach; ++j) {
+            for (int i = -reach; i <= reach; ++i) {
+                const double a = (i + shift) * spacing, b = (j + shift) * spacing;
+                if (a * a + b * b <= radius * radius) points.push_back({a, b});
+            }
+        }
+        const double off =
+            std::abs(double(points.size()) * spacing * spacing - std::numbers::pi * radius * radius);
+        if (off < least && !points.empty()) {
+            least = off;
+            best = points;
+        }
+    }
+    return best;
+}
+
+sph::InletSetup make_inlet(const Input& input, const scene::Inlet& inlet, const sph::Constants& constants) {
+    const auto& domain = input.scene.domain;
+    sph::InletSetup out;
+    const auto liquid = std::ranges::find(input.scene.liquids, inlet.liquid, &scene::Liquid::name);
+    out.liquid = static_cast<int>(liquid - input.scene.liquids.begin());
+    out.viscosity = poured_viscosity(*liquid, inlet.centre);
+    out.centre = inlet.centre;
+    out.direction = unit(inlet.direction);
+    const bool round = inlet.shape == scene::InletShape::disc && domain.dimensions == 3;
+    const auto places =
+        round ? disc(inlet.radius, domain.spacing) : rectangle(inlet, domain.spacing, domain.dimensions);
+    const Vec3 first = width_of(inlet, out.direction, domain.dimensions),
+               second = cross(out.direction, first);
+    for (const auto& [a, b] : places) {
+        Vec3 point;
+        for (std::size_t k = 0; k < 3; ++k) point[k] = a * first[k] + b * second[k];
+        out.points.push_back(point);
+    }
+    const double layer = double(out.points.size()) * constants.rest_volume;
+    out.speed = inlet.velocity > 0 ? inlet.velocity : inlet.flow_rate * domain.spacing / layer;
+    out.start = inlet.start;
+    out.end = inlet.end;
+    return out;
+}
+} // namespace
+
+sph::InflowSetup make_inflow(const Input& input) {
+    const auto constants = make_constants(input);
+    sph::InflowSetup out;
+    for (const auto& inlet : input.scene.inlets) out.inlets.push_back(make_inlet(input, inlet, constants));
+    for (const auto& outlet : input.scene.outlets) {
+        const Vec3 normal = unit(outlet.normal);
+        out.outlets.push_back(
+            {outlet.shape == scene::OutletShape::box, outlet.min, outlet.max, outlet.point, normal});
+    }
+    const auto& domain = input.scene.domain;
+    const scene::Lattice lattice{domain.spacing, domain.min, domain.max, domain.dimensions};
+    out.first_id = static_cast<std::int64_t>(input.scene.liquids.size() * lattice.points());
+    return out;
+}
+
+namespace {
+// Where the particles of an inlet are until they have passed it.
+std::vector<Vec3> held_places(const sph::InletSetup& inlet, const sph::Constants& constants) {
+    std::vector<Vec3> out;
+    for (int layer = 0; layer < sph::held_layers(constants); ++layer) {
+        for (const auto& point : inlet.points) {
+            Vec3 x = inlet.centre;
+            for (std::size_t k = 0; k < 3; ++k)
+                x[k] += point[k] - (layer + 0.5) * constants.spacing * inlet.direction[k];
+            out.push_back(x);
+        }
+    }
+    return out;
+}
+
+bool in_domain(const scene::Domain& domain, const Vec3& x) {
+    const double clearance = 0.5 * domain.spacing * (1 - 1e-6);
+    for (std::size_t k = 0; k < static_cast<std::size_t>(domain.dimensions); ++k) {
+        const auto gap = [&](std::size_t side) {
+            return domain.faces[side].kind == scene::FaceKind::wall ? clearance : 0;
+        };
+        if (x[k] < domain.min[k] + gap(2 * k) || x[k] > domain.max[k] - gap(2 * k + 1)) return false;
+    }
+    return true;
+}
+
+bool in_outlet(const sph::OutletSetup& outlet, const Vec3& x, int dimensions) {
+    if (!outlet.box)
+        return dot({x[0] - outlet.point[0], x[1] - outlet.point[1], x[2] - outlet.point[2]}, outlet.normal) <
+               0;
+    for (std::size_t k = 0; k < static_cast<std::size_t>(dimensions); ++k) {
+        if (x[k] < outlet.min[k] || x[k] > outlet.max[k]) return false;
+    }
+    return true;
+}
+
+bool touch(const std::vector<Vec3>& one, const std::vector<Vec3>& other, double distance) {
+    return std::ranges::any_of(one, [&](const Vec3& a) {
+        return std::ranges::any_of(other, [&](const Vec3& b) {
+            const Vec3 apart{a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+            return dot(apart, apart) < distance * distance;
+        });
+    });
+}
+
+class InletCheck {
+public:
+    InletCheck(const Input& input, const Geometry& geometry, std::vector<Diagnostic>& problems)
+        : input_(input), geometry_(geometry), problems_(problems), constants_(make_constants(input)),
+          setup_(make_inflow(input)) {
+        for (const auto& inlet : setup_.inlets) places_.push_back(held_places(inlet, constants_));
+    }
+
+    void check(std::size_t q) {
+        const auto& scene = input_.scene;
+        const double d = constants_.spacing;
+        const std::string behind = "its liquid waits in " + std::to_string(sph::held_layers(constants_)) +
+                                   " spacings behind the opening";
+        if (setup_.inlets[q].points.empty()) {
+            complain(q, "is smaller than a particle", "nothing would flow in",
+                     "make it larger, or refine domain.spacing");
+            return;
+        }
+        if (any(q, [&](const Vec3& x) { return !in_domain(scene.domain, x); })) {
+            complain(q, "reaches outside of the domain", behind,
+                     "move it, or enlarge domain.min and domain.max");
+        }
+        for (std::size_t b = 0; b < geometry_.bodies.size(); ++b) {
+            const auto& body = geometry_.bodies[b];
+            if (any(q, [&](const Vec3& x) { return body.distance(x) < 0.5 * d * (1 - 1e-6); })) {
+                complain(q, "is inside bodies." + scene.bodies[b].name, behind,
+                         "move one of the two, or make the body hollow");
+            }
+        }
+        for (std::size_t l = 0; l < geometry_.liquids.size(); ++l) {
+            const auto inside = [&](const Vec3& x) {
+                return std::ranges::any_of(geometry_.liquids[l],
+                                           [&](const auto& region) { return region.distance(x) < 0; });
+            };
+            if (any(q, inside)) {
+                complain(q, "is where liquids." + scene.liquids[l].name + " is at the start", behind,
+                         "leave that room out of the liquid's shapes");
+            }
+        }
+        for (std::size_t o = 0; o < setup_.outlets.size(); ++o) {
+            if (any(q,
+                    [&](const Vec3& x) { return in_outlet(setup_.outlets[o], x, constants_.dimensions); })) {
+                complain(q, "is inside outlets." + scene.outlets[o].name, behind, "move one of the two");
+            }
+        }
+        for (std::size_t other = 0; other < q; ++other) {
+            if (touch(places_[q], places_[other], 0.9 * d)) {
+                complain(q, "touches inlets." + scene.inlets[other].name, behind, "move one of the two");
+            }
+        }
+    }
+
+private:
+    template <class Condition>
+    bool any(std::size_t q, const Condition& condition) const {
+        return std::ranges::any_of(places_[q], condition);
+    }
+    void complain(std::size_t q, const std::string& what, const std::string& why, const std::string& cure) {
+        const auto& inlet = input_.scene.inlets[q];
+        problems_.push_back({inlet.where, "inlets." + inlet.name + " " + what, why, cure});
+    }
+
+    const Input& input_;
+    const Geometry& geometry_;
+    std::vector<Diagnostic>& problems_;
+    sph::Constants constants_;
+    sph::InflowSetup setup_;
+    std::vector<std::vector<Vec3>> places_;
+};
+} // namespace
+
+void check_inflow(const Input& input, const Geometry& geometry, std::vector<Diagnostic>& problems) {
+    const auto& inlets = input.scene.inlets;
+    for (const auto& inlet : inlets) {
+        const bool plane = input.scene.domain.dimensions == 2;
+        if (plane && inlet.direction[2] != 0) {
+            problems.push_back({inlet.where, "inlets." + inlet.name + ".direction must lie in the plane",
+                                "the scene is plane", "write for instance direction: [0, -1]"});
+            return;
+        }
+        const Vec3 direction = unit(inlet.direction), left = across(inlet.along, direction);
+        if (dot(inlet.along, inlet.along) > 0 && dot(left, left) < 1e-6 * dot(inlet.along, inlet.along)) {
+            problems.push_back({inlet.where,
+                                "inlets." + inlet.name + ".along must not be along its direction",
+                                "it is the direction of the width of the opening", "give another one"});
+            return;
+        }
+    }
+    InletCheck check(input, geometry, problems);
+    for (std::size_t q = 0; q < inlets.size(); ++q) check.check(q);
+    if (!inlets.empty() && input.method.pressure.solver != sph::PressureSolver::isph) {
+        problems.push_back({inlets.front().where,
+                            "inlets cannot go with method.pressure.solver other than isph",
+                            "it is there to compare with and does not know them", "write solver: isph"});
+    }
+    if (!inlets.empty() && input.method.pressure.corrections > 0) {
+        problems.push_back({inlets.front().where, "inlets cannot go with method.pressure.corrections",
+                            "they would press what waits behind an opening", "leave the corrections out"});
+    }
+}
+
+std::vector<std::string> inflow_notes(const Input& input) {
+    std::vector<std::string> notes;
+    const double d = input.scene.domain.spacing;
+    for (const auto& inlet : input.scene.inlets) {
+        double extent = 2 * inlet.radius;
+        if (inlet.shape == scene::InletShape::rectangle) {
+            extent = input.scene.domain.dimensions == 3 ? std::min(inlet.width, inlet.height) : inlet.width;
+        }
+        if (extent >= fine_opening * d) continue;
+        notes.push_back("inlets." + inlet.name + ": its opening is " + short_number(extent / d) +
+                        " spacings wide; what flows through fewer than " + short_number(fine_opening) +
+                        " is not resolved: refine domain.spacing");
+    }
+    return notes;
+}
+
+double flow_of(const Input& input, const sph::InletSetup& inlet) {
+    const auto constants = make_constants(input);
+    return inlet.speed * double(inlet.points.size()) * constants.rest_volume / constants.spacing;
+}
+
+std::uint64_t poured_particles(const Input& input, const sph::InletSetup& inlet) {
+    const auto layers = sph::layers_until(inlet, make_constants(input), input.scene.time.end);
+    return static_cast<std::uint64_t>(layers) * inlet.points.size();
+}
+
+std::uint64_t poured_particles(const Input& input) {
+    std::uint64_t sum = 0;
+    for (const auto& inlet : make_inflow(input).inlets) sum += poured_particles(input, inlet);
+    return sum;
+}
+
+} // namespace treacle::app
