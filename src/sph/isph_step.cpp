@@ -125,13 +125,14 @@ void IsphStep::recut() {
     solid_halo_.connect(decomposition_);
 }
 
+// With the particles at their owners, so that a cut does not depend on whether a frame was written before.
 void IsphStep::rebalance() {
     if (comm_.size() == 1) return;
     const double imbalance = load_imbalance(comm_, liquid_.store.owned());
     // The best cut along cells may itself be uneven: cut again only when it has become worse than that.
     if (imbalance < setup_.options.rebalance_above || imbalance < 1.05 * imbalance_after_cut_) return;
     recut();
-    migration_.to_owner(liquid_.store, decomposition_);
+    place_liquid();
     place_solids();
     imbalance_after_cut_ = load_imbalance(comm_, liquid_.store.owned());
 }
@@ -418,9 +419,9 @@ StepReport IsphStep::advance(double dt) {
     report.dt = dt;
     {
         const auto phase = timers_.scope("sort");
-        rebalance();
         if (inflow_) inflow_->emit(liquid_, decomposition_);
         place_liquid();
+        rebalance();
         if (bodies_.any_moves()) place_solids();
     }
     {

@@ -1,10 +1,8 @@
 #include "sph/viscous_operator.hpp"
 
 #include "kokkos/quad.hpp"
-#include "sph/pair_softening.hpp"
 #include "sph/symmetric.hpp"
-
-#include <algorithm>
+#include "sph/viscous_loops.hpp"
 
 namespace treacle::sph {
 
@@ -16,84 +14,6 @@ constexpr double least_spread = 0.02;
 constexpr double least_height = 0.25;
 
 using Array6 = Kokkos::View<double* [6], Memory>;
-
-KOKKOS_INLINE_FUNCTION bool by_gradients(ViscosityForm form) {
-    return form == ViscosityForm::corrected || form == ViscosityForm::adjoint || form == ViscosityForm::printed;
-}
-
-// What every loop reads; `place` has the shares dt/m V mu, `motion` the velocities.
-template <class Kernel>
-struct ViscousLoop {
-    Kernel kernel;
-    Fluid fluid;
-    ViscousWalls walls;
-    Array<float> weights; // V0 |W'|/r of each pair in the list [1/m2]
-
-    // visit(w, j, dx, dy, dz, r2) for the liquid particles around i.
-    template <class Visit>
-    KOKKOS_INLINE_FUNCTION void each_pair(int i, const Visit& visit) const {
-        std::int64_t k = fluid.liquid.offset(i);
-        fluid.liquid.each(i, [&](int j, double dx, double dy, double dz, double r2) {
-            visit(static_cast<double>(weights(k++)), j, dx, dy, dz, r2);
-        });
-    }
-    KOKKOS_INLINE_FUNCTION double weight(double volumes, double r2) const {
-        return -volumes * kernel.gradient(math::sqrt(r2));
-    }
-    // visit(s, w, dx, dy, dz, contact) for the solid particles that grip, with V_s |W'|/r [1/m2].
-    template <class Visit>
-    KOKKOS_INLINE_FUNCTION void each_wall(int i, const Visit& visit) const {
-        walls.pairs.each(i, [&](int s, double dx, double dy, double dz, double r2) {
-            if (!walls.grips(s)) return;
-            visit(s, weight(walls.grip * walls.volume(s), r2), dx, dy, dz, walls.touch(s, dx, dy, dz));
-        });
-    }
-    template <class Grip>
-    KOKKOS_INLINE_FUNCTION void add_walls(int i, const Grip& grip, const double u[3], double sum[3]) const {
-        each_wall(i, [&](int, double w, double dx, double dy, double dz, const auto& contact) {
-            const double x[3] = {dx, dy, dz};
-            double force[3];
-            grip(i, w, x, u, contact, force);
-            for (int k = 0; k < 3; ++k) sum[k] += force[k];
-        });
-    }
-    KOKKOS_INLINE_FUNCTION void read_velocity(int i, double u[3]) const {
-        for (int k = 0; k < 3; ++k) u[k] = fluid.motion(i, k);
-    }
-};
-
-// What one solid particle adds to a row of C u.
-struct StressGrip {
-    Array3 stress[3]; // columns of Q_i
-    Array<double> share;
-    double damping;
-
-    template <class Contact>
-    KOKKOS_INLINE_FUNCTION void operator()(int i, double w, const double x[3], const double u[3],
-                                           const Contact& contact, double out[3]) const {
-        for (int k = 0; k < 3; ++k) {
-            const double pull = stress[0](i, k) * x[0] + stress[1](i, k) * x[1] + stress[2](i, k) * x[2];
-            const double slide = damping * share(i) * contact.reach * (u[k] - contact.velocity[k]);
-            out[k] = w * contact.reach * (pull + slide);
-        }
-    }
-};
-struct PairGrip {
-    Array<double> share;
-    double soft, line; // see pair_softening(); D + 2 for the pairwise form, 0 for the Laplacian
-
-    template <class Contact>
-    KOKKOS_INLINE_FUNCTION void operator()(int i, double w, const double x[3], const double u[3],
-                                           const Contact& contact, double out[3]) const {
-        const double r2 = x[0] * x[0] + x[1] * x[1] + x[2] * x[2];
-        const double c = 2 * share(i) * w * contact.reach / (r2 + soft);
-        double along = 0;
-        for (int k = 0; k < 3; ++k) along += (u[k] - contact.velocity[k]) * x[k];
-        for (int k = 0; k < 3; ++k) {
-            out[k] = c * (line > 0 ? line * along * x[k] : r2 * (u[k] - contact.velocity[k]));
-        }
-    }
-};
 
 // The weights, which a solve needs in every product; the same number for both particles of a pair.
 template <class Kernel>
@@ -369,40 +289,6 @@ struct PairForceLoop : ViscousLoop<Kernel> {
     }
 };
 
-// The reaction of the grips, per solid.
-template <class Kernel, class Grip>
-struct ViscousLoadLoop : ViscousLoop<Kernel>, LoadReduction {
-    using Base = ViscousLoop<Kernel>;
-    Grip grip;
-    double scale; // m / dt
-
-    KOKKOS_INLINE_FUNCTION void operator()(int i, value_type sum) const {
-        double u[3];
-        Base::read_velocity(i, u);
-        Base::each_wall(i, [&](int s, double w, double dx, double dy, double dz, const auto& contact) {
-            const double x[3] = {dx, dy, dz};
-            double force[3];
-            grip(i, w, x, u, contact, force);
-            for (double& f : force) f *= scale;
-            const int body = Base::walls.body(s);
-            Base::walls.points.add(sum + 6 * body, body, contact.place, force);
-        });
-    }
-};
-
-// How hard the grips hold each solid, to precondition.
-template <class Kernel>
-struct StiffnessLoop : ViscousLoop<Kernel>, LoadReduction {
-    using Base = ViscousLoop<Kernel>;
-    Array<double> share;
-
-    KOKKOS_INLINE_FUNCTION void operator()(int i, value_type sum) const {
-        Base::each_wall(i, [&](int s, double w, double, double, double, const auto& contact) {
-            Base::walls.points.add_stiffness(sum, Base::walls.body(s), contact.place, 2 * share(i) * w * contact.reach);
-        });
-    }
-};
-
 double write_own_shares(const Array<double>& viscosity, double scale, int n, const Array<double>& share) {
     double most = 0;
     Kokkos::parallel_reduce("treacle::own_viscous_shares", n, KOKKOS_LAMBDA(int i, double& largest) {
@@ -442,10 +328,6 @@ void pack_motion(LiquidParticles& liquid, const Array3& u, double rest_volume) {
     });
 }
 
-PairGrip pair_grip(const ViscousParts& parts, const Array<double>& share) {
-    const double line = parts.options.viscosity.form == ViscosityForm::pairwise ? parts.constants.dimensions + 2 : 0;
-    return {share, pair_softening(parts.constants.support), line};
-}
 } // namespace
 
 ViscousOperator::ViscousOperator(LiquidParticles& liquid, const std::vector<double>& slip_lengths) : slip_(slip_lengths) {
@@ -546,58 +428,6 @@ void ViscousOperator::precondition(const LiquidParticles& liquid, const Array3& 
         read_symmetric(block, i).times(from, to);
         for (int k = 0; k < 3; ++k) z(i, k) = to[k];
     });
-}
-
-namespace {
-bool any_grips(const ViscousParts& parts) {
-    const auto& friction = parts.forces.friction;
-    return parts.neighbours.solid.size > 0 && std::ranges::any_of(friction, [](double f) { return f > 0; });
-}
-} // namespace
-
-BodyLoads ViscousOperator::loads(const ViscousParts& parts) const {
-    const auto& constants = parts.constants;
-    BodyLoads out(static_cast<std::size_t>(6 * parts.points.count), 0.0);
-    const auto fluid = gather_fluid(constants, parts.liquid, parts.solid, parts.neighbours);
-    const double scale = constants.mass / dt_;
-    if (slip_.any()) slip_.add_loads(parts, parts.motion, scale, out);
-    if (!any_grips(parts)) return out;
-    with_kernel(parts.options.kernel, constants.dimensions, constants.support, [&](const auto& kernel) {
-        using Kernel = std::decay_t<decltype(kernel)>;
-        const ViscousLoop<Kernel> base{kernel, fluid, walls(parts, Walls::moving), weights_};
-        const auto sum = [&](const auto& grip) {
-            using Grip = std::decay_t<decltype(grip)>;
-            BodyLoads sums(out.size(), 0.0);
-            Kokkos::parallel_reduce("treacle::viscous_loads", fluid.count,
-                                    ViscousLoadLoop<Kernel, Grip>{base, {sums.size()}, grip, scale}, host_sums(sums));
-            for (std::size_t k = 0; k < out.size(); ++k) out[k] += sums[k];
-        };
-        if (by_gradients(parts.options.viscosity.form)) {
-            const auto& store = parts.liquid.store;
-            sum(StressGrip{{store.get<Array3>(stress_[0]), store.get<Array3>(stress_[1]), store.get<Array3>(stress_[2])},
-                           store.get<Array<double>>(share_), damping_});
-        } else {
-            sum(pair_grip(parts, parts.liquid.store.get<Array<double>>(share_)));
-        }
-    });
-    return out;
-}
-
-std::vector<double> ViscousOperator::stiffness(const ViscousParts& parts) const {
-    const auto& constants = parts.constants;
-    std::vector<double> out(static_cast<std::size_t>(36 * parts.points.count), 0.0);
-    const auto share = parts.liquid.store.get<Array<double>>(share_);
-    const auto fluid = gather_fluid(constants, parts.liquid, parts.solid, parts.neighbours);
-    if (any_grips(parts)) {
-        with_kernel(parts.options.kernel, constants.dimensions, constants.support, [&](const auto& kernel) {
-            using Kernel = std::decay_t<decltype(kernel)>;
-            const ViscousLoop<Kernel> base{kernel, fluid, walls(parts, Walls::resting), weights_};
-            Kokkos::parallel_reduce("treacle::viscous_stiffness", fluid.count,
-                                    StiffnessLoop<Kernel>{base, {out.size()}, share}, host_sums(out));
-        });
-    }
-    if (slip_.any()) slip_.add_stiffness(parts, out);
-    return out;
 }
 
 void ViscousOperator::thin(const ViscousParts& parts, const Array<FlowCurve>& curves) const {

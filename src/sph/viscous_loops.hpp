@@ -1,0 +1,91 @@
+#pragma once
+#include "sph/pair_softening.hpp"
+#include "sph/viscous_operator.hpp"
+
+// What the loops of the viscous operator share.
+namespace treacle::sph {
+
+KOKKOS_INLINE_FUNCTION bool by_gradients(ViscosityForm form) {
+    return form == ViscosityForm::corrected || form == ViscosityForm::adjoint || form == ViscosityForm::printed;
+}
+
+// What every loop reads; `place` has the shares dt/m V mu, `motion` the velocities.
+template <class Kernel>
+struct ViscousLoop {
+    Kernel kernel;
+    Fluid fluid;
+    ViscousWalls walls;
+    Array<float> weights; // V0 |W'|/r of each pair in the list [1/m2]
+
+    // visit(w, j, dx, dy, dz, r2) for the liquid particles around i.
+    template <class Visit>
+    KOKKOS_INLINE_FUNCTION void each_pair(int i, const Visit& visit) const {
+        std::int64_t k = fluid.liquid.offset(i);
+        fluid.liquid.each(i, [&](int j, double dx, double dy, double dz, double r2) {
+            visit(static_cast<double>(weights(k++)), j, dx, dy, dz, r2);
+        });
+    }
+    KOKKOS_INLINE_FUNCTION double weight(double volumes, double r2) const {
+        return -volumes * kernel.gradient(math::sqrt(r2));
+    }
+    // visit(s, w, dx, dy, dz, contact) for the solid particles that grip, with V_s |W'|/r [1/m2].
+    template <class Visit>
+    KOKKOS_INLINE_FUNCTION void each_wall(int i, const Visit& visit) const {
+        walls.pairs.each(i, [&](int s, double dx, double dy, double dz, double r2) {
+            if (!walls.grips(s)) return;
+            visit(s, weight(walls.grip * walls.volume(s), r2), dx, dy, dz, walls.touch(s, dx, dy, dz));
+        });
+    }
+    template <class Grip>
+    KOKKOS_INLINE_FUNCTION void add_walls(int i, const Grip& grip, const double u[3], double sum[3]) const {
+        each_wall(i, [&](int, double w, double dx, double dy, double dz, const auto& contact) {
+            const double x[3] = {dx, dy, dz};
+            double force[3];
+            grip(i, w, x, u, contact, force);
+            for (int k = 0; k < 3; ++k) sum[k] += force[k];
+        });
+    }
+    KOKKOS_INLINE_FUNCTION void read_velocity(int i, double u[3]) const {
+        for (int k = 0; k < 3; ++k) u[k] = fluid.motion(i, k);
+    }
+};
+
+// What one solid particle adds to a row of C u.
+struct StressGrip {
+    Array3 stress[3]; // columns of Q_i
+    Array<double> share;
+    double damping;
+
+    template <class Contact>
+    KOKKOS_INLINE_FUNCTION void operator()(int i, double w, const double x[3], const double u[3],
+                                           const Contact& contact, double out[3]) const {
+        for (int k = 0; k < 3; ++k) {
+            const double pull = stress[0](i, k) * x[0] + stress[1](i, k) * x[1] + stress[2](i, k) * x[2];
+            const double slide = damping * share(i) * contact.reach * (u[k] - contact.velocity[k]);
+            out[k] = w * contact.reach * (pull + slide);
+        }
+    }
+};
+struct PairGrip {
+    Array<double> share;
+    double soft, line; // see pair_softening(); D + 2 for the pairwise form, 0 for the Laplacian
+
+    template <class Contact>
+    KOKKOS_INLINE_FUNCTION void operator()(int i, double w, const double x[3], const double u[3],
+                                           const Contact& contact, double out[3]) const {
+        const double r2 = x[0] * x[0] + x[1] * x[1] + x[2] * x[2];
+        const double c = 2 * share(i) * w * contact.reach / (r2 + soft);
+        double along = 0;
+        for (int k = 0; k < 3; ++k) along += (u[k] - contact.velocity[k]) * x[k];
+        for (int k = 0; k < 3; ++k) {
+            out[k] = c * (line > 0 ? line * along * x[k] : r2 * (u[k] - contact.velocity[k]));
+        }
+    }
+};
+
+inline PairGrip pair_grip(const ViscousParts& parts, const Array<double>& share) {
+    const double line = parts.options.viscosity.form == ViscosityForm::pairwise ? parts.constants.dimensions + 2 : 0;
+    return {share, pair_softening(parts.constants.support), line};
+}
+
+} // namespace treacle::sph
