@@ -43,23 +43,53 @@ struct Specific {
 };
 
 Specific specific_of(const IisphParts& step) { return {step.liquid.volume(), 1 / step.constants.mass}; }
-} // namespace
+
+// Kernels are functions of their own: device compilers take none in private members.
+void divide(const IisphParts& step, const Array<double>& q) {
+    const auto specific = specific_of(step);
+    const auto p = step.liquid.pressure();
+    Kokkos::parallel_for("treacle::correction_start", step.liquid.store.owned(),
+                         KOKKOS_LAMBDA(int i) { q(i) = p(i) * specific(i); });
+}
+
+void write_rows(const LiquidParticles& liquid, const Array<double>& r, int first, const Array<double>& rows) {
+    const auto role = liquid.role(), row = liquid.row();
+    Kokkos::parallel_for("treacle::correction_rows", liquid.store.owned(), KOKKOS_LAMBDA(int i) {
+        if (role(i) == Role::poisson) rows(row(i) - first) = r(i);
+    });
+}
+
+void read_rows(const IisphParts& step, const Array<double>& rows, int first, const Array<double>& out) {
+    const auto specific = specific_of(step);
+    const auto role = step.liquid.role(), row = step.liquid.row();
+    Kokkos::parallel_for("treacle::correction_direction", step.liquid.store.owned(), KOKKOS_LAMBDA(int i) {
+        out(i) = role(i) == Role::poisson ? rows(row(i) - first) * specific(i) : 0;
+    });
+}
+
+void write_pressures(const IisphParts& step, const Array<double>& q) {
+    const auto specific = specific_of(step);
+    const auto p = step.liquid.pressure();
+    const auto role = step.liquid.role();
+    Kokkos::parallel_for("treacle::corrected_pressures", step.liquid.store.owned(), KOKKOS_LAMBDA(int i) {
+        if (role(i) == Role::poisson) p(i) = math::max(0.0, q(i) / specific(i));
+    });
+}
 
 // The mean of the positive residuals as compression, over the unknowns.
-double DensityCorrection::measure(const CorrectionParts& parts, double dt) const {
-    const auto& liquid = parts.step.liquid;
-    const auto role = liquid.role();
-    const auto r = residual_;
+double mean_excess(const IisphParts& step, const Array<double>& r, double dt) {
+    const auto role = step.liquid.role();
     std::array<double, 2> sums{};
-    Kokkos::parallel_reduce("treacle::correction_measure", liquid.store.owned(),
+    Kokkos::parallel_reduce("treacle::correction_measure", step.liquid.store.owned(),
         KOKKOS_LAMBDA(int i, double& excess, double& unknowns) {
             excess += math::max(0.0, r(i));
             unknowns += role(i) == Role::poisson ? 1 : 0;
         }, sums[0], sums[1]);
-    if (liquid.store.owned() == 0) sums = {};
-    parts.step.comm.sum(std::span(sums));
-    return sums[1] > 0 ? sums[0] / sums[1] * dt * dt / parts.step.constants.rest_density : 0;
+    if (step.liquid.store.owned() == 0) sums = {};
+    step.comm.sum(std::span(sums));
+    return sums[1] > 0 ? sums[0] / sums[1] * dt * dt / step.constants.rest_density : 0;
 }
+} // namespace
 
 void DensityCorrection::start(const CorrectionParts& parts, Iisph& system, double dt) {
     auto& liquid = parts.step.liquid;
@@ -68,33 +98,22 @@ void DensityCorrection::start(const CorrectionParts& parts, Iisph& system, doubl
     reserve(residual_, n);
     reserve(rows_, static_cast<std::size_t>(parts.matrix.rows()));
     system.prepare(parts.step, dt);
-    const auto specific = specific_of(parts.step);
-    const auto p = liquid.pressure(), q = q_;
-    Kokkos::parallel_for("treacle::correction_start", liquid.store.owned(),
-                         KOKKOS_LAMBDA(int i) { q(i) = p(i) * specific(i); });
+    divide(parts.step, q_);
     system.multiply(parts.step, q_);
     combine(liquid, {1, -1}, system.product(), residual_);
 }
 
 // out = M r / rho^2, by way of the host, where the solver is: 16 bytes a row.
 void DensityCorrection::precondition(const CorrectionParts& parts, const Array<double>& out) {
-    const auto& liquid = parts.step.liquid;
-    const int n = liquid.store.owned(), first = parts.matrix.first_row();
-    const auto role = liquid.role(), row = liquid.row();
-    const auto rows = rows_, r = residual_;
-    Kokkos::parallel_for("treacle::correction_rows", n, KOKKOS_LAMBDA(int i) {
-        if (role(i) == Role::poisson) rows(row(i) - first) = r(i);
-    });
+    const int first = parts.matrix.first_row();
+    write_rows(parts.step.liquid, residual_, first, rows_);
     const auto count = static_cast<std::size_t>(parts.matrix.rows());
-    const auto host = on_host(rows);
+    const auto host = on_host(rows_);
     preconditioned_.resize(count);
     parts.solver.precondition({host.data(), count}, preconditioned_);
     const Kokkos::View<const double*, Kokkos::HostSpace, Kokkos::MemoryUnmanaged> found(preconditioned_.data(), count);
-    Kokkos::deep_copy(Kokkos::subview(rows, std::pair(std::size_t{0}, count)), found);
-    const auto specific = specific_of(parts.step);
-    Kokkos::parallel_for("treacle::correction_direction", n, KOKKOS_LAMBDA(int i) {
-        out(i) = role(i) == Role::poisson ? rows(row(i) - first) * specific(i) : 0;
-    });
+    Kokkos::deep_copy(Kokkos::subview(rows_, std::pair(std::size_t{0}, count)), found);
+    read_rows(parts.step, rows_, first, out);
 }
 
 void DensityCorrection::orthogonalise(const Comm& comm, std::size_t number, int count) {
@@ -116,16 +135,6 @@ void DensityCorrection::advance(const Comm& comm, const Direction& along, int co
     add(residual_, -length, along.product, count);
 }
 
-void DensityCorrection::store_pressures(const CorrectionParts& parts) const {
-    auto& liquid = parts.step.liquid;
-    const auto specific = specific_of(parts.step);
-    const auto p = liquid.pressure(), q = q_;
-    const auto role = liquid.role();
-    Kokkos::parallel_for("treacle::corrected_pressures", liquid.store.owned(), KOKKOS_LAMBDA(int i) {
-        if (role(i) == Role::poisson) p(i) = math::max(0.0, q(i) / specific(i));
-    });
-}
-
 solve::SolveReport DensityCorrection::correct(const CorrectionParts& parts, Iisph& system, double dt) {
     const auto began = Clock::now();
     const auto& options = parts.step.options.pressure;
@@ -134,7 +143,7 @@ solve::SolveReport DensityCorrection::correct(const CorrectionParts& parts, Iisp
     const int n = liquid.store.owned();
     solve::SolveReport out;
     start(parts, system, dt);
-    out.error_measure = measure(parts, dt);
+    out.error_measure = mean_excess(parts.step, residual_, dt);
     int& done = out.iterations;
     for (; done < options.corrections && out.error_measure >= options.density_error; ++done) {
         const auto number = static_cast<std::size_t>(done);
@@ -148,9 +157,9 @@ solve::SolveReport DensityCorrection::correct(const CorrectionParts& parts, Iisp
         combine(liquid, {0, 1}, system.product(), now.product);
         orthogonalise(comm, number, n);
         advance(comm, now, n);
-        out.error_measure = measure(parts, dt);
+        out.error_measure = mean_excess(parts.step, residual_, dt);
     }
-    if (done > 0) store_pressures(parts);
+    if (done > 0) write_pressures(parts.step, q_);
     out.products = done + 1;
     out.iteration_seconds = seconds_since(began);
     return out;

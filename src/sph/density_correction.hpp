@@ -35,12 +35,10 @@ private:
         Array<double> product{"treacle::correction_product", 0}; // A d, on the unknowns
         double square = 0;                                       // A d.A d
     };
-    double measure(const CorrectionParts& parts, double dt) const;
     void start(const CorrectionParts& parts, Iisph& system, double dt);
     void precondition(const CorrectionParts& parts, const Array<double>& out);
     void orthogonalise(const Comm& comm, std::size_t number, int count);
     void advance(const Comm& comm, const Direction& along, int count);
-    void store_pressures(const CorrectionParts& parts) const;
 
     std::vector<Direction> directions_;
     Array<double> q_{"treacle::correction_q", 0};
