@@ -60,9 +60,7 @@ void check_comparators(const Input& input, std::vector<Diagnostic>& problems) {
         problems.push_back({where, what + "corrections", "they ask for the forces of one liquid", "leave them out"});
     }
 }
-} // namespace
 
-namespace {
 // What only the implicit viscosity, or some of its forms, can do.
 void check_viscosity(const Input& input, std::vector<Diagnostic>& problems) {
     const auto& options = input.method.viscosity;

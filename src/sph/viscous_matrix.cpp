@@ -1,7 +1,7 @@
 #include "sph/viscous_matrix.hpp"
 
-#include "sph/pair_softening.hpp"
 #include "sph/symmetric.hpp"
+#include "sph/viscous_loops.hpp"
 
 #include <algorithm>
 #include <array>
@@ -92,7 +92,6 @@ struct ViscousMatrix::Assembly {
             visit(static_cast<double>(weights(k++)), j, dx, dy, dz);
         });
     }
-    bool by_gradients() const { return form != ViscosityForm::pairwise && form != ViscosityForm::laplacian; }
 
     template <class Kernel>
     void find_members(const Kernel& kernel);
@@ -154,7 +153,7 @@ void ViscousMatrix::Assembly::add_pairs(const Kernel& kernel, int i, RowStorage&
     const auto pair = [&](double shares, double w, const Vec3& x) {
         Block out{};
         const double r2 = inner(x, x);
-        if (by_gradients()) {
+        if (by_gradients(form)) {
             add_identity(of.damping() * shares * w, out);
         } else if (form == ViscosityForm::laplacian) {
             add_identity(shares * w * r2 / (r2 + soft), out);
@@ -177,7 +176,7 @@ void ViscousMatrix::Assembly::add_pairs(const Kernel& kernel, int i, RowStorage&
         if (!walls.grips(s)) return;
         const double w = -walls.grip * walls.volume(s) * kernel.gradient(std::sqrt(r2));
         const double reach = walls.touch(s, dx, dy, dz).reach;
-        const bool squared = by_gradients();
+        const bool squared = by_gradients(form);
         add(pair((squared ? 1 : 2) * share(i), w * reach * (squared ? reach : 1), {dx, dy, dz}), 1,
             storage.at(i));
     });
@@ -253,9 +252,9 @@ void ViscousMatrix::Assembly::append(std::vector<Contribution>& found, solve::Bl
 
 template <class Kernel>
 solve::BlockRows ViscousMatrix::Assembly::rows(const Kernel& kernel) {
-    if (by_gradients()) find_members(kernel);
+    if (by_gradients(form)) find_members(kernel);
     RowStorage storage(total);
-    if (by_gradients()) {
+    if (by_gradients(form)) {
         for (int i = owned; i < total; ++i) {
             add_stresses(i, storage);
             storage.take([&](int particle, const Block& values) {
@@ -271,7 +270,7 @@ solve::BlockRows ViscousMatrix::Assembly::rows(const Kernel& kernel) {
     auto next = contributions.begin();
     for (int i = 0; i < owned; ++i) {
         add_pairs(kernel, i, storage);
-        if (by_gradients()) add_stresses(i, storage);
+        if (by_gradients(form)) add_stresses(i, storage);
         found.clear();
         storage.take([&](int particle, const Block& values) {
             found.push_back({row(i), row(particle), values});

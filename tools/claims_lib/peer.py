@@ -75,20 +75,25 @@ def number(pattern, text):
     return float(found[-1])
 
 
-def run_peer(context, tank, method, folder):
+def run_program(context, scene_of, name, folder):
+    """What the peer prints on a scene of that name; scene_of makes it from the file of its unit box."""
     program = pathlib.Path(context.peer(NAME)).resolve()
     boxes = sorted(program.parent.parent.glob("**/UnitBox.obj"))
     if not boxes:
         raise CommandFailed(f"no UnitBox.obj beside {program}")
-    scene = folder / f"{method}.json"
-    scene.write_text(json.dumps(scene_of_peer(tank, method, boxes[0])))
-    done = execute(context, [program, scene, "--no-gui", "--no-initial-pause", "--output-dir", folder / method],
-                   env={"OMP_NUM_THREADS": str(THREADS)}, timeout=4 * 3600, cwd=folder)
+    scene = folder / f"{name}.json"
+    scene.write_text(json.dumps(scene_of(boxes[0])))
+    return execute(context, [program, scene, "--no-gui", "--no-initial-pause", "--output-dir", folder / name],
+                   env={"OMP_NUM_THREADS": str(THREADS)}, timeout=4 * 3600, cwd=folder).output
+
+
+def run_peer(context, tank, method, folder):
+    output = run_program(context, lambda box: scene_of_peer(tank, method, box), method, folder)
 
     def average(what, name):
-        return number(rf"Average {what}: {name}: ([0-9.e+-]+)", done.output)
+        return number(rf"Average {what}: {name}: ([0-9.e+-]+)", output)
 
-    return PeerRun(int(number(r"Number of fluid particles: (\d+)", done.output)),
+    return PeerRun(int(number(r"Number of fluid particles: (\d+)", output)),
                    1e-3 * average("time", "pressureSolve"), average("number", f"{method} - iterations"),
                    1e-3 * average("time", "neighborhood_search"))
 

@@ -1,10 +1,7 @@
 """Rows of `viscosity` that compare with SPlisHSPlasH: --peer splishsplash=PATH of its SPHSimulator."""
 
-import json
-import pathlib
-
 from . import peer, viscous_solve
-from .run import execute, scratch
+from .run import scratch
 from .table import CommandFailed, Figure
 
 VISCOSITY = 1000.0
@@ -38,19 +35,12 @@ def scene_of_peer(cube, method, box):
 
 def run_peer(context, cube, method, folder):
     """Seconds and iterations of the solve of a step."""
-    program = pathlib.Path(context.peer(peer.NAME)).resolve()
-    boxes = sorted(program.parent.parent.glob("**/UnitBox.obj"))
-    if not boxes:
-        raise CommandFailed(f"no UnitBox.obj beside {program}")
-    scene = folder / f"method_{METHODS[method]}.json"
-    scene.write_text(json.dumps(scene_of_peer(cube, method, boxes[0])))
-    done = execute(context, [program, scene, "--no-gui", "--no-initial-pause", "--output-dir", folder / scene.stem],
-                   env={"OMP_NUM_THREADS": str(peer.THREADS)}, timeout=4 * 3600, cwd=folder)
-    particles = int(peer.number(r"Number of fluid particles: (\d+)", done.output))
+    output = peer.run_program(context, lambda box: scene_of_peer(cube, method, box), f"method_{METHODS[method]}", folder)
+    particles = int(peer.number(r"Number of fluid particles: (\d+)", output))
     if particles != cube.count**3:
         raise CommandFailed(f"the peer has {particles} particles instead of {cube.count**3}")
-    return (1e-3 * peer.number(r"Average time: CG solve: ([0-9.e+-]+)", done.output),
-            peer.number(r"Average number: Visco iterations: ([0-9.e+-]+)", done.output))
+    return (1e-3 * peer.number(r"Average time: CG solve: ([0-9.e+-]+)", output),
+            peer.number(r"Average number: Visco iterations: ([0-9.e+-]+)", output))
 
 
 def compare(context, count, step):
