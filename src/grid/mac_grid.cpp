@@ -1,0 +1,47 @@
+#include "grid/mac_grid.hpp"
+
+#include "base/error.hpp"
+#include "base/text.hpp"
+
+#include <cmath>
+
+namespace treacle::grid {
+
+namespace {
+// Shares of a cell by which a length may miss a whole number of cells.
+constexpr double whole = 1e-6;
+} // namespace
+
+MacGrid make_mac_grid(const scene::Domain& domain) {
+    MacGrid grid;
+    grid.dx = domain.spacing;
+    grid.dimensions = domain.dimensions;
+    grid.cells.dimensions = domain.dimensions;
+    for (int k = 0; k < 3; ++k) {
+        const auto axis = static_cast<std::size_t>(k);
+        grid.cells.inverse_width[k] = 1 / grid.dx;
+        if (k >= domain.dimensions) {
+            grid.lower[k] = -0.5 * grid.dx;
+            grid.cells.origin[k] = grid.lower[k];
+            continue;
+        }
+        const double length = domain.max[axis] - domain.min[axis];
+        const double cells = length / grid.dx;
+        const bool periodic = domain.faces[2 * axis].kind == scene::FaceKind::periodic;
+        if (periodic && std::fabs(cells - std::round(cells)) > whole) {
+            throw InputError({domain.where, "domain.spacing = " + format_number(grid.dx) + " m does not divide the period of " +
+                                                format_number(length) + " m",
+                              "a periodic axis of method grid holds a whole number of cells",
+                              "take " + format_number(length / std::ceil(cells)) + " m, or another period"});
+        }
+        const int count = static_cast<int>(std::ceil(cells - whole));
+        const int beyond = periodic ? 0 : MacGrid::padding;
+        grid.lower[k] = domain.min[axis] - beyond * grid.dx;
+        grid.cells.origin[k] = grid.lower[k];
+        grid.cells.count[k] = count + 2 * beyond;
+        grid.cells.period[k] = periodic ? length : 0;
+    }
+    return grid;
+}
+
+} // namespace treacle::grid
