@@ -28,6 +28,9 @@ public:
     void scatter(std::initializer_list<Array<double>> values);
 
 private:
+    template <class Fields>
+    void bring(const Fields& fields);
+
     Comm comm_ = Comm::self();
     CellBox active_, owned_, window_;
     int layers_ = 0;
