@@ -28,20 +28,10 @@ void PressureOptions::declare(Declaration& d) {
     declare_solve(d, preconditioner, residual, max_iterations);
     d.number("least_distance", least_distance, unit::none, range_between(1e-6, 0.5),
              "Least distance along an axis, in grid widths, that a cell's centre is taken to have from the liquid's "
-             "surface (theta of the ghost fluid method): smaller ones make the matrix stiff and change little.");
+             "surface (theta of the ghost fluid method). Liquid at rest below a surface along no axis moves where it counts.");
     d.number("least_opening", least_opening, unit::none, range_between(0, 0.5),
              "Share of a face's area that solids leave open below which the face is closed: what passes smaller ones "
              "counts for nothing, and pressures behind them come out of differences of small numbers.");
-}
-
-void ViscosityOptions::declare(Declaration& d) {
-    declare_solve(d, preconditioner, residual, max_iterations);
-    d.number("least_mass", least_mass, unit::none, range_above_to(0, 0.5),
-             "Share of a full face's mass that a face with stresses around it has at least: without one, faces that "
-             "liquid barely reaches could move at no cost.");
-    d.number("least_fluid", least_fluid, unit::none, range_above_to(0, 1),
-             "Least share of fluid that the stress beside a solid is divided by: smaller ones would make slivers of "
-             "liquid stiff without bound.");
 }
 
 void CorrectionOptions::declare(Declaration& d) {
@@ -70,13 +60,6 @@ void GridOptions::declare(Declaration& d) {
              "Grid widths that the fastest liquid or body moves in a step at most.");
     d.integer("particles_per_axis", particles_per_axis, range_between(1, 4),
               "Particles along each edge of a full cell at the start: 2 make 8 in space.");
-    d.choice("fractions", fractions,
-             {{"consistent", FractionRule::consistent},
-              {"independent", FractionRule::independent},
-              {"supersampled", FractionRule::supersampled}},
-             "Shares of liquid and solid around faces, edges and centres: summed from the parts of a grid of half the "
-             "width, so that all have one volume (dissertation, 5.3.3); or, to compare with, each from the level sets at "
-             "its own corners, or from points inside of it.");
     d.choice("coupling", coupling,
              {{"strong", Coupling::strong}, {"weak", Coupling::weak}, {"one_way", Coupling::one_way}},
              "Dynamic bodies as unknowns beside the liquid; or, to compare with, bodies that feel the forces of a liquid "
@@ -84,7 +67,6 @@ void GridOptions::declare(Declaration& d) {
     d.boolean("second_projection", second_projection,
               "Whether the pressure is solved for again after the viscosity, which leaves velocities with a divergence.");
     d.block("pressure", pressure, "The pressure solves.");
-    d.block("viscosity", viscosity, "The viscous solve.");
     d.block("correction", correction, "The correction of the particles' places.");
     d.integer("band", band, range_between(3, 64),
               "Cells around the liquid that arrays reach over beside it; bodies beyond them are not seen.");
