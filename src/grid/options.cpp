@@ -34,6 +34,17 @@ void PressureOptions::declare(Declaration& d) {
              "counts for nothing, and pressures behind them come out of differences of small numbers.");
 }
 
+void ViscosityOptions::declare(Declaration& d) {
+    declare_solve(d, preconditioner, residual, max_iterations);
+    d.number("least_wet", least_wet, unit::none, range_above_to(0, 0.1),
+             "Share of a cube below which its liquid counts as none.");
+    d.number("least_gap", least_gap, unit::none, range_above_to(0, 0.5),
+             "Share of a stress' cube outside of solids below which the liquid beside it moves with the solid: walls are "
+             "out of place by at most this share of the spacing, and smaller ones make slivers of liquid stiffer.");
+    d.number("normal_layer", normal_layer, unit::none, range_above_to(0, 1),
+             "Surfaces with slip resist flow across them as a layer of liquid of this thickness would, in grid widths.");
+}
+
 void CorrectionOptions::declare(Declaration& d) {
     d.choice("rule", rule,
              {{"density", CorrectionRule::density},
@@ -67,6 +78,7 @@ void GridOptions::declare(Declaration& d) {
     d.boolean("second_projection", second_projection,
               "Whether the pressure is solved for again after the viscosity, which leaves velocities with a divergence.");
     d.block("pressure", pressure, "The pressure solves.");
+    d.block("viscosity", viscosity, "The viscous solve.");
     d.block("correction", correction, "The correction of the particles' places.");
     d.integer("band", band, range_between(3, 64),
               "Cells around the liquid that arrays reach over beside it; bodies beyond them are not seen.");

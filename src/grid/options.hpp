@@ -28,6 +28,17 @@ struct PressureOptions {
     void declare(Declaration& d);
 };
 
+struct ViscosityOptions {
+    Preconditioner preconditioner = Preconditioner::multilevel;
+    double residual = 1e-8; // relative
+    int max_iterations = 2000;
+    double least_wet = 1e-6;    // share of a cube below which liquid is none: what clipping leaves of round-off
+    double least_gap = 0.01;    // share of a stress' cube outside of solids, below which the faces beside it are held
+    double normal_layer = 0.02; // widths, of the layer of liquid by which slip surfaces resist flow across them
+
+    void declare(Declaration& d);
+};
+
 struct CorrectionOptions {
     CorrectionRule rule = CorrectionRule::density;
     int every = 1;                  // steps
@@ -47,6 +58,7 @@ struct GridOptions {
     Coupling coupling = Coupling::strong;
     bool second_projection = true; // pressure before and after the viscosity, or before it only
     PressureOptions pressure;
+    ViscosityOptions viscosity;
     CorrectionOptions correction;
     int band = 4;                  // cells of the active block around liquid
     double rebalance_above = 1.15; // largest over mean load of the ranks

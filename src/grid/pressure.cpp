@@ -108,7 +108,7 @@ void Pressure::build(const PressureScene& scene) {
     faces.jump = jump_;
     matrix_.reset();
     system_.assemble(comm_, scene.halo, faces);
-    update_velocities(scene.bodies, scene.grid, motion_);
+    update_motion(scene.bodies, scene.grid, motion_);
     coupling_.build(system_, scene.grid, scene.fractions.face_fluid, scene.shares, motion_);
     host_ = system_.to_host();
     const auto blocks = system_.blocks(host_);
@@ -169,7 +169,7 @@ PressureReport Pressure::project(const FaceField& velocity, rigid::RigidBodies& 
     auto faces = system_.faces();
     faces.has_jump = faces.has_jump && surface == Surface::tense;
     divergence(faces, system_, velocity, scale, right_hand_side_);
-    update_velocities(bodies, *grid_, motion_);
+    update_motion(bodies, *grid_, motion_);
     coupling_.subtract_flux(motion_, scale, right_hand_side_);
 
     const auto b = on_host(right_hand_side_);

@@ -68,7 +68,7 @@ private:
     PressureComponents components_;
     std::optional<solve::Matrix> matrix_;
     rigid::Mobility mobility_;
-    BodyVelocities motion_;
+    BodyMotion motion_;
     const MacGrid* grid_ = nullptr;
     CellHalo* halo_ = nullptr;
     double density_ = 0, least_residual_ = 0;

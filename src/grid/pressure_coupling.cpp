@@ -51,7 +51,7 @@ struct CellBodies {
 struct CouplingLoop {
     CellBodies bodies;
     MacGrid grid;
-    BodyVelocities motion;
+    BodyMotion motion;
     Array<int> cell_of, offset, body;
     Array<double> u;
 
@@ -94,7 +94,7 @@ int PressureCoupling::count(const PressureSystem& system, const FaceField& fluid
 }
 
 void PressureCoupling::build(const PressureSystem& system, const MacGrid& grid, const FaceField& fluid,
-                             const FaceShares& shares, const BodyVelocities& motion) {
+                             const FaceShares& shares, const BodyMotion& motion) {
     bodies_ = static_cast<std::size_t>(motion.bodies);
     face_ = std::pow(grid.dx, grid.dimensions - 1);
     rows_ = system.rows();
@@ -117,14 +117,14 @@ void PressureCoupling::build(const PressureSystem& system, const MacGrid& grid, 
     }
 }
 
-void PressureCoupling::subtract_flux(const BodyVelocities& motion, double scale, const Array<double>& out) const {
+void PressureCoupling::subtract_flux(const BodyMotion& motion, double scale, const Array<double>& out) const {
     if (entries_.empty()) return;
     const auto offset = offset_, body = body_;
     const auto u = u_;
     Kokkos::parallel_for("treacle::body_flux", rows_, KOKKOS_LAMBDA(int r) {
         double flux = 0;
         for (int e = offset(r); e < offset(r + 1); ++e) {
-            for (int k = 0; k < 6; ++k) flux += u(6 * e + k) * motion.frame(BodyVelocities::width * body(e) + 3 + k);
+            for (int k = 0; k < 6; ++k) flux += u(6 * e + k) * motion.frame(BodyMotion::width * body(e) + 3 + k);
         }
         out(r) -= scale * flux;
     });

@@ -1,5 +1,5 @@
 #pragma once
-#include "grid/body_velocities.hpp"
+#include "grid/body_motion.hpp"
 #include "grid/pressure_system.hpp"
 
 #include <array>
@@ -19,10 +19,10 @@ class PressureCoupling {
 public:
     // The rows J of this rank's cells, for the places of the bodies. `fluid`: shares of the cubes around faces.
     void build(const PressureSystem& system, const MacGrid& grid, const FaceField& fluid, const FaceShares& shares,
-               const BodyVelocities& motion);
+               const BodyMotion& motion);
 
     // out -= scale J V, on this rank's rows; of all bodies that move.
-    void subtract_flux(const BodyVelocities& motion, double scale, const Array<double>& out) const;
+    void subtract_flux(const BodyMotion& motion, double scale, const Array<double>& out) const;
     // Collective: dx^2 J^T x summed over the ranks, 6 numbers a body; of a plane scene dx J^T x, per metre.
     std::vector<double> loads(const Comm& comm, std::span<const double> x) const;
     // y += mass J M^-1 J^T x with the mass of a full cell [kg], of a plane scene [kg/m], collective. What the strong

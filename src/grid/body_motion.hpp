@@ -7,9 +7,9 @@
 namespace treacle::grid {
 
 // How the bodies move, as kernels read it.
-struct BodyVelocities {
+struct BodyMotion {
     static constexpr int width = 9;
-    Array<double> frame{"treacle::body_velocities", 0}; // [bodies][9] centre [m], velocity [m/s], spin [rad/s]
+    Array<double> frame{"treacle::body_motion", 0}; // [bodies][9] centre [m], velocity [m/s], spin [rad/s]
     int bodies = 0;
     double period[3]{0, 0, 0}; // [m], 0: not periodic
 
@@ -28,7 +28,7 @@ struct BodyVelocities {
 };
 
 // Adds what a unit force along the axis at r from the centre is as a load: force, and torque about the centre. The
-// transpose of BodyVelocities::velocity.
+// transpose of BodyMotion::velocity.
 KOKKOS_INLINE_FUNCTION void add_load(int axis, const double r[3], double force, double load[6]) {
     const int b = (axis + 1) % 3, c = (axis + 2) % 3;
     load[axis] += force;
@@ -37,6 +37,6 @@ KOKKOS_INLINE_FUNCTION void add_load(int axis, const double r[3], double force, 
 }
 
 // Of the bodies' present places and velocities.
-void update_velocities(const rigid::RigidBodies& bodies, const MacGrid& grid, BodyVelocities& motion);
+void update_motion(const rigid::RigidBodies& bodies, const MacGrid& grid, BodyMotion& motion);
 
 } // namespace treacle::grid
