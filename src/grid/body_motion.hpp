@@ -1,0 +1,42 @@
+#pragma once
+#include "grid/mac_grid.hpp"
+#include "rigid/bodies.hpp"
+
+#include <cstddef>
+
+namespace treacle::grid {
+
+// How the bodies move, as kernels read it.
+struct BodyMotion {
+    static constexpr int width = 9;
+    Array<double> frame{"treacle::body_motion", 0}; // [bodies][9] centre [m], velocity [m/s], spin [rad/s]
+    int bodies = 0;
+    double period[3]{0, 0, 0}; // [m], 0: not periodic
+
+    // From the body's centre to x, by the shortest way.
+    KOKKOS_INLINE_FUNCTION void arm(int body, const double x[3], double r[3]) const {
+        for (int k = 0; k < 3; ++k) {
+            r[k] = x[k] - frame(width * body + k);
+            if (period[k] > 0) r[k] -= period[k] * math::floor(r[k] / period[k] + 0.5);
+        }
+    }
+    // Of the point at r from the centre.
+    KOKKOS_INLINE_FUNCTION double velocity(int body, int axis, const double r[3]) const {
+        const int at = width * body, b = (axis + 1) % 3, c = (axis + 2) % 3;
+        return frame(at + 3 + axis) + frame(at + 6 + b) * r[c] - frame(at + 6 + c) * r[b];
+    }
+};
+
+// Adds what a unit force along the axis at r from the centre is as a load: force, and torque about the centre. The
+// transpose of BodyMotion::velocity.
+KOKKOS_INLINE_FUNCTION void add_load(int axis, const double r[3], double force, double load[6]) {
+    const int b = (axis + 1) % 3, c = (axis + 2) % 3;
+    load[axis] += force;
+    load[3 + b] += r[c] * force;
+    load[3 + c] -= r[b] * force;
+}
+
+// Of the bodies' present places and velocities.
+void update_motion(const rigid::RigidBodies& bodies, const MacGrid& grid, BodyMotion& motion);
+
+} // namespace treacle::grid

@@ -1,0 +1,89 @@
+#include "grid/options.hpp"
+
+#include "base/options.hpp"
+
+namespace treacle::grid {
+
+namespace {
+const std::vector<std::pair<std::string, Preconditioner>> preconditioners{
+    {"multilevel", Preconditioner::multilevel},
+    {"boomeramg", Preconditioner::boomeramg},
+    {"gamg", Preconditioner::gamg},
+    {"incomplete_cholesky", Preconditioner::incomplete_cholesky},
+    {"jacobi", Preconditioner::jacobi}};
+
+void declare_solve(Declaration& d, Preconditioner& preconditioner, double& residual, int& max_iterations) {
+    d.choice("preconditioner", preconditioner, preconditioners,
+             "Of the conjugate gradients: the hierarchy of cells of this code; or, to compare with, HYPRE's or PETSc's "
+             "algebraic multigrid, incomplete Cholesky of each rank's rows, or the diagonal.");
+    d.number("residual", residual, unit::none,
+             range_between(1e-14, 0.1).because("rounding alone leaves about 1e-15", "1e-10 is very accurate already"),
+             "Relative residual at which the solve ends.");
+    d.integer("max_iterations", max_iterations, range_between(1, 1000000),
+              "Iterations after which the solve has failed.");
+}
+} // namespace
+
+void PressureOptions::declare(Declaration& d) {
+    declare_solve(d, preconditioner, residual, max_iterations);
+    d.number("least_distance", least_distance, unit::none, range_between(1e-6, 0.5),
+             "Least distance along an axis, in grid widths, that a cell's centre is taken to have from the liquid's "
+             "surface (theta of the ghost fluid method). Liquid at rest below a surface along no axis moves where it counts.");
+    d.number("least_opening", least_opening, unit::none, range_between(0, 0.5),
+             "Share of a face's area that solids leave open below which the face is closed: what passes smaller ones "
+             "counts for nothing, and pressures behind them come out of differences of small numbers.");
+}
+
+void ViscosityOptions::declare(Declaration& d) {
+    declare_solve(d, preconditioner, residual, max_iterations);
+    d.number("least_wet", least_wet, unit::none, range_above_to(0, 0.1),
+             "Share of a cube below which its liquid counts as none.");
+    d.number("least_gap", least_gap, unit::none, range_above_to(0, 0.5),
+             "Share of a stress' cube outside of solids below which the liquid beside it moves with the solid: walls are "
+             "out of place by at most this share of the spacing, and smaller ones make slivers of liquid stiffer.");
+    d.number("normal_layer", normal_layer, unit::none, range_above_to(0, 1),
+             "Surfaces with slip resist flow across them as a layer of liquid of this thickness would, in grid widths.");
+}
+
+void CorrectionOptions::declare(Declaration& d) {
+    d.choice("rule", rule,
+             {{"density", CorrectionRule::density},
+              {"distance", CorrectionRule::distance},
+              {"none", CorrectionRule::none}},
+             "What spreads particles evenly after they have moved: constraints on their density (dissertation, 5.3.5), on "
+             "their distances (Ando & Tsuruno 2011), or nothing.");
+    d.integer("every", every, range_at_least(1), "Steps from one correction to the next.");
+    d.number("tolerance", tolerance, unit::none, range_above_to(0, 1),
+             "Largest density error at which a correction ends, as a share of the rest density.");
+    d.integer("max_iterations", max_iterations, range_at_least(1), "Most iterations of a correction.");
+    d.number("least_scale", least_scale, unit::none, range_above(0),
+             "Factor on what particles at solids move (alpha_min of 5.3.5); it grows with the distance in grid widths.");
+    d.number("largest_scale", largest_scale, unit::none, range_above(0),
+             "Factor on what particles far from solids move (alpha_max of 5.3.5).");
+    d.check(largest_scale >= least_scale, "largest_scale",
+            {"must not be below least_scale", "the factor grows from the one to the other", "1 and 5 are the dissertation's"});
+    d.number("largest_move", largest_move, unit::none, range_above_to(0, 1),
+             "Most that a correction moves a particle, in grid widths, which bounds the potential energy that it adds.");
+}
+
+void GridOptions::declare(Declaration& d) {
+    d.number("cfl", cfl, unit::none, range_above_to(0, 10),
+             "Grid widths that the fastest liquid or body moves in a step at most.");
+    d.integer("particles_per_axis", particles_per_axis, range_between(1, 4),
+              "Particles along each edge of a full cell at the start: 2 make 8 in space.");
+    d.choice("coupling", coupling,
+             {{"strong", Coupling::strong}, {"weak", Coupling::weak}, {"one_way", Coupling::one_way}},
+             "Dynamic bodies as unknowns beside the liquid; or, to compare with, bodies that feel the forces of a liquid "
+             "that took them as they moved, or that feel nothing of it.");
+    d.boolean("second_projection", second_projection,
+              "Whether the pressure is solved for again after the viscosity, which leaves velocities with a divergence.");
+    d.block("pressure", pressure, "The pressure solves.");
+    d.block("viscosity", viscosity, "The viscous solve.");
+    d.block("correction", correction, "The correction of the particles' places.");
+    d.integer("band", band, range_between(3, 64),
+              "Cells around the liquid that arrays reach over beside it; bodies beyond them are not seen.");
+    d.number("rebalance_above", rebalance_above, unit::none, range_at_least(1),
+             "Largest over mean number of particles of a rank above which the domain is cut anew.");
+}
+
+} // namespace treacle::grid

@@ -1,0 +1,69 @@
+#pragma once
+
+namespace treacle {
+class Declaration;
+}
+
+namespace treacle::grid {
+
+enum class Coupling {
+    strong, // bodies' velocities are unknowns beside the liquid's
+    weak,   // the liquid takes bodies as they move, and they take its forces afterwards
+    one_way // bodies do not feel the liquid
+};
+enum class Preconditioner { multilevel, boomeramg, gamg, incomplete_cholesky, jacobi };
+enum class CorrectionRule {
+    density,  // constraints on the density (dissertation 5.3.5)
+    distance, // on distances (Ando & Tsuruno 2011)
+    none
+};
+
+struct PressureOptions {
+    Preconditioner preconditioner = Preconditioner::multilevel;
+    double residual = 1e-8; // relative
+    int max_iterations = 1000;
+    double least_distance = 1e-4; // of a cell's centre from the surface, in widths (ghost fluid)
+    double least_opening = 0.01;  // share of a face's area below which it is closed
+
+    void declare(Declaration& d);
+};
+
+struct ViscosityOptions {
+    Preconditioner preconditioner = Preconditioner::multilevel;
+    double residual = 1e-8; // relative
+    int max_iterations = 2000;
+    double least_wet = 1e-6;    // share of a cube below which liquid is none: what clipping leaves of round-off
+    double least_gap = 0.01;    // share of a stress' cube outside of solids, below which the faces beside it are held
+    double normal_layer = 0.02; // widths, of the layer of liquid by which slip surfaces resist flow across them
+
+    void declare(Declaration& d);
+};
+
+struct CorrectionOptions {
+    CorrectionRule rule = CorrectionRule::density;
+    int every = 1;                  // steps
+    double tolerance = 0.1;         // largest density error, share of the rest density
+    int max_iterations = 10;
+    double least_scale = 1;         // alpha_min of 5.3.5
+    double largest_scale = 5;       // alpha_max
+    double largest_move = 0.1;      // widths, of a particle in a correction
+
+    void declare(Declaration& d);
+};
+
+// Options of the MAC/APIC solver (dissertation, chapter 5), as the block `method` of a scene gives them.
+struct GridOptions {
+    double cfl = 3;             // widths that the fastest particle moves in a step
+    int particles_per_axis = 2; // of a cell at the start
+    Coupling coupling = Coupling::strong;
+    bool second_projection = true; // pressure before and after the viscosity, or before it only
+    PressureOptions pressure;
+    ViscosityOptions viscosity;
+    CorrectionOptions correction;
+    int band = 4;                  // cells of the active block around liquid
+    double rebalance_above = 1.15; // largest over mean load of the ranks
+
+    void declare(Declaration& d);
+};
+
+} // namespace treacle::grid
