@@ -4,6 +4,7 @@
 #include "app/inflow.hpp"
 #include "app/table_text.hpp"
 #include "base/error.hpp"
+#include "base/options.hpp"
 #include "scene/materials.hpp"
 
 #include <algorithm>
@@ -117,8 +118,59 @@ void check_viscosity(const Input& input, std::vector<Diagnostic>& problems) {
 }
 } // namespace
 
+namespace {
+// Options of the method that was not chosen would be ignored.
+void check_method(const Input& input, std::vector<Diagnostic>& problems) {
+    const auto& where = input.method.where;
+    const bool sph_given = effective(static_cast<const sph::SphOptions&>(input.method)) != effective(sph::SphOptions{});
+    if (input.on_grid() && sph_given) {
+        problems.push_back({where, "method.kind is grid, and options of sph are given", "they would be ignored",
+                            "leave them out; those of the grid stand in method.grid"});
+    }
+    if (!input.on_grid() && effective(input.method.grid) != effective(grid::GridOptions{})) {
+        problems.push_back({where, "method.grid is given, and method.kind is sph", "its options would be ignored",
+                            "write method.kind: grid, or leave method.grid out"});
+    }
+}
+
+// What the grid's solver does not do yet.
+void check_grid(const Input& input, std::vector<Diagnostic>& problems) {
+    const auto refuse = [&](const std::string& where, const std::string& what, const std::string& cure) {
+        problems.push_back({where, what + " cannot go with method.kind: grid", "it would be ignored", cure});
+    };
+    for (const auto& liquid : input.scene.liquids) {
+        if (liquid.rheology.law != scene::ShearLaw::newtonian) {
+            refuse(liquid.where, "liquids." + liquid.name + ".rheology", "leave it out, or take method.kind: sph");
+        }
+        if (liquid.density != input.scene.liquids.front().density) {
+            refuse(liquid.where, "liquids." + liquid.name + ": another density than that of the first liquid",
+                   "give all the same, or take method.kind: sph");
+        }
+    }
+    for (std::size_t k = 0; k < domain_sides; ++k) {
+        const auto& face = input.scene.domain.faces[k];
+        if (face.skin_friction > 0) {
+            refuse(face.where, std::string("domain.boundaries.") + side_names[k] + ".skin_friction", "choose a slip");
+        }
+    }
+    for (const auto& body : input.scene.bodies) {
+        if (body.skin_friction > 0) refuse(body.where, "bodies." + body.name + ".skin_friction", "choose a slip");
+    }
+}
+} // namespace
+
 void check_supported(const Input& input) {
     std::vector<Diagnostic> problems;
+    check_method(input, problems);
+    if (input.on_grid()) {
+        check_grid(input, problems);
+        if (!problems.empty()) throw InputError(std::move(problems));
+        return;
+    }
+    if (input.scene.time.cfl > 1) {
+        problems.push_back({input.scene.time.where, "time.cfl is above 1", "particles of method sph would jump over their neighbours",
+                            "0.2 is usual"});
+    }
     const auto& liquids = input.scene.liquids;
     if (sph::differ(liquid_materials(input))) check_comparators(input, problems);
     for (const auto& liquid : liquids) {
@@ -133,6 +185,7 @@ void check_supported(const Input& input) {
 
 std::vector<std::string> method_notes(const Input& input) {
     std::vector<std::string> notes;
+    if (input.on_grid()) return notes;
     const auto [light, heavy] = std::ranges::minmax(input.scene.liquids, {}, &scene::Liquid::density);
     const double ratio = heavy.density / light.density;
     if (ratio > sure_density_ratio) {

@@ -61,7 +61,7 @@ Estimates estimate_run(const Input& input, const Geometry& geometry, std::uint64
     const double cfl = scene.time.cfl * sph::step_share(liquid_materials(input));
     out.courant_step = out.speed > 0 ? cfl * d / out.speed : infinite;
     out.gravity_step = pull > 0 ? cfl * std::sqrt(d / pull) : infinite;
-    const bool limited = limiting_viscosity(input) > 0 && viscosity_integration(input) != sph::ViscosityIntegration::implicit;
+    const bool limited = !input.on_grid() && limiting_viscosity(input) > 0 && viscosity_integration(input) != sph::ViscosityIntegration::implicit;
     out.viscous_step = limited ? viscous_step_limit(input) : infinite;
     if (scene.time.rule == scene::StepRule::fixed) {
         out.step = scene.time.step;

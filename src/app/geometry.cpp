@@ -36,10 +36,14 @@ double solid_offset(const Input& input) {
     return sph::rest_gap(wall_setup(input), input.method.density) - input.scene.domain.spacing / 2;
 }
 
+double particle_spacing(const Input& input) {
+    return input.on_grid() ? input.scene.domain.spacing / input.method.grid.particles_per_axis : input.scene.domain.spacing;
+}
+
 Geometry build_geometry(const Input& input, const std::vector<std::string>& folders) {
     const auto& domain = input.scene.domain;
     Geometry out;
-    out.lattice = {domain.spacing, domain.min, domain.max, domain.dimensions};
+    out.lattice = {particle_spacing(input), domain.min, domain.max, domain.dimensions};
     const scene::RegionOptions options{domain.dimensions, folders};
     const auto add = [&](const scene::Shape& shape, scene::Regions& regions) {
         regions.emplace_back(shape, options);
@@ -57,10 +61,11 @@ Geometry build_geometry(const Input& input, const std::vector<std::string>& fold
         add(body.shape, out.bodies);
         out.moving.push_back(moves(body) ? 1 : 0);
     }
-    out.offset = solid_offset(input);
     out.walls.lattice = out.lattice;
     for (std::size_t k = 0; k < 6; ++k) out.walls.sides[k] = side_of(domain.faces[k]);
     if (domain.dimensions == 2) out.walls.sides[4] = out.walls.sides[5] = scene::Side::open;
+    if (input.on_grid()) return out;
+    out.offset = solid_offset(input);
     out.walls.outset = out.offset;
     return out;
 }
@@ -82,7 +87,7 @@ std::string thin_note(std::size_t samples) {
            " solid particles are where a body is too thin for a layer on each side; liquid may feel it from behind";
 }
 
-ParticleCounts estimate_particles(const Geometry& geometry) {
+ParticleCounts estimate_particles(const Input& input, const Geometry& geometry) {
     ParticleCounts counts;
     scene::VolumeFill fill;
     fill.liquids = geometry.liquids;
@@ -90,6 +95,7 @@ ParticleCounts estimate_particles(const Geometry& geometry) {
     fill.clearance = geometry.lattice.spacing / 2;
     fill.lattice = geometry.lattice;
     for (const auto count : scene::estimate_liquid_counts(fill)) counts.liquid += count;
+    if (input.on_grid()) return counts; // whose solids are no particles
     counts.solid = scene::count_domain_walls(geometry.walls);
     for (std::size_t b = 0; b < geometry.bodies.size(); ++b) {
         counts.solid += scene::estimate_surface_count(geometry.bodies[b], body_sampling(geometry, b));
@@ -98,6 +104,8 @@ ParticleCounts estimate_particles(const Geometry& geometry) {
 }
 
 double bytes_per_particle(const Input& input) {
+    // Of a full cell: levels and shares of its parts, faces, the systems of the pressure and of three faces; then the state.
+    if (input.on_grid()) return 300 + 6000 * std::pow(input.method.grid.particles_per_axis, -input.scene.domain.dimensions);
     const auto& domain = input.scene.domain;
     const auto lattice = sph::measure_lattice(input.method.kernel, domain.dimensions,
                                               input.method.support_ratio * domain.spacing, domain.spacing);
@@ -157,7 +165,7 @@ void validate_geometry(const Input& input, const Geometry& geometry, const Comm&
     check_overlaps(input, geometry, problems);
     check_bodies(input, geometry, problems);
     check_inflow(input, geometry, problems);
-    auto counts = estimate_particles(geometry);
+    auto counts = estimate_particles(input, geometry);
     counts.liquid += poured_particles(input);
     if (counts.liquid == 0) {
         problems.push_back({input.scene.liquids.front().where, "the scene has no liquid particle", "no point of the particle lattice lies in its liquids",

@@ -29,6 +29,9 @@ sph::WallSetup wall_setup(const Input& input);
 // surface keeps its rest density [m].
 double solid_offset(const Input& input);
 
+// Of the lattice that the liquid starts on [m].
+double particle_spacing(const Input& input);
+
 // Reads meshes and builds the regions. Throws InputError.
 Geometry build_geometry(const Input& input, const std::vector<std::string>& folders);
 
@@ -44,7 +47,7 @@ struct ParticleCounts {
     std::uint64_t liquid = 0;
     std::uint64_t solid = 0;
 };
-ParticleCounts estimate_particles(const Geometry& geometry);
+ParticleCounts estimate_particles(const Input& input, const Geometry& geometry);
 
 // What the geometry must not be: bodies in each other, liquid in a solid or outside of the domain, no liquid at all, more particles
 // than the machine's memory holds. Throws InputError with all of it.

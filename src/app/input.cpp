@@ -6,9 +6,24 @@
 
 namespace treacle::app {
 
+namespace {
+// Spacings that the fastest liquid moves in a step, unless the scene says.
+constexpr double usual_sph_cfl = 0.2, usual_grid_cfl = 3;
+} // namespace
+
 void Input::declare(Declaration& d) {
     scene.declare(d);
-    d.block("method", method, "Hybrid incompressible SPH (dissertation, chapter 2).");
+    d.block("method", method, "What moves the liquid: particles alone, or particles and a grid.", "kind");
+    if (d.parsing() && scene.time.cfl == 0) scene.time.cfl = on_grid() ? usual_grid_cfl : usual_sph_cfl;
+}
+
+void MethodOptions::declare(Declaration& d) {
+    if (d.parsing()) where = d.place();
+    d.choice<MethodKind>("kind", kind, {{"sph", MethodKind::sph}, {"grid", MethodKind::grid}},
+                         "Hybrid incompressible SPH (dissertation, chapters 2 to 4), whose options follow; or particles in "
+                         "a MAC grid (chapter 5), whose options stand in the block grid.");
+    SphOptions::declare(d);
+    d.block("grid", grid, "Options of kind: grid.");
 }
 
 Input load_input(const InputSource& source) {

@@ -1,6 +1,6 @@
 #pragma once
+#include "app/method.hpp"
 #include "scene/scene.hpp"
-#include "sph/options.hpp"
 
 #include <filesystem>
 #include <string>
@@ -11,7 +11,8 @@ namespace treacle::app {
 // The whole scene file: the scene's blocks, and the options of the method.
 struct Input {
     scene::Scene scene;
-    sph::SphOptions method;
+    MethodOptions method;
+    bool on_grid() const { return method.kind == MethodKind::grid; }
 
     void declare(Declaration& d);
 };

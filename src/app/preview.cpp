@@ -95,7 +95,7 @@ void add_solids(const Geometry& geometry, double spacing, Preview& preview) {
 } // namespace
 
 Preview make_preview(const Input& input, const Geometry& geometry) {
-    const auto counts = estimate_particles(geometry);
+    const auto counts = estimate_particles(input, geometry);
     Preview preview;
     const double ratio = static_cast<double>(counts.liquid + counts.solid) / most_particles;
     if (ratio > 1) preview.coarsening = std::pow(ratio, 1.0 / input.scene.domain.dimensions);

@@ -25,7 +25,7 @@ std::int64_t lost_against_limit(const Progress& progress) {
 } // namespace
 
 void check_time_step(const Input& input) {
-    if (viscosity_integration(input) == sph::ViscosityIntegration::implicit) return;
+    if (input.on_grid() || viscosity_integration(input) == sph::ViscosityIntegration::implicit) return;
     const auto& time = input.scene.time;
     const double viscosity = limiting_viscosity(input);
     const double limit = viscous_step_limit(input);

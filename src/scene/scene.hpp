@@ -197,7 +197,7 @@ struct Time {
     double end = 1; // [s]
     StepRule rule = StepRule::cfl;
     double step = 0;        // [s] fixed rule; with cfl the largest step, 0: none
-    double cfl = 0.2;       // largest move of a particle per step, in spacings
+    double cfl = 0;         // largest move of a particle per step, in spacings; 0: the method's own
     double min_step = 1e-7; // [s] below it the run ends with exit code 3
     std::string where;      // of the step
 

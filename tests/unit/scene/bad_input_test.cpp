@@ -186,7 +186,7 @@ TEST(BadScene, TimesAreConsistent) {
     EXPECT_TRUE(is_problem(time("rule: fixed"), "scene.yaml:4: time.step: must be > 0 with rule: fixed"));
     EXPECT_TRUE(is_problem(time("step: -1"), "scene.yaml:4: time.step = -1 s: must be >= 0"));
     EXPECT_TRUE(is_problem(time("step: 1e-9"), "scene.yaml:4: time.step = 1e-9: must be at least min_step"));
-    EXPECT_TRUE(is_problem(time("cfl: 1.5"), "scene.yaml:4: time.cfl = 1.5: must be > 0 and <= 1"));
+    EXPECT_TRUE(is_problem(time("cfl: 15"), "scene.yaml:4: time.cfl = 15: must be in [0, 10]"));
     EXPECT_TRUE(is_problem(time("min_step: 0"), "scene.yaml:4: time.min_step = 0 s: must be > 0"));
     EXPECT_TRUE(is_problem(time("rule: slow"), "scene.yaml:4: time.rule = slow: must be one of cfl, fixed"));
 }
