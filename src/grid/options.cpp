@@ -36,12 +36,13 @@ void PressureOptions::declare(Declaration& d) {
 
 void ViscosityOptions::declare(Declaration& d) {
     declare_solve(d, preconditioner, residual, max_iterations);
-    d.number("least_mass", least_mass, unit::none, range_above_to(0, 0.5),
-             "Share of a full face's mass that a face with stresses around it has at least: without one, faces that "
-             "liquid barely reaches could move at no cost.");
-    d.number("least_fluid", least_fluid, unit::none, range_above_to(0, 1),
-             "Least share of fluid that the stress beside a solid is divided by: smaller ones would make slivers of "
-             "liquid stiff without bound.");
+    d.number("least_wet", least_wet, unit::none, range_above_to(0, 0.1),
+             "Share of a cube below which its liquid counts as none.");
+    d.number("least_gap", least_gap, unit::none, range_above_to(0, 0.5),
+             "Share of a stress' cube outside of solids below which the liquid beside it moves with the solid: walls are "
+             "out of place by at most this share of the spacing, and smaller ones make slivers of liquid stiffer.");
+    d.number("normal_layer", normal_layer, unit::none, range_above_to(0, 1),
+             "Surfaces with slip resist flow across them as a layer of liquid of this thickness would, in grid widths.");
 }
 
 void CorrectionOptions::declare(Declaration& d) {

@@ -1,5 +1,6 @@
 #pragma once
 #include "grid/mac_grid.hpp"
+#include "grid/options.hpp"
 #include "mpi/cell_halo.hpp"
 #include "rigid/bodies.hpp"
 #include "solve/krylov.hpp"
@@ -8,36 +9,6 @@
 #include <memory>
 
 namespace treacle::grid {
-
-// How bodies and liquid feel each other's viscous forces (dissertation 5.3.4).
-enum class ViscousCoupling {
-    strong,  // the bodies' velocities are unknowns beside those of the faces
-    weak,    // the liquid sees the bodies' motion as prescribed; its forces then move the bodies, implicit in their velocity
-    one_way, // bodies feel nothing
-};
-
-enum class ViscousPreconditioner {
-    rigid_multilevel, // solve/rigid_multilevel.hpp
-    component_amg,    // one BoomerAMG for each component of the velocity
-    jacobi,
-    ic0,
-    gamg, // PETSc's smoothed aggregation on the whole system
-};
-
-struct ViscosityOptions {
-    ViscousPreconditioner preconditioner = ViscousPreconditioner::rigid_multilevel;
-    ViscousCoupling coupling = ViscousCoupling::strong;
-    double residual = 1e-8; // relative to the right-hand side
-    int max_iterations = 1000;
-    // Liquid of a smaller share of a cube than this is none: what clipping leaves of round-off.
-    double least_wet = 1e-6;
-    // A stress whose cube has a smaller share outside of solids than this stands for a layer too thin to slide: the faces
-    // beside it move with the solid. The wall is so misplaced by at most this share of dx; stresses grow with its inverse.
-    double least_gap = 0.01;
-    // Slip surfaces resist flow across them as a layer of liquid of this thickness would, in dx: a penalty in their
-    // viscosity's own unit.
-    double normal_layer = 0.02;
-};
 
 // Dynamic viscosity [Pa s] at the centres of cells and at edges, over the window. Plane scenes use edges along z.
 struct Viscosities {
@@ -75,10 +46,10 @@ struct ViscosityReport {
 // which do not strain, and w = K (wet share)/W_F^2 dx^3, K = {2 eta, 2 eta, 2 eta, eta, eta, eta}. Tags: README.
 class Viscosity {
 public:
-    Viscosity(const Comm& comm, ViscosityOptions options);
+    Viscosity(const Comm& comm, ViscosityOptions options, Coupling coupling);
     ~Viscosity();
-    Viscosity(Viscosity&&) noexcept;
-    Viscosity& operator=(Viscosity&&) noexcept;
+    Viscosity(const Viscosity&) = delete; // its state refers to it
+    Viscosity& operator=(const Viscosity&) = delete;
 
     // Collective. `velocity` [m/s] of owned faces with liquid, or beside such, becomes that after dt [s]; of faces held by a
     // solid the solid's. Halo faces are left to the caller. Bodies take their new velocities (rigid::RigidBodies::push).
@@ -96,6 +67,7 @@ private:
     struct State;
     Comm comm_;
     ViscosityOptions options_;
+    Coupling coupling_;
     std::unique_ptr<State> state_;
 };
 
