@@ -28,7 +28,7 @@ void PressureOptions::declare(Declaration& d) {
     declare_solve(d, preconditioner, residual, max_iterations);
     d.number("least_distance", least_distance, unit::none, range_between(1e-6, 0.5),
              "Least distance along an axis, in grid widths, that a cell's centre is taken to have from the liquid's "
-             "surface (theta of the ghost fluid method): smaller ones make the matrix stiff and change little.");
+             "surface (theta of the ghost fluid method). Liquid at rest below a surface along no axis moves where it counts.");
     d.number("least_opening", least_opening, unit::none, range_between(0, 0.5),
              "Share of a face's area that solids leave open below which the face is closed: what passes smaller ones "
              "counts for nothing, and pressures behind them come out of differences of small numbers.");
@@ -71,13 +71,6 @@ void GridOptions::declare(Declaration& d) {
              "Grid widths that the fastest liquid or body moves in a step at most.");
     d.integer("particles_per_axis", particles_per_axis, range_between(1, 4),
               "Particles along each edge of a full cell at the start: 2 make 8 in space.");
-    d.choice("fractions", fractions,
-             {{"consistent", FractionRule::consistent},
-              {"independent", FractionRule::independent},
-              {"supersampled", FractionRule::supersampled}},
-             "Shares of liquid and solid around faces, edges and centres: summed from the parts of a grid of half the "
-             "width, so that all have one volume (dissertation, 5.3.3); or, to compare with, each from the level sets at "
-             "its own corners, or from points inside of it.");
     d.choice("coupling", coupling,
              {{"strong", Coupling::strong}, {"weak", Coupling::weak}, {"one_way", Coupling::one_way}},
              "Dynamic bodies as unknowns beside the liquid; or, to compare with, bodies that feel the forces of a liquid "

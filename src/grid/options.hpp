@@ -6,11 +6,6 @@ class Declaration;
 
 namespace treacle::grid {
 
-enum class FractionRule {
-    consistent,  // all from the parts of one grid of half the width (dissertation 5.3.3)
-    independent, // each cube by itself, from the level sets at its corners
-    supersampled // shares of points inside
-};
 enum class Coupling {
     strong, // bodies' velocities are unknowns beside the liquid's
     weak,   // the liquid takes bodies as they move, and they take its forces afterwards
@@ -27,7 +22,7 @@ struct PressureOptions {
     Preconditioner preconditioner = Preconditioner::multilevel;
     double residual = 1e-8; // relative
     int max_iterations = 1000;
-    double least_distance = 0.01; // of a cell's centre from the surface, in widths (ghost fluid)
+    double least_distance = 1e-4; // of a cell's centre from the surface, in widths (ghost fluid)
     double least_opening = 0.01;  // share of a face's area below which it is closed
 
     void declare(Declaration& d);
@@ -60,7 +55,6 @@ struct CorrectionOptions {
 struct GridOptions {
     double cfl = 3;             // widths that the fastest particle moves in a step
     int particles_per_axis = 2; // of a cell at the start
-    FractionRule fractions = FractionRule::consistent;
     Coupling coupling = Coupling::strong;
     bool second_projection = true; // pressure before and after the viscosity, or before it only
     PressureOptions pressure;

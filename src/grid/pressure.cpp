@@ -1,0 +1,196 @@
+#include "grid/pressure.hpp"
+
+#include "base/error.hpp"
+
+#include <cmath>
+
+namespace treacle::grid {
+
+namespace {
+solve::Preconditioner translate(Preconditioner kind) {
+    switch (kind) {
+    case Preconditioner::boomeramg: return solve::Preconditioner::boomeramg;
+    case Preconditioner::gamg: return solve::Preconditioner::gamg;
+    case Preconditioner::incomplete_cholesky: return solve::Preconditioner::ic0;
+    case Preconditioner::jacobi: return solve::Preconditioner::jacobi;
+    case Preconditioner::multilevel: break; // the solver asks the hierarchy
+    }
+    return solve::Preconditioner::ic0;
+}
+
+// sigma kappa, kappa the divergence of the distance's unit gradient, at most that of a drop of one cell.
+struct JumpLoop {
+    PressureFaces faces;
+    CellBox cells;
+    double dx, tension;
+    Array<double> jump;
+
+    KOKKOS_INLINE_FUNCTION void operator()(int i) const {
+        int c[3];
+        cells.cell(i, c);
+        const auto at = static_cast<std::size_t>(faces.window.index(c[0], c[1], c[2]));
+        const auto& d = faces.distance;
+        double first[3] = {0, 0, 0}, second[3] = {0, 0, 0}, mixed[3] = {0, 0, 0};
+        for (int a = 0; a < faces.dimensions; ++a) {
+            const auto s = static_cast<std::size_t>(faces.stride[a]);
+            const auto t = static_cast<std::size_t>(faces.stride[(a + 1) % 3]);
+            first[a] = (d(at + s) - d(at - s)) / (2 * dx);
+            second[a] = (d(at + s) - 2 * d(at) + d(at - s)) / (dx * dx);
+            if ((a + 1) % 3 >= faces.dimensions) continue;
+            mixed[a] = (d(at + s + t) - d(at + s - t) - d(at - s + t) + d(at - s - t)) / (4 * dx * dx);
+        }
+        const double slope2 = first[0] * first[0] + first[1] * first[1] + first[2] * first[2];
+        double sum = 0;
+        for (int a = 0; a < 3; ++a) {
+            const int b = (a + 1) % 3;
+            sum += second[a] * (slope2 - first[a] * first[a]) - 2 * first[a] * first[b] * mixed[a];
+        }
+        const double least = 1e-12;
+        const double curvature = sum / math::max(slope2 * math::sqrt(slope2), least);
+        const double most = (faces.dimensions - 1) / dx;
+        jump(at) = tension * math::max(-most, math::min(curvature, most));
+    }
+};
+
+CellBox grown(const CellBox& box, int by, int dimensions) {
+    CellBox out = box;
+    for (int k = 0; k < dimensions; ++k) {
+        out.lo[k] -= by;
+        out.hi[k] += by;
+    }
+    return out;
+}
+} // namespace
+
+Pressure::Pressure(const Comm& comm, const PressureOptions& options, Coupling coupling, int dimensions)
+    : comm_(comm), options_(options), coupling_kind_(coupling), multilevel_(comm, {}),
+      solver_(comm, "pressure", krylov(dimensions)) {}
+
+solve::KrylovOptions Pressure::krylov(int dimensions) {
+    solve::KrylovOptions out;
+    out.preconditioner = translate(options_.preconditioner);
+    out.max_iterations = options_.max_iterations;
+    out.strong_threshold = dimensions == 3 ? 0.5 : 0.25;
+    if (options_.preconditioner == Preconditioner::multilevel) {
+        out.user = {[this](std::span<const double> r, std::span<double> z) { multilevel_.apply(r, z); },
+                    [this](solve::Matrix& matrix) {
+                        const auto cells = system_.aggregates();
+                        solve::MultilevelCells where;
+                        where.cells = cells;
+                        multilevel_.set_up(matrix, where);
+                    }};
+    }
+    return out;
+}
+
+void Pressure::find_jumps(const PressureScene& scene) {
+    reserve(jump_, static_cast<std::size_t>(scene.halo.window().size()));
+    if (scene.halo.owned().empty()) return;
+    auto faces = pressure_faces(scene.halo.window(), scene.grid.dimensions);
+    faces.distance = scene.distance;
+    const CellBox cells = grown(scene.halo.owned(), 1, scene.grid.dimensions);
+    Kokkos::parallel_for("treacle::surface_tension", static_cast<int>(cells.size()),
+                         JumpLoop{faces, cells, scene.grid.dx, scene.surface_tension, jump_});
+}
+
+// (P1)-(P3)
+void Pressure::build(const PressureScene& scene) {
+    grid_ = &scene.grid;
+    halo_ = &scene.halo;
+    density_ = scene.density;
+    auto faces = pressure_faces(scene.halo.window(), scene.grid.dimensions);
+    faces.area = scene.fractions.open;
+    faces.distance = scene.distance;
+    faces.least_distance = options_.least_distance;
+    faces.least_opening = options_.least_opening;
+    faces.has_jump = scene.surface_tension > 0;
+    if (faces.has_jump) find_jumps(scene);
+    faces.jump = jump_;
+    matrix_.reset();
+    system_.assemble(comm_, scene.halo, faces);
+    update_motion(scene.bodies, scene.grid, motion_);
+    coupling_.build(system_, scene.grid, scene.fractions.face_fluid, scene.shares, motion_);
+    host_ = system_.to_host();
+    const auto blocks = system_.blocks(host_);
+    const auto rows = static_cast<std::size_t>(system_.rows());
+    components_.anchor(comm_, blocks, {host_.to_surface.data(), rows}, coupling_, scene.bodies);
+    matrix_.emplace(comm_, blocks);
+    const bool strong = coupling_kind_ == Coupling::strong && scene.bodies.any_dynamic();
+    if (strong) mobility_ = scene.bodies.mobility();
+    const double mass = density_ * std::pow(scene.grid.dx, scene.grid.dimensions);
+    matrix_->set_addition([this, strong, mass](std::span<const double> x, std::span<double> y) {
+        if (strong) coupling_.add_response(comm_, mobility_, mass, x, y);
+        for (const auto& [row, value] : components_.lifted()) {
+            y[static_cast<std::size_t>(row)] -= value * x[static_cast<std::size_t>(row)];
+        }
+    });
+    least_residual_ = 0;
+    const auto places = static_cast<std::size_t>(scene.halo.window().size());
+    reserve(right_hand_side_, rows);
+    reserve(solution_, rows);
+    reserve(found_, places);
+    reserve(pressures_, places);
+    Kokkos::deep_copy(pressures_, 0.0);
+}
+
+solve::SolveReport Pressure::solve(std::span<double> b, std::span<double> x) {
+    double norm = 0;
+    for (const double value : b) norm += value * value;
+    // The second projection of a step need not be more accurate than the first.
+    least_residual_ = std::max(least_residual_, options_.residual * std::sqrt(comm_.sum(norm)));
+    std::fill(x.begin(), x.end(), 0.0);
+    const auto report =
+        solver_.solve(*matrix_, b, x, solve::ConvergenceTest::residual(options_.residual, least_residual_));
+    if (report.converged()) return report;
+    throw SimulationError({"pressure solve", report.reason,
+                           "after " + std::to_string(report.iterations) + " iterations on " +
+                               std::to_string(system_.global_rows()) + " unknowns",
+                           "take a smaller time step, or another method.pressure.preconditioner"});
+}
+
+void Pressure::collect(const Array<double>& found) {
+    const auto sum = pressures_;
+    const auto window = halo_->window(), owned = halo_->owned();
+    Kokkos::parallel_for("treacle::sum_pressures", static_cast<int>(owned.size()), KOKKOS_LAMBDA(int i) {
+        int c[3];
+        owned.cell(i, c);
+        const int at = window.index(c[0], c[1], c[2]);
+        sum(at) += found(at);
+    });
+}
+
+// (P4)
+PressureReport Pressure::project(const FaceField& velocity, rigid::RigidBodies& bodies, double dt, Surface surface) {
+    PressureReport report;
+    report.unknowns = system_.global_rows();
+    report.closed = components_.closed();
+    const double scale = density_ * grid_->dx / dt;
+    const auto rows = static_cast<std::size_t>(system_.rows());
+    auto faces = system_.faces();
+    faces.has_jump = faces.has_jump && surface == Surface::tense;
+    divergence(faces, system_, velocity, scale, right_hand_side_);
+    update_motion(bodies, *grid_, motion_);
+    coupling_.subtract_flux(motion_, scale, right_hand_side_);
+
+    const auto b = on_host(right_hand_side_);
+    const auto x = on_host(solution_);
+    const std::span<double> pressures{x.data(), rows};
+    report.unbalanced = components_.balance(comm_, {b.data(), rows});
+    report.solve = solve({b.data(), rows}, pressures);
+    report.loads = coupling_.loads(comm_, pressures);
+    if (coupling_kind_ != Coupling::one_way && bodies.any_dynamic()) bodies.push(report.loads, dt);
+
+    Kokkos::deep_copy(solution_, x);
+    system_.to_cells(solution_, found_);
+    halo_->gather({found_});
+    subtract_gradient(faces, halo_->owned(), found_, scale, velocity);
+    collect(found_);
+    return report;
+}
+
+std::size_t Pressure::bytes() const {
+    return system_.bytes() + coupling_.bytes() + multilevel_.bytes() +
+           8 * (jump_.span() + right_hand_side_.span() + solution_.span() + found_.span() + pressures_.span());
+}
+
+} // namespace treacle::grid

@@ -1,0 +1,82 @@
+#pragma once
+#include "grid/options.hpp"
+#include "grid/pressure_components.hpp"
+#include "solve/krylov.hpp"
+
+#include <optional>
+
+namespace treacle::grid {
+
+// What a pressure solve is about; arrays over the window of the halo, current one cell around the owned ones, with
+// surface tension distances two cells.
+struct PressureScene {
+    const MacGrid& grid;
+    CellHalo& halo;
+    const Array<double>& distance; // [m] of cell centres from the liquid's surface, < 0 inside
+    const Fractions& fractions;    // open, face_fluid
+    const FaceShares& shares;      // not looked at without bodies
+    const rigid::RigidBodies& bodies;
+    double density = 0;            // [kg/m3]
+    double surface_tension = 0;    // [N/m]
+};
+
+struct PressureReport {
+    solve::SolveReport solve;
+    std::int64_t unknowns = 0; // over all ranks
+    int closed = 0;            // parts of the liquid that no surface ends
+    double unbalanced = 0;     // largest share of the fluxes into one of them that had to be left out
+    std::vector<double> loads; // on the bodies, 6 numbers each [N], [N m]
+};
+
+// The projection of velocities onto those without divergence (README.md). build() once a step, project() after every
+// change of the velocities.
+class Pressure {
+public:
+    Pressure(const Comm& comm, const PressureOptions& options, Coupling coupling, int dimensions);
+
+    // Collective: the matrix, for the liquid, solids and bodies where they are.
+    void build(const PressureScene& scene);
+
+    enum class Surface { tense, relaxed }; // the pressure of surface tension acts, or has acted already
+    // Collective. Velocities must be current one cell around the owned ones, and only those of owned faces are written.
+    // Pushes the bodies, as the coupling says. Adds to pressures(). SimulationError when the solve fails.
+    PressureReport project(const FaceField& velocity, rigid::RigidBodies& bodies, double dt,
+                           Surface surface = Surface::tense);
+
+    // [window] sum of the step's pressures at the centres [Pa], 0 outside of the liquid; of owned cells.
+    const Array<double>& pressures() const { return pressures_; }
+    const PressureSystem& system() const { return system_; }
+    solve::Matrix& matrix() { return *matrix_; }
+    std::size_t bytes() const;
+
+    // Parts of the above; not private, since nvcc takes no kernel in a private function.
+    void find_jumps(const PressureScene& scene);
+    void collect(const Array<double>& found);
+
+private:
+    solve::KrylovOptions krylov(int dimensions);
+    solve::SolveReport solve(std::span<double> b, std::span<double> x);
+
+    Comm comm_;
+    PressureOptions options_;
+    Coupling coupling_kind_;
+    solve::Multilevel multilevel_;
+    solve::KrylovSolver solver_;
+    PressureSystem system_;
+    PressureSystem::Host host_;
+    PressureCoupling coupling_;
+    PressureComponents components_;
+    std::optional<solve::Matrix> matrix_;
+    rigid::Mobility mobility_;
+    BodyMotion motion_;
+    const MacGrid* grid_ = nullptr;
+    CellHalo* halo_ = nullptr;
+    double density_ = 0, least_residual_ = 0;
+    Array<double> jump_{"treacle::pressure_jump", 0};
+    Array<double> right_hand_side_{"treacle::pressure_source", 0};
+    Array<double> solution_{"treacle::pressure_solution", 0};
+    Array<double> found_{"treacle::pressure_found", 0};
+    Array<double> pressures_{"treacle::pressures", 0};
+};
+
+} // namespace treacle::grid

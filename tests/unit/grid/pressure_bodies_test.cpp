@@ -1,0 +1,195 @@
+#include "pressure_sample.hpp"
+
+#include <gtest/gtest.h>
+
+namespace treacle::grid {
+namespace {
+
+constexpr double dt = 1e-2; // [s]
+const Vec3 gravity{0, 0, -9.81};
+
+double from(const Vec3& centre, const Vec3& x) {
+    double sum = 0;
+    for (std::size_t k = 0; k < 3; ++k) sum += (x[k] - centre[k]) * (x[k] - centre[k]);
+    return std::sqrt(sum);
+}
+
+rigid::BodySetup free_body(const Vec3& centre, double mass, double radius) {
+    rigid::BodySetup body;
+    body.kind = scene::BodyKind::dynamic;
+    body.centre = centre;
+    body.mass = mass;
+    for (std::size_t k = 0; k < 3; ++k) body.inertia[k][k] = 0.4 * mass * radius * radius;
+    body.reach = radius;
+    return body;
+}
+
+// An egg in a pool, and its mass over that of the liquid it displaces.
+PressureSample egg_in_a_pool(double ratio) {
+    PressureSample sample;
+    sample.options.residual = 1e-13;
+    sample.liquid = [](const Vec3& x) { return x[2] - 0.81; };
+    const Vec3 centre{0.47, 0.52, 0.43};
+    const double radius = 0.2;
+    sample.body = [=](const Vec3& x) {
+        const Vec3 squeezed{centre[0] + 0.8 * (x[0] - centre[0]) + 0.3 * (x[2] - centre[2]), x[1], x[2]};
+        return from(centre, squeezed) - radius;
+    };
+    sample.bodies.bodies = {free_body(centre, ratio * 1000 / 0.8 * 4.0 / 3 * math::pi * radius * radius * radius, radius)};
+    sample.bodies.gravity = gravity;
+    sample.bodies.spacing = 1.0 / sample.cells;
+    return sample;
+}
+
+class BodiesInLiquid : public testing::Test {
+protected:
+    const Comm comm = Comm::world();
+};
+
+// The volume that the body takes of the faces across z.
+double displaced(const PressureCase& test) {
+    double sum = 0;
+    test.each_owned([&](std::size_t at, const int*) {
+        const auto& of = test.shares[2];
+        for (int k = of.first(at); k < of.first(at + 1); ++k) sum += of.share(static_cast<std::size_t>(k));
+    });
+    return test.decomposition.comm().sum(sum) * std::pow(test.grid.dx, 3);
+}
+
+TEST_F(BodiesInLiquid, AsHeavyAsItFloatAtRest) {
+    auto sample = egg_in_a_pool(1);
+    sample.bodies.bodies[0].mass = 1000 * displaced(PressureCase(comm, sample));
+    sample.bodies.bodies[0].locked = {false, false, false, true, true, true}; // its shares' middle is not its centre
+    PressureCase test(comm, sample);
+    test.bodies.begin(dt);
+    test.bodies.fall(dt);
+    test.build();
+    test.accelerate(gravity, dt);
+    test.project(dt);
+    EXPECT_LT(test.max_speed(), 1e-9);
+    EXPECT_LT(std::fabs(test.bodies.velocity(0)[2]), 1e-9);
+}
+
+// All that moves: momenta of faces by the mass that the projection gives them, A theta rho dx^3, and of the body.
+std::array<double, 6> momentum(const PressureCase& test) {
+    std::array<double, 6> sum{};
+    const auto& faces = test.pressure.system().faces();
+    test.each_owned([&](std::size_t at, const int c[3]) {
+        for (int a = 0; a < test.grid.dimensions; ++a) {
+            const auto before = test.below(a, at);
+            if (!test.wet(at) && !test.wet(before)) continue;
+            double mass = 1000 * std::pow(test.grid.dx, 3) * faces.open(a, at);
+            if (!test.wet(at)) mass *= faces.wet_share(before, at);
+            if (!test.wet(before)) mass *= faces.wet_share(at, before);
+            add_load(a, test.face(a, c).data(), mass * test.velocity.axis[a](at), sum.data());
+        }
+    });
+    test.decomposition.comm().sum(std::span(sum));
+    const auto body = test.bodies.momentum();
+    for (std::size_t k = 0; k < 6; ++k) sum[k] += body[k];
+    return sum;
+}
+
+TEST_F(BodiesInLiquid, ChangeNoMomentumTogether) {
+    for (const double ratio : {0.1, 1.0, 7.0}) {
+        auto sample = egg_in_a_pool(ratio);
+        // A blob around the egg, nowhere near the walls.
+        sample.liquid = [](const Vec3& x) { return from({0.5, 0.5, 0.45}, x) - 0.39; };
+        sample.bodies.bodies[0].velocity = {0.3, -1, 0.2};
+        sample.bodies.bodies[0].angular_velocity = {2, 1, -3};
+        PressureCase test(comm, sample);
+        test.bodies.begin(dt);
+        test.build();
+        test.set_velocity([](int a, const Vec3& x) { return 0.5 + noise(a, x); });
+        const auto before = momentum(test);
+        test.project(dt);
+        const auto after = momentum(test);
+        // Round-off, and the solve's residual.
+        for (std::size_t k = 0; k < 6; ++k) EXPECT_NEAR(after[k], before[k], 1e-10 * 1000 * 0.2) << ratio << " " << k;
+    }
+}
+
+TEST_F(BodiesInLiquid, LeaveNoDivergenceByTheVelocitiesTheyGet) {
+    auto sample = egg_in_a_pool(0.2);
+    sample.bodies.bodies[0].velocity = {0.3, -1, 0.2};
+    PressureCase test(comm, sample);
+    test.bodies.begin(dt);
+    test.build();
+    test.set_velocity(noise);
+    test.project(dt);
+    test.halo.gather({test.velocity.axis[0], test.velocity.axis[1], test.velocity.axis[2]});
+    // A second projection finds nothing to do.
+    const auto again = test.project(dt);
+    EXPECT_EQ(again.solve.iterations, 0);
+}
+
+TEST_F(BodiesInLiquid, AreTheSameOnOneRankAndOnAll) {
+    auto sample = egg_in_a_pool(0.4);
+    PressureCase together(comm, sample), alone(Comm::self(), sample);
+    for (auto* test : {&together, &alone}) {
+        test->bodies.begin(dt);
+        test->build();
+        test->set_velocity(noise);
+        test->project(dt);
+    }
+    for (std::size_t k = 0; k < 3; ++k) {
+        EXPECT_NEAR(together.bodies.velocity(0)[k], alone.bodies.velocity(0)[k], 1e-9); // the residuals
+        EXPECT_NEAR(together.bodies.spin(0)[k], alone.bodies.spin(0)[k], 1e-9);
+    }
+}
+
+TEST_F(BodiesInLiquid, FeelNothingInOneWayCoupling) {
+    auto sample = egg_in_a_pool(0.2);
+    sample.coupling = Coupling::one_way;
+    PressureCase test(comm, sample);
+    test.bodies.begin(dt);
+    test.bodies.fall(dt);
+    test.build();
+    test.accelerate(gravity, dt);
+    test.project(dt);
+    EXPECT_DOUBLE_EQ(test.bodies.velocity(0)[2], gravity[2] * dt);
+}
+
+TEST_F(BodiesInLiquid, TooLightAreThrownByWeakCouplingAndNotByStrong) {
+    for (const auto coupling : {Coupling::weak, Coupling::strong}) {
+        auto sample = egg_in_a_pool(0.05);
+        sample.coupling = coupling;
+        PressureCase test(comm, sample);
+        test.bodies.begin(dt);
+        test.bodies.fall(dt);
+        test.build();
+        test.accelerate(gravity, dt);
+        test.project(dt);
+        const double rise = test.bodies.velocity(0)[2] / (-gravity[2] * dt);
+        // Alone it would rise with (1 - 0.05) / 0.05 g; with the liquid that it must move, below (1 - 0.05) / (0.05 + 1/2) g.
+        if (coupling == Coupling::weak) { EXPECT_GT(rise, 5); }
+        if (coupling == Coupling::strong) { EXPECT_LT(rise, 1.8); }
+        EXPECT_GT(rise, 0.5);
+    }
+}
+
+// A piston without weight of its own closes a box of liquid: the constant of the pressure carries it.
+TEST_F(BodiesInLiquid, ThatCloseABoxAreCarriedByTheConstantOfThePressure) {
+    PressureSample sample;
+    sample.options.residual = 1e-13;
+    const double level = 0.71;
+    sample.liquid = [=](const Vec3& x) { return x[2] - level - 0.02; };
+    sample.body = [=](const Vec3& x) { return level - x[2]; };
+    sample.bodies.bodies = {free_body({0.5, 0.5, 0.9}, 250, 0.2)};
+    sample.bodies.bodies[0].locked = {true, true, false, true, true, true};
+    sample.bodies.gravity = gravity;
+    sample.bodies.spacing = 1.0 / sample.cells;
+    PressureCase test(comm, sample);
+    test.bodies.begin(dt);
+    test.bodies.fall(dt);
+    test.build();
+    test.accelerate(gravity, dt);
+    const auto report = test.project(dt);
+    EXPECT_EQ(report.closed, 1);
+    EXPECT_LT(std::fabs(test.bodies.velocity(0)[2]), 1e-9);
+    EXPECT_LT(test.max_speed(), 1e-9);
+    EXPECT_NEAR(report.loads[2], 250 * 9.81, 1e-5);
+}
+
+} // namespace
+} // namespace treacle::grid
