@@ -9,8 +9,8 @@ void update_motion(const rigid::RigidBodies& bodies, const MacGrid& grid, BodyMo
     auto host = Kokkos::create_mirror_view(motion.frame);
     for (std::size_t b = 0; b < bodies.size(); ++b) {
         const auto& centre = bodies.pose(b).centre;
-        const auto& velocity = bodies.velocity(b);
-        const auto spin = bodies.spin(b);
+        const Vec3 velocity = bodies.moves(b) ? bodies.velocity(b) : Vec3{0, 0, 0};
+        const Vec3 spin = bodies.moves(b) ? bodies.spin(b) : Vec3{0, 0, 0};
         for (std::size_t k = 0; k < 3; ++k) {
             host(BodyMotion::width * b + k) = centre[k];
             host(BodyMotion::width * b + 3 + k) = velocity[k];

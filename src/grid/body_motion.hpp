@@ -25,6 +25,12 @@ struct BodyMotion {
         const int at = width * body, b = (axis + 1) % 3, c = (axis + 2) % 3;
         return frame(at + 3 + axis) + frame(at + 6 + b) * r[c] - frame(at + 6 + c) * r[b];
     }
+    // Of solid `number` (Solids::number) at x; sides of the domain rest.
+    KOKKOS_INLINE_FUNCTION void velocity(int number, const double x[3], double u[3]) const {
+        double r[3] = {0, 0, 0};
+        if (number >= 0) arm(number, x, r);
+        for (int k = 0; k < 3; ++k) u[k] = number < 0 ? 0.0 : velocity(number, k, r);
+    }
 };
 
 // Adds what a unit force along the axis at r from the centre is as a load: force, and torque about the centre. The

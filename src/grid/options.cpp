@@ -45,32 +45,58 @@ void ViscosityOptions::declare(Declaration& d) {
              "Surfaces with slip resist flow across them as a layer of liquid of this thickness would, in grid widths.");
 }
 
-void CorrectionOptions::declare(Declaration& d) {
-    d.choice("rule", rule,
-             {{"density", CorrectionRule::density},
-              {"distance", CorrectionRule::distance},
-              {"none", CorrectionRule::none}},
-             "What spreads particles evenly after they have moved: constraints on their density (dissertation, 5.3.5), on "
-             "their distances (Ando & Tsuruno 2011), or nothing.");
-    d.integer("every", every, range_at_least(1), "Steps from one correction to the next.");
-    d.number("tolerance", tolerance, unit::none, range_above_to(0, 1),
-             "Largest density error at which a correction ends, as a share of the rest density.");
-    d.integer("max_iterations", max_iterations, range_at_least(1), "Most iterations of a correction.");
-    d.number("least_scale", least_scale, unit::none, range_above(0),
-             "Factor on what particles at solids move (alpha_min of 5.3.5); it grows with the distance in grid widths.");
-    d.number("largest_scale", largest_scale, unit::none, range_above(0),
-             "Factor on what particles far from solids move (alpha_max of 5.3.5).");
-    d.check(largest_scale >= least_scale, "largest_scale",
-            {"must not be below least_scale", "the factor grows from the one to the other", "1 and 5 are the dissertation's"});
-    d.number("largest_move", largest_move, unit::none, range_above_to(0, 1),
-             "Most that a correction moves a particle, in grid widths, which bounds the potential energy that it adds.");
+namespace {
+void declare_advection(Declaration& d, AdvectionOptions& options) {
+    d.choice("scheme", options.scheme,
+             {{"euler", AdvectionScheme::euler},
+              {"ralston2", AdvectionScheme::ralston2},
+              {"ralston3", AdvectionScheme::ralston3}},
+             "Runge-Kutta scheme of order 1, 2 or 3 by which particles follow the velocities of a step.");
+    d.number("clearance", options.clearance, unit::none, range_between(0, 0.5),
+             "Least distance of particles from solids, in grid widths: nearer ones are pushed off.");
+    d.number("leak_depth", options.leak_depth, unit::none, range_above(0),
+             "Depth in a solid, in grid widths, from which a particle is lost.");
 }
 
+void declare_correction(Declaration& d, GridOptions& options) {
+    auto& c = options.correction;
+    d.choice("method", c.method,
+             {{"density", PositionMethod::density},
+              {"distance", PositionMethod::distance},
+              {"none", PositionMethod::none}},
+             "What spreads particles evenly after they have moved: constraints on their density (dissertation, 5.3.5), on "
+             "their distances (Ando & Tsuruno 2011), or nothing.");
+    d.integer("every", options.correction_every, range_at_least(1), "Steps from one correction to the next.");
+    d.integer("iterations", c.iterations, range_at_least(1), "Most iterations of a correction.");
+    d.number("tolerance", c.tolerance, unit::none, range_above_to(0, 1),
+             "Largest density error at which a correction ends, as a share of the rest density.");
+    d.number("relaxation", c.relaxation, unit::none, range_above_to(0, 10),
+             "Factor on each iteration's moves; 1 to 5 where only own constraints count.");
+    d.boolean("neighbour_constraints", c.neighbour_constraints,
+              "Whether the neighbours' constraints move a particle as well (Macklin & Mueller 2013), or its own alone.");
+    d.number("softness", c.softness, unit::none, range_at_least(0),
+             "Softness of the constraints, as a share of the sum of squared gradients within a lattice.");
+    d.number("scale_min", c.scale_min, unit::none, range_above(0),
+             "Factor on what particles at solids move (alpha_min of 5.3.5); it grows with the distance in grid widths.");
+    d.number("scale_max", c.scale_max, unit::none, range_above(0),
+             "Factor on what particles far from solids move (alpha_max of 5.3.5).");
+    d.check(c.scale_max >= c.scale_min, "scale_max",
+            {"must not be below scale_min", "the factor grows from the one to the other", "1 and 5 are the dissertation's"});
+    d.number("cap", c.cap, unit::none, range_above_to(0, 1),
+             "Most that a correction moves a particle, in grid widths, which bounds the potential energy that it adds.");
+}
+} // namespace
+
 void GridOptions::declare(Declaration& d) {
-    d.number("cfl", cfl, unit::none, range_above_to(0, 10),
+    d.number("cfl", cfl, unit::none, range_above_to(0, 3).because("arrays reach three cells beyond a rank's own", "take 3"),
              "Grid widths that the fastest liquid or body moves in a step at most.");
-    d.integer("particles_per_axis", particles_per_axis, range_between(1, 4),
-              "Particles along each edge of a full cell at the start: 2 make 8 in space.");
+    d.choice("fractions", fractions,
+             {{"consistent", FractionMethod::consistent},
+              {"independent", FractionMethod::independent},
+              {"supersampled", FractionMethod::supersampled}},
+             "Shares of liquid and solid around faces, edges and centres: summed from the parts of a grid of half the "
+             "width, so that all have one volume (dissertation, 5.3.3); or, to compare with, each from the level sets at "
+             "its own corners, or from points inside of it.");
     d.choice("coupling", coupling,
              {{"strong", Coupling::strong}, {"weak", Coupling::weak}, {"one_way", Coupling::one_way}},
              "Dynamic bodies as unknowns beside the liquid; or, to compare with, bodies that feel the forces of a liquid "
@@ -79,7 +105,9 @@ void GridOptions::declare(Declaration& d) {
               "Whether the pressure is solved for again after the viscosity, which leaves velocities with a divergence.");
     d.block("pressure", pressure, "The pressure solves.");
     d.block("viscosity", viscosity, "The viscous solve.");
-    d.block("correction", correction, "The correction of the particles' places.");
+    d.block_of("advection", [this](Declaration& inner) { declare_advection(inner, advection); }, "How particles move.");
+    d.block_of("correction", [this](Declaration& inner) { declare_correction(inner, *this); },
+               "The correction of the particles' places.");
     d.integer("band", band, range_between(3, 64),
               "Cells around the liquid that arrays reach over beside it; bodies beyond them are not seen.");
     d.number("rebalance_above", rebalance_above, unit::none, range_at_least(1),

@@ -1,4 +1,7 @@
 #pragma once
+#include "grid/advection.hpp"
+#include "grid/fractions.hpp"
+#include "grid/position_correction.hpp"
 
 namespace treacle {
 class Declaration;
@@ -12,11 +15,6 @@ enum class Coupling {
     one_way // bodies do not feel the liquid
 };
 enum class Preconditioner { multilevel, boomeramg, gamg, incomplete_cholesky, jacobi };
-enum class CorrectionRule {
-    density,  // constraints on the density (dissertation 5.3.5)
-    distance, // on distances (Ando & Tsuruno 2011)
-    none
-};
 
 struct PressureOptions {
     Preconditioner preconditioner = Preconditioner::multilevel;
@@ -39,27 +37,17 @@ struct ViscosityOptions {
     void declare(Declaration& d);
 };
 
-struct CorrectionOptions {
-    CorrectionRule rule = CorrectionRule::density;
-    int every = 1;                  // steps
-    double tolerance = 0.1;         // largest density error, share of the rest density
-    int max_iterations = 10;
-    double least_scale = 1;         // alpha_min of 5.3.5
-    double largest_scale = 5;       // alpha_max
-    double largest_move = 0.1;      // widths, of a particle in a correction
-
-    void declare(Declaration& d);
-};
-
 // Options of the MAC/APIC solver (dissertation, chapter 5), as the block `method` of a scene gives them.
 struct GridOptions {
-    double cfl = 3;             // widths that the fastest particle moves in a step
-    int particles_per_axis = 2; // of a cell at the start
+    double cfl = 3; // widths that liquid and bodies move in a step
+    FractionMethod fractions = FractionMethod::consistent;
     Coupling coupling = Coupling::strong;
     bool second_projection = true; // pressure before and after the viscosity, or before it only
     PressureOptions pressure;
     ViscosityOptions viscosity;
-    CorrectionOptions correction;
+    AdvectionOptions advection;
+    PositionOptions correction;
+    int correction_every = 1;      // steps
     int band = 4;                  // cells of the active block around liquid
     double rebalance_above = 1.15; // largest over mean load of the ranks
 

@@ -9,6 +9,8 @@ namespace {
 // Of a row's own response, what others leave of it when it says nothing new: the square of how far off
 // roundings and gaps put it.
 constexpr double redundant = 1e-9;
+// What is left of a diagonal entry of the response, over the entry, when other motions say the same already.
+constexpr double same_motion = 1e-12;
 
 Vec3 part(std::span<const double> numbers, std::size_t at) {
     return {numbers[at], numbers[at + 1], numbers[at + 2]};
@@ -158,6 +160,38 @@ bool Mobility::can_move(std::size_t body) const {
         if (respond(impulse)[6 * body + k] > redundant * alone(impulse)[6 * body + k]) return true;
     }
     return false;
+}
+
+// Cholesky with the largest pivot first, rows scaled to a unit diagonal, up to the rank.
+std::vector<std::vector<double>> Mobility::columns() const {
+    const std::size_t n = 6 * bodies_.size();
+    std::vector<std::vector<double>> a(n);
+    std::vector<double> scale(n, 0.0), left(n, 0.0), impulse(n, 0.0);
+    for (std::size_t k = 0; k < n; ++k) {
+        impulse[k] = 1;
+        a[k] = respond(impulse);
+        impulse[k] = 0;
+        if (!(a[k][k] > 0)) continue;
+        scale[k] = std::sqrt(a[k][k]);
+        left[k] = 1;
+    }
+    std::vector<std::vector<double>> columns;
+    while (columns.size() < n) {
+        const auto p = static_cast<std::size_t>(std::ranges::max_element(left) - left.begin());
+        if (left[p] <= same_motion) break;
+        std::vector<double> column(n, 0.0);
+        const double pivot = std::sqrt(left[p]);
+        for (std::size_t k = 0; k < n; ++k) {
+            if (left[k] <= 0) continue;
+            double entry = a[p][k] / (scale[k] * scale[p]);
+            for (const auto& other : columns) entry -= other[k] / scale[k] * other[p] / scale[p];
+            column[k] = entry / pivot;
+            left[k] = k == p ? 0 : left[k] - column[k] * column[k];
+            column[k] *= scale[k];
+        }
+        columns.push_back(std::move(column));
+    }
+    return columns;
 }
 
 } // namespace treacle::rigid

@@ -33,6 +33,8 @@ public:
     bool linked(std::size_t body) const { return !linked_.empty() && linked_[body] != 0; }
     // Velocities that impulses give.
     std::vector<double> respond(std::span<const double> impulses) const;
+    // Columns of L, 6 numbers a body, with L L^T this matrix: one for each independent motion that impulses can give.
+    std::vector<std::vector<double>> columns() const;
     // Impulses of the joints while these act.
     std::vector<double> reaction(std::span<const double> impulses) const;
     // Impulses of the joints that change what the rows hold by `changes`, as far as they can.

@@ -35,41 +35,38 @@ void aggregate(Level& level, int halvings, RowOrder order, const CellSet& droppe
     level.group.push_back(static_cast<Index>(runs.size()));
 }
 
-// Numbers the aggregates of all ranks, and finds those that this rank's rows are coupled to.
-void Coarsener::number(const Comm& comm, Level& level) {
-    made_rows_ = level.aggregates();
-    first_made_ = static_cast<Index>(comm.exclusive_sum(std::int64_t{made_rows_}));
-    const auto rows = static_cast<std::size_t>(level.rows);
-    halo_aggregate_.clear();
-    halo_numbers_.clear();
-    halo_keys_.clear();
-    scratch_.resize(rows);
-    if (comm.size() > 1) {
-        for (std::size_t i = 0; i < rows; ++i) {
-            scratch_[i] = level.aggregate[i] < 0 ? -1.0 : double(first_made_ + level.aggregate[i]);
-        }
-        for (const double number : level.halo().gather(scratch_)) {
-            halo_aggregate_.push_back(static_cast<Index>(number));
-            if (number >= 0) halo_numbers_.push_back(static_cast<Index>(number));
-        }
-        std::sort(halo_numbers_.begin(), halo_numbers_.end());
-        halo_numbers_.erase(std::unique(halo_numbers_.begin(), halo_numbers_.end()), halo_numbers_.end());
-        for (auto& number : halo_aggregate_) {
-            if (number < 0) continue;
-            const auto at = std::lower_bound(halo_numbers_.begin(), halo_numbers_.end(), number);
-            number = made_rows_ + static_cast<Index>(at - halo_numbers_.begin());
-        }
+void AggregatePlaces::number(const Comm& comm, Level& level) {
+    own_ = level.aggregates();
+    first_ = static_cast<Index>(comm.exclusive_sum(std::int64_t{own_}));
+    of_halo_.clear();
+    others_.clear();
+    if (comm.size() == 1) return;
+    numbers_.resize(static_cast<std::size_t>(level.rows));
+    for (std::size_t i = 0; i < numbers_.size(); ++i) {
+        numbers_[i] = level.aggregate[i] < 0 ? -1.0 : double(first_ + level.aggregate[i]);
     }
-    slot_.assign(static_cast<std::size_t>(made_rows_) + halo_numbers_.size(), -1);
+    for (const double number : level.halo().gather(numbers_)) {
+        of_halo_.push_back(static_cast<Index>(number));
+        if (number >= 0) others_.push_back(static_cast<Index>(number));
+    }
+    std::sort(others_.begin(), others_.end());
+    others_.erase(std::unique(others_.begin(), others_.end()), others_.end());
+    for (auto& number : of_halo_) {
+        if (number < 0) continue;
+        const auto at = std::lower_bound(others_.begin(), others_.end(), number);
+        number = own_ + static_cast<Index>(at - others_.begin());
+    }
 }
 
-Index Coarsener::global(Index place) const {
-    return place < made_rows_ ? first_made_ + place : halo_numbers_[static_cast<std::size_t>(place - made_rows_)];
+void Coarsener::number(const Comm& comm, Level& level) {
+    places_.number(comm, level);
+    scratch_.resize(static_cast<std::size_t>(level.rows));
+    slot_.assign(places_.size(), -1);
 }
 
 CellKey Coarsener::key_at(const MadeRows& made, Index place) const {
-    return place < made_rows_ ? made.keys[static_cast<std::size_t>(place)]
-                              : halo_keys_[static_cast<std::size_t>(place - made_rows_)];
+    return place < places_.own() ? made.keys[static_cast<std::size_t>(place)]
+                              : halo_keys_[static_cast<std::size_t>(place - places_.own())];
 }
 
 void Coarsener::add(Index place, double value) {
@@ -102,7 +99,7 @@ void Coarsener::sum_rows(const Level& level, Index aggregate) {
         const auto& [key, begin, end] = level.runs[static_cast<std::size_t>(run)];
         for (Index i = begin; i < end; ++i) {
             add_entries(level.own(), level.aggregate, i);
-            add_entries(level.other(), halo_aggregate_, i);
+            add_entries(level.other(), places_.of_halo(), i);
         }
     }
     for (const auto& [place, value] : row_) slot_[static_cast<std::size_t>(place)] = -1;
@@ -110,7 +107,7 @@ void Coarsener::sum_rows(const Level& level, Index aggregate) {
 
 // Columns rise.
 void Coarsener::end_row(MadeRows& made) {
-    for (auto& entry : row_) entry.first = global(entry.first);
+    for (auto& entry : row_) entry.first = places_.global(entry.first);
     std::sort(row_.begin(), row_.end());
     for (const auto& [column, value] : row_) {
         made.matrix.columns.push_back(column);
@@ -137,7 +134,7 @@ void start_rows(const Level& level, MadeRows& made) {
 void Coarsener::make_galerkin(const Comm& comm, Level& level, double divisor, MadeRows& made) {
     number(comm, level);
     start_rows(level, made);
-    for (Index a = 0; a < made_rows_; ++a) {
+    for (Index a = 0; a < places_.own(); ++a) {
         sum_rows(level, a);
         for (auto& entry : row_) entry.second /= divisor;
         // Walls hold a level as much as they hold the rows.
@@ -154,21 +151,21 @@ template <class Work>
 void Coarsener::ask_others(Level& level, const Work& work) {
     const auto around = level.halo().gather(scratch_);
     for (std::size_t k = 0; k < around.size(); ++k) {
-        if (halo_aggregate_[k] >= 0) work(static_cast<std::size_t>(halo_aggregate_[k]), around[k]);
+        if (places_.of_halo()[k] >= 0) work(static_cast<std::size_t>(places_.of_halo()[k]), around[k]);
     }
 }
 
 void Coarsener::find_keys(Level& level) {
     for (std::size_t i = 0; i < scratch_.size(); ++i) scratch_[i] = std::bit_cast<double>(level.keys[i]);
     ask_others(level, [this](std::size_t place, double value) {
-        halo_keys_[place - static_cast<std::size_t>(made_rows_)] = std::bit_cast<CellKey>(value);
+        halo_keys_[place - static_cast<std::size_t>(places_.own())] = std::bit_cast<CellKey>(value);
     });
 }
 
 // Means of the aggregates.
 void Coarsener::find_densities(Level& level, std::span<const double> densities) {
     densities_.assign(slot_.size(), 0.0);
-    for (Index a = 0; a < made_rows_; ++a) {
+    for (Index a = 0; a < places_.own(); ++a) {
         const auto at = static_cast<std::size_t>(a);
         double sum = 0;
         Index rows = 0;
@@ -188,7 +185,7 @@ void Coarsener::find_densities(Level& level, std::span<const double> densities) 
 void Coarsener::make_grid(const Comm& comm, Level& level, const GridRule& rule, MadeRows& made) {
     number(comm, level);
     start_rows(level, made);
-    halo_keys_.assign(halo_numbers_.size(), 0);
+    halo_keys_.assign(places_.others(), 0);
     densities_.clear();
     const bool several = comm.any(!rule.densities.empty());
     if (comm.size() > 1) find_keys(level);
@@ -196,7 +193,7 @@ void Coarsener::make_grid(const Comm& comm, Level& level, const GridRule& rule, 
         find_densities(level, rule.densities);
         if (comm.size() > 1) ask_others(level, [this](std::size_t place, double value) { densities_[place] = value; });
     }
-    for (Index a = 0; a < made_rows_; ++a) {
+    for (Index a = 0; a < places_.own(); ++a) {
         sum_rows(level, a);
         const CellKey here = made.keys[static_cast<std::size_t>(a)];
         double diagonal = made.walls.empty() ? 0.0 : made.walls[static_cast<std::size_t>(a)];

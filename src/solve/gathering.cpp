@@ -8,6 +8,8 @@
 namespace treacle::solve {
 
 namespace {
+constexpr int gathered_ranks = 8;
+
 template <class T>
 void put(std::vector<char>& bytes, const std::vector<T>& values) {
     const std::uint64_t count = values.size();
@@ -40,9 +42,16 @@ void append(MadeRows& made, CellSet& dropped, const std::vector<char>& bytes) {
     get(bytes, at, made.matrix.values);
     get(bytes, at, made.keys);
     get(bytes, at, made.walls);
+    get(bytes, at, made.centres);
     get(bytes, at, dropped);
 }
 } // namespace
+
+int Gathering::wider(const Comm& comm, int stride, std::int64_t rows, std::int64_t rows_wanted) {
+    const auto holders = [&] { return (comm.size() + stride - 1) / stride; };
+    while (holders() > 1 && rows < rows_wanted * holders()) stride *= gathered_ranks;
+    return stride;
+}
 
 void Gathering::move(const Comm& comm, int stride, Index first_made, MadeRows& made, CellSet& dropped) {
     moved_ = stride > 1;
@@ -59,6 +68,7 @@ void Gathering::move(const Comm& comm, int stride, Index first_made, MadeRows& m
         put(bytes, made.matrix.values);
         put(bytes, made.keys);
         put(bytes, made.walls);
+        put(bytes, made.centres);
         put(bytes, dropped);
         made.clear();
         dropped.clear();

@@ -80,6 +80,7 @@ void Level::take(const Comm& comm, MadeRows& made, Index first, Index global) {
     global_rows = global;
     keys.swap(made.keys);
     walls.swap(made.walls);
+    centres.swap(made.centres);
     const auto& given = made.matrix;
     const auto inside = [&](Index column) { return column >= first && column < first + rows; };
     auto& others = halo_columns_;
@@ -169,7 +170,7 @@ void Level::residual(std::span<const double> r_, std::span<const double> z_, std
 
 std::size_t Level::bytes() const {
     return own_store_.bytes() + other_store_.bytes() + halo_.bytes() + 16 * runs.capacity() +
-           8 * (keys.capacity() + walls.capacity() + r.capacity() + z.capacity() + t.capacity()) +
+           8 * (keys.capacity() + walls.capacity() + centres.capacity() + r.capacity() + z.capacity() + t.capacity()) +
            fixed.capacity() + 4 * (halo_columns_.capacity() + diagonal_.capacity() + aggregate.capacity() + group.capacity());
 }
 

@@ -38,11 +38,13 @@ struct MadeRows {
     Csr matrix;
     std::vector<CellKey> keys;
     std::vector<double> walls; // for grids: what walls add to the diagonals
+    std::vector<double> centres; // for rigid modes: [rows / modes][3], of the aggregates [m]
 
     void clear() {
         matrix.clear();
         keys.clear();
         walls.clear();
+        centres.clear();
     }
     Index rows() const { return static_cast<Index>(keys.size()); }
 };
@@ -76,6 +78,7 @@ public:
     Index rows = 0, first_row = 0, global_rows = 0;
     std::vector<CellKey> keys;  // [rows]; of the matrix itself, those of the finest cells
     std::vector<double> walls;  // [rows], for grids
+    std::vector<double> centres; // [rows / modes][3], for rigid modes
     std::vector<unsigned char> fixed; // [rows] of the matrix itself, 1 where z stays 0; or empty
     std::vector<double> r, z, t; // of coarse levels; t of the matrix too
     std::pair<std::vector<double>, std::vector<double>> second; // of coarse levels, for a W-cycle

@@ -12,7 +12,6 @@ namespace treacle::solve {
 
 namespace {
 constexpr int most_halvings = 20;
-constexpr int gathered_ranks = 8;
 // Levels that hardly shrink cost as much as the one above and help no more than it.
 constexpr double least_shrinkage = 0.7;
 // Finite differences on cells of twice the width: half of what P^T A P gives where all eight cells are liquid.
@@ -79,9 +78,8 @@ bool Multilevel::State::add_level(const Comm& comm, int& stride, std::span<const
         coarsener.make_galerkin(comm, level, grid_divisor, made);
     }
     const int old_stride = stride;
-    const auto holders = [&] { return (comm.size() + stride - 1) / stride; };
-    const auto rows_wanted = global_rows <= options->dense_rows ? global_rows : options->rows_per_rank;
-    while (holders() > 1 && global_rows < std::int64_t{rows_wanted} * holders()) stride *= gathered_ranks;
+    stride = Gathering::wider(comm, stride, global_rows,
+                              global_rows <= options->dense_rows ? global_rows : options->rows_per_rank);
     gathering.move(comm, stride > old_stride ? stride : 1, coarsener.first_made(), made, dirichlet);
     auto& next = stages[used++].level;
     next.take(comm, made, static_cast<Index>(comm.exclusive_sum(std::int64_t{made.rows()})),

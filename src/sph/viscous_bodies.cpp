@@ -5,54 +5,15 @@
 
 namespace treacle::sph {
 
-namespace {
-// What is left of a diagonal entry, over the entry, when others say the same already.
-constexpr double redundant = 1e-12;
-
-// Columns of L with L L^T = a, symmetric and positive semidefinite, n x n: Cholesky with the largest pivot
-// first, rows scaled to a unit diagonal, up to the rank.
-std::vector<std::vector<double>> factor_semidefinite(const std::vector<double>& a, std::size_t n) {
-    std::vector<double> scale(n, 0.0), left(n, 0.0);
-    for (std::size_t k = 0; k < n; ++k) {
-        if (!(a[n * k + k] > 0)) continue;
-        scale[k] = std::sqrt(a[n * k + k]);
-        left[k] = 1;
-    }
-    std::vector<std::vector<double>> columns;
-    while (columns.size() < n) {
-        const auto p = static_cast<std::size_t>(std::ranges::max_element(left) - left.begin());
-        if (left[p] <= redundant) break;
-        std::vector<double> column(n, 0.0);
-        const double pivot = std::sqrt(left[p]);
-        for (std::size_t k = 0; k < n; ++k) {
-            if (left[k] <= 0) continue;
-            double entry = a[n * k + p] / (scale[k] * scale[p]);
-            for (const auto& other : columns) entry -= other[k] / scale[k] * other[p] / scale[p];
-            column[k] = entry / pivot;
-            left[k] = k == p ? 0 : left[k] - column[k] * column[k];
-            column[k] *= scale[k];
-        }
-        columns.push_back(std::move(column));
-    }
-    return columns;
-}
-} // namespace
-
 void ViscousBodies::prepare(const Bodies& bodies, const ViscousScene& scene) {
     columns_.clear();
     if (!bodies.any_dynamic() || scene.options.viscosity.body_coupling != BodyCoupling::implicit) return;
     first_ = static_cast<std::size_t>(bodies.first());
     count_ = static_cast<std::size_t>(bodies.load_points().count);
-    const std::size_t n = 6 * bodies.rigid.size();
-    const auto mobility = bodies.rigid.mobility();
-    std::vector<double> matrix(n * n), impulse(n, 0.0);
-    for (std::size_t k = 0; k < n; ++k) {
-        impulse[k] = scene.constants.mass;
-        const auto velocity = mobility.respond(impulse);
-        impulse[k] = 0;
-        std::copy(velocity.begin(), velocity.end(), matrix.begin() + static_cast<std::ptrdiff_t>(n * k));
+    columns_ = bodies.rigid.mobility().columns();
+    for (auto& column : columns_) {
+        for (double& entry : column) entry *= std::sqrt(scene.constants.mass);
     }
-    columns_ = factor_semidefinite(matrix, n);
 }
 
 const Array<double>& ViscousBodies::trial(std::span<const double> q) {

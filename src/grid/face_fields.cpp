@@ -1,0 +1,95 @@
+#include "grid/face_fields.hpp"
+
+#include "grid/apic.hpp"
+
+namespace treacle::grid {
+
+void reserve_faces(FaceField& field, const MacGrid& grid, const CellBox& window) {
+    for (int a = 0; a < grid.dimensions; ++a) reserve(field.axis[a], static_cast<std::size_t>(window.size()));
+}
+
+void gather_faces(const MacGrid& grid, CellHalo& halo, const FaceField& field) {
+    if (grid.dimensions == 2) {
+        halo.gather({field.axis[0], field.axis[1]});
+    } else {
+        halo.gather({field.axis[0], field.axis[1], field.axis[2]});
+    }
+}
+
+void accelerate(const MacGrid& grid, const CellBox& window, const std::array<double, 3>& g, double dt,
+                const FaceField& velocity) {
+    for (int a = 0; a < grid.dimensions; ++a) {
+        const double change = g[static_cast<std::size_t>(a)] * dt;
+        const auto u = velocity.axis[a];
+        Kokkos::parallel_for("treacle::gravity", static_cast<int>(window.size()), KOKKOS_LAMBDA(int i) { u(i) += change; });
+    }
+}
+
+void mark_projected(const PressureFaces& faces, FaceMarks& known) {
+    for (int a = 0; a < faces.dimensions; ++a) {
+        reserve(known.axis[a], static_cast<std::size_t>(faces.window.size()));
+        const auto mark = known.axis[a];
+        Kokkos::parallel_for("treacle::mark_projected", static_cast<int>(faces.window.size()), KOKKOS_LAMBDA(int i) {
+            int c[3];
+            faces.window.cell(i, c);
+            const auto above = static_cast<std::size_t>(i);
+            const bool wet = faces.is_liquid(above) ||
+                             (c[a] > faces.window.lo[a] && faces.is_liquid(above - static_cast<std::size_t>(faces.stride[a])));
+            mark(i) = wet && faces.open(a, above) > 0 ? 1 : 0;
+        });
+    }
+}
+
+namespace {
+struct TurnLoop {
+    MacGrid grid;
+    CellBox owned;
+    PressureFaces faces;
+    DistanceSampler solid;
+    Array<int> number, known[3];
+    BodyMotion motion;
+    FaceSampler from;
+    FaceField to;
+
+    KOKKOS_INLINE_FUNCTION void operator()(int i) const {
+        int c[3];
+        owned.cell(i, c);
+        const int at = faces.window.index(c[0], c[1], c[2]);
+        for (int a = 0; a < faces.dimensions; ++a) {
+            if (known[a](at) < 2 || faces.open(a, static_cast<std::size_t>(at)) > 0) continue;
+            double x[3], n[3], u[3], v[3];
+            grid.face(a, c, x);
+            solid.at(x, n);
+            const double square = n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
+            if (!(square > 1e-12)) continue; // in the middle of a solid
+            // The fine node in the middle of the face.
+            const int all = faces.dimensions == 2 ? 3 : 7;
+            const int nearest = number(FineNodes::per_cell * at + (all & ~(1 << a)));
+            motion.velocity(nearest, x, v);
+            from.velocity(x, u);
+            double along = 0;
+            for (int k = 0; k < faces.dimensions; ++k) along += (u[k] - v[k]) * n[k];
+            to.axis[a](at) = u[a] - along * n[a] / square;
+        }
+    }
+};
+} // namespace
+
+void turn_along_solids(const MacGrid& grid, CellHalo& halo, const Solids& solids, const PressureFaces& faces,
+                       const FaceMarks& known, const FaceField& velocity, FaceField& scratch) {
+    const CellBox owned = halo.owned();
+    if (!owned.empty()) {
+        reserve_faces(scratch, grid, halo.window());
+        const auto n = Kokkos::make_pair(std::size_t(0), static_cast<std::size_t>(halo.window().size()));
+        for (int a = 0; a < grid.dimensions; ++a) {
+            Kokkos::deep_copy(Kokkos::subview(scratch.axis[a], n), Kokkos::subview(velocity.axis[a], n));
+        }
+        Kokkos::parallel_for("treacle::turn_along_solids", static_cast<int>(owned.size()),
+                             TurnLoop{grid, owned, faces, solids.sampler(), solids.number(),
+                                      {known.axis[0], known.axis[1], known.axis[2]}, solids.motion(),
+                                      FaceSampler(grid, halo.window(), scratch), velocity});
+    }
+    gather_faces(grid, halo, velocity);
+}
+
+} // namespace treacle::grid

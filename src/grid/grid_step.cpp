@@ -1,0 +1,307 @@
+#include "grid/grid_step.hpp"
+
+#include "grid/active_block.hpp"
+#include "grid/seeding.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+namespace treacle::grid {
+
+namespace {
+constexpr int layers = 3;  // of halo: what linear interpolation and a step of CFL 3 reach
+
+double size_of(const std::array<double, 3>& v) { return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); }
+
+double load_imbalance(const Comm& comm, int particles) {
+    const auto most = comm.max(static_cast<std::int64_t>(particles));
+    const auto all = comm.sum(static_cast<std::int64_t>(particles));
+    return all > 0 ? double(most) * comm.size() / double(all) : 1.0;
+}
+} // namespace
+
+GridStep::GridStep(const Comm& comm, const GridSetup& setup)
+    : comm_(comm), setup_(setup), grid_(make_mac_grid(setup.domain)), bodies_(setup.rigid),
+      decomposition_(comm, grid_.cells), solids_(grid_, setup.domain),
+      pressure_(comm, setup.options.pressure, setup.options.coupling, grid_.dimensions),
+      viscosity_(comm, setup.options.viscosity, setup.options.coupling), correction_(grid_) {
+    particle_mass_ = Array<double>("treacle::particle_mass", static_cast<std::size_t>(setup.liquids));
+    Kokkos::deep_copy(particle_mass_, setup.density * particle_volume(grid_));
+}
+
+void GridStep::start() {
+    recut();
+    place_particles();
+}
+
+void GridStep::restore(std::span<const std::int64_t> state) {
+    std::memcpy(&imbalance_after_cut_, state.data(), sizeof imbalance_after_cut_);
+    steps_ = state[1];
+    decomposition_.restore(state.subspan(2));
+    halo_.connect(decomposition_);
+    place_particles();
+}
+
+std::vector<std::int64_t> GridStep::decomposition_state() const {
+    auto out = decomposition_.state();
+    std::int64_t bits = 0;
+    std::memcpy(&bits, &imbalance_after_cut_, sizeof bits);
+    out.insert(out.begin(), {bits, steps_});
+    return out;
+}
+
+// By particles; cells' own cost follows them.
+void GridStep::recut() {
+    if (comm_.size() > 1) {
+        std::vector<int> cells;
+        std::vector<double> weights;
+        const auto x = on_host(particles_.position());
+        for (int i = 0; i < particles_.store.owned(); ++i) {
+            int c[3];
+            grid_.cells.locate(x(i, 0), x(i, 1), x(i, 2), c);
+            if (!weights.empty() && std::equal(c, c + 3, cells.end() - 3)) {
+                weights.back() += 1;
+                continue;
+            }
+            cells.insert(cells.end(), c, c + 3);
+            weights.push_back(1);
+        }
+        decomposition_.recut(cells, weights);
+    }
+    halo_.connect(decomposition_);
+}
+
+void GridStep::rebalance() {
+    if (comm_.size() == 1) return;
+    const double imbalance = load_imbalance(comm_, particles_.store.owned());
+    // The best cut along cells may itself be uneven: cut again only when it has become worse than that.
+    if (imbalance < setup_.options.rebalance_above || imbalance < 1.05 * imbalance_after_cut_) return;
+    recut();
+    place_particles();
+    imbalance_after_cut_ = load_imbalance(comm_, particles_.store.owned());
+}
+
+// Arrays over the block around the particles, and the solids in it.
+void GridStep::connect(const CellBox& occupied) {
+    const CellBox block = active_block(comm_, grid_, occupied, setup_.options.band);
+    cells_halo_.connect(decomposition_, block, layers);
+    for (auto* field : {&mass_, &velocity_, &scratch_}) reserve_faces(*field, grid_, cells_halo_.window());
+    reserve(distance_, static_cast<std::size_t>(cells_halo_.window().size()));
+}
+
+void GridStep::place_particles() {
+    connect(migration_.to_owner(particles_.store, decomposition_).cells);
+    sort_.sort(particles_.store, grid_.cells, cells_halo_.owned(), cells_);
+    halo_.rebuild(particles_.store, cells_);
+}
+
+// (A3)
+void GridStep::particles_to_grid() {
+    auto& p = particles_;
+    halo_.gather(p.store, {p.velocity_field(), p.affine_field(0), p.affine_field(1), p.affine_field(2), p.liquid_field()});
+    particles_to_faces(grid_, p, cells_, particle_mass_, cells_halo_.window(), mass_, velocity_);
+    gather_faces(grid_, cells_halo_, mass_);
+    gather_faces(grid_, cells_halo_, velocity_);
+    mark_faces(grid_, cells_halo_.window(), mass_, 0, known_);
+    extrapolate(grid_, cells_halo_, velocity_, known_, 2);
+}
+
+void GridStep::take_centres() {
+    const auto& nodes = solids_.nodes();
+    const int middle = grid_.dimensions == 2 ? 3 : 7;
+    const auto fine = level_set_.distance(), centre = distance_;
+    Kokkos::parallel_for("treacle::centre_distance", static_cast<int>(nodes.window.size()),
+                         KOKKOS_LAMBDA(int i) { centre(i) = fine(FineNodes::per_cell * i + middle); });
+}
+
+// (F1), (F2)
+void GridStep::find_surface() {
+    solids_.update(cells_halo_, bodies_);
+    level_set_.build(grid_, cells_halo_, particles_, cells_, solids_);
+    take_centres();
+    fraction_builder_.build(solids_.nodes(), solids_.distance(), level_set_.distance(), setup_.options.fractions, fractions_);
+    if (!bodies_.any_moves()) return;
+    fraction_builder_.build_body_shares(solids_.nodes(), solids_.distance(), solids_.number(), solids_.moves(), shares_.data());
+}
+
+void GridStep::project(StepReport& report, double dt, Pressure::Surface surface) {
+    auto found = pressure_.project(velocity_, bodies_, dt, surface);
+    gather_faces(grid_, cells_halo_, velocity_);
+    if (surface == Pressure::Surface::tense) {
+        report.pressure = std::move(found);
+        report.loads = report.pressure.loads;
+        return;
+    }
+    auto& first = report.pressure.solve;
+    first.iterations += found.solve.iterations;
+    first.products += found.solve.products;
+    first.set_up_seconds += found.solve.set_up_seconds;
+    first.iteration_seconds += found.solve.iteration_seconds;
+    for (std::size_t k = 0; k < report.loads.size(); ++k) report.loads[k] += found.loads[k];
+}
+
+void GridStep::find_viscosities() {
+    const auto& window = cells_halo_.window();
+    const auto n = static_cast<std::size_t>(window.size());
+    if (setup_.viscosity_varies) {
+        halo_.gather(particles_.store, {particles_.viscosity_field()});
+        mean_viscosities(grid_, particles_, cells_, particle_mass_, window, viscosities_.cell, viscosities_.edge);
+        auto& edge = viscosities_.edge.axis;
+        if (grid_.dimensions == 2) {
+            cells_halo_.gather({viscosities_.cell, edge[2]});
+        } else {
+            cells_halo_.gather({viscosities_.cell, edge[0], edge[1], edge[2]});
+        }
+        return;
+    }
+    for (auto* array : {&viscosities_.cell, &viscosities_.edge.axis[0], &viscosities_.edge.axis[1], &viscosities_.edge.axis[2]}) {
+        if (array->extent(0) >= n && n > 0) continue;
+        reserve(*array, n);
+        Kokkos::deep_copy(*array, setup_.viscosity);
+    }
+}
+
+// (V)
+void GridStep::apply_viscosity(StepReport& report, double dt) {
+    if (!setup_.viscosity_varies && setup_.viscosity == 0) return;
+    find_viscosities();
+    const auto before = bodies_;
+    report.viscosity =
+        viscosity_.solve({grid_, cells_halo_, fractions_, shares_, viscosities_, setup_.density}, velocity_, bodies_, dt);
+    gather_faces(grid_, cells_halo_, velocity_);
+    report.viscous_loads.assign(6 * bodies_.size(), 0.0);
+    for (std::size_t b = 0; b < bodies_.size(); ++b) {
+        if (!bodies_.dynamic(b)) continue;
+        const double mass = bodies_.setup().bodies[b].mass;
+        for (std::size_t k = 0; k < 3; ++k) {
+            report.viscous_loads[6 * b + k] = mass * (bodies_.velocity(b)[k] - before.velocity(b)[k]) / dt;
+            report.viscous_loads[6 * b + 3 + k] = (bodies_.angular_momentum(b)[k] - before.angular_momentum(b)[k]) / dt;
+        }
+    }
+}
+
+// Velocities beyond the liquid's own faces, as far as particles may come in a step.
+void GridStep::continue_velocity() {
+    mark_projected(pressure_.system().faces(), known_);
+    const int reach = static_cast<int>(std::ceil(setup_.options.cfl)) + 1;
+    extrapolate(grid_, cells_halo_, velocity_, known_, reach);
+    turn_along_solids(grid_, cells_halo_, solids_, pressure_.system().faces(), known_, velocity_, scratch_); // (A2)
+}
+
+void GridStep::move(StepReport& report, double dt) {
+    faces_to_particles(grid_, cells_halo_.window(), velocity_, particles_); // (A4)
+    if (bodies_.any_moves()) {
+        bodies_.move(dt);
+        solids_.update(cells_halo_, bodies_);
+    }
+    const Advection how{FaceSampler(grid_, cells_halo_.window(), velocity_), solids_.sampler(),
+                        make_domain_sides(grid_, setup_.domain), setup_.options.advection};
+    const auto gone = advect(how, particles_, dt); // (A5)
+    report.pushed = gone.pushed;
+    report.imbalance = load_imbalance(comm_, particles_.store.owned());
+    if (gone.lost + gone.outflow > 0) report.lost = remove_lost(particles_);
+    collect(report);
+}
+
+void GridStep::correct(StepReport& report) {
+    ++steps_;
+    const auto& options = setup_.options;
+    if (options.correction.method == PositionMethod::none || steps_ % options.correction_every != 0) return;
+    place_particles();
+    solids_.update(cells_halo_, bodies_);
+    report.correction = correction_.apply(options.correction, particles_, cells_, halo_, comm_, solids_.sampler(),
+                                          particle_mass_, setup_.domain.gravity.data());
+}
+
+// One MAC/APIC step, collective. Tags: src/grid/README.md.
+StepReport GridStep::advance(double dt) {
+    StepReport report;
+    report.dt = dt;
+    {
+        const auto phase = timers_.scope("sort");
+        place_particles();
+        rebalance();
+    }
+    {
+        const auto phase = timers_.scope("transfer");
+        particles_to_grid(); // (A3)
+    }
+    {
+        const auto phase = timers_.scope("surface");
+        find_surface(); // (F1), (F2)
+    }
+    bodies_.begin(dt);
+    bodies_.fall(dt);
+    accelerate(grid_, cells_halo_.window(), setup_.domain.gravity, dt, velocity_); // (A1)
+    {
+        const auto phase = timers_.scope("pressure");
+        pressure_.build({grid_, cells_halo_, distance_, fractions_, shares_, bodies_, setup_.density, setup_.surface_tension});
+        project(report, dt, Pressure::Surface::tense); // (P)
+    }
+    {
+        const auto phase = timers_.scope("viscosity");
+        apply_viscosity(report, dt); // (V)
+    }
+    if (setup_.options.second_projection && report.viscosity.unknowns > 0) {
+        const auto phase = timers_.scope("pressure");
+        project(report, dt, Pressure::Surface::relaxed); // (P)
+    }
+    {
+        const auto phase = timers_.scope("move");
+        continue_velocity();
+        move(report, dt); // (A4), (A5)
+    }
+    {
+        const auto phase = timers_.scope("correct");
+        correct(report); // (C)
+    }
+    return report;
+}
+
+// Sums the counts over the ranks.
+void GridStep::collect(StepReport& report) {
+    std::array<std::int64_t, loss_causes + 1> counts{};
+    for (const auto& particle : report.lost) ++counts[static_cast<std::size_t>(particle.cause) - 1];
+    counts[loss_causes] = report.pushed;
+    comm_.sum(std::span<std::int64_t>(counts));
+    std::copy_n(counts.begin(), loss_causes, report.lost_by_cause.begin());
+    report.pushed = counts[loss_causes];
+    std::erase_if(report.lost, [](const LostParticle& particle) { return particle.cause == LossCause::outflow; });
+}
+
+double GridStep::stable_step(double cfl) const {
+    const auto u = particles_.velocity();
+    double fastest = 0;
+    Kokkos::parallel_reduce("treacle::fastest", particles_.store.owned(), KOKKOS_LAMBDA(int i, double& most) {
+        most = math::max(most, u(i, 0) * u(i, 0) + u(i, 1) * u(i, 1) + u(i, 2) * u(i, 2));
+    }, Kokkos::Max<double>(fastest));
+    const double own = particles_.store.owned() > 0 ? std::sqrt(fastest) : 0.0;
+    const double speed = comm_.max(std::max(own, bodies_.max_speed()));
+    const double pull = size_of(setup_.domain.gravity), way = cfl * grid_.dx;
+    double dt = std::numeric_limits<double>::infinity();
+    // (speed + pull dt) dt = way.
+    if (pull > 0 || speed > 0) dt = 2 * way / (speed + std::sqrt(speed * speed + 4 * pull * way));
+    if (setup_.surface_tension > 0) {
+        dt = std::min(dt, std::sqrt(setup_.density * std::pow(grid_.dx, 3) / (4 * math::pi * setup_.surface_tension)));
+    }
+    return dt;
+}
+
+std::size_t GridStep::bytes() const {
+    std::size_t numbers = distance_.span() + viscosities_.cell.span();
+    for (int a = 0; a < 3; ++a) {
+        for (const auto* field : {&mass_, &velocity_, &scratch_, &fractions_.face_fluid, &fractions_.face_liquid,
+                                  &fractions_.face_wet, &fractions_.open}) {
+            numbers += field->axis[a].span();
+        }
+        for (const auto* field : {&viscosities_.edge, &fractions_.edge_fluid, &fractions_.edge_liquid, &fractions_.edge_wet}) {
+            numbers += field->axis[a].span();
+        }
+    }
+    numbers += fractions_.cell_fluid.span() + fractions_.cell_liquid.span() + fractions_.cell_wet.span();
+    numbers += level_set_.distance().span() + 2 * solids_.distance().span();
+    return 8 * numbers + particles_.store.bytes() + pressure_.bytes() + viscosity_.bytes();
+}
+
+} // namespace treacle::grid

@@ -1,0 +1,135 @@
+#pragma once
+#include "base/liquid_totals.hpp"
+#include "base/timers.hpp"
+#include "grid/face_fields.hpp"
+#include "grid/level_set.hpp"
+#include "grid/options.hpp"
+#include "grid/pressure.hpp"
+#include "grid/viscosity.hpp"
+#include "mpi/halo.hpp"
+#include "mpi/migration.hpp"
+
+#include <array>
+#include <span>
+#include <vector>
+
+namespace treacle::grid {
+
+// What stays the same through a run.
+struct GridSetup {
+    GridOptions options;
+    scene::Domain domain;
+    double density = 1000;          // [kg/m3] of all liquids
+    int liquids = 1;
+    double surface_tension = 0;     // [N/m]
+    double viscosity = 0;           // [Pa s] of all liquid, unless it varies; 0: without a viscous solve
+    bool viscosity_varies = false;  // then each particle has its own
+    rigid::BodiesSetup rigid;       // all bodies, those at rest as well
+};
+
+struct StepReport {
+    double dt = 0; // [s]
+    PressureReport pressure;        // of the first projection; iterations of both
+    ViscosityReport viscosity;
+    PositionReport correction;      // of the last step that had one
+    std::vector<double> loads;         // [body][6] by pressure, mean of the step [N], [N m]
+    std::vector<double> viscous_loads; // by viscosity, on dynamic bodies
+    std::int64_t pushed = 0;        // particles moved out of solids, over all ranks
+    double imbalance = 1;           // largest over mean number of particles per rank
+    std::vector<LostParticle> lost; // of this rank, but for what flowed out
+    std::array<std::int64_t, loss_causes> lost_by_cause{}; // over all ranks
+};
+
+// The MAC/APIC solver (dissertation, chapter 5), collective over the decomposition's ranks.
+class GridStep {
+public:
+    GridStep(const Comm& comm, const GridSetup& setup);
+
+    GridParticles& particles() { return particles_; }
+    const GridParticles& particles() const { return particles_; }
+    const GridSetup& setup() const { return setup_; }
+    const MacGrid& grid() const { return grid_; }
+    const rigid::RigidBodies& bodies() const { return bodies_; }
+    const Comm& comm() const { return comm_; }
+    const Decomposition& decomposition() const { return decomposition_; }
+    PhaseTimers& timers() { return timers_; }
+
+    // Collective: to be called when particles have been put into the store, on whatever rank.
+    void start();
+    // As start, with the decomposition of a checkpoint of the same number of ranks.
+    void restore(std::span<const std::int64_t> decomposition);
+    // The bodies as a checkpoint has them; before start() or restore().
+    void restore_bodies(std::span<const double> state) { bodies_.restore(state); }
+    std::vector<std::int64_t> decomposition_state() const;
+
+    // One step of dt [s]. Throws SimulationError, on every rank, when a solve fails.
+    StepReport advance(double dt);
+
+    // Collective: particles at their owners, in order, after some were lost: for output.
+    void refresh() { place_particles(); }
+
+    // Collective. Largest step in which neither liquid nor bodies move farther than `cfl` widths, by their speed and what
+    // gravity adds to it, and the limit of the surface tension [s].
+    double stable_step(double cfl) const;
+
+    // Collective: sums over the particles.
+    LiquidTotals totals() const;
+
+    // Of the last step, for measurements; arrays over the window of halo().
+    CellHalo& halo() { return cells_halo_; }
+    const Fractions& fractions() const { return fractions_; }
+    const FaceField& velocity() const { return velocity_; }
+    const Array<double>& distance() const { return distance_; } // [m] of centres from the liquid's surface
+    const Pressure& pressure() const { return pressure_; }
+
+    // Bytes that this rank's particles, arrays and matrices take.
+    std::size_t bytes() const;
+
+    // Part of advance(); not private, since nvcc takes no kernel in a private function.
+    void take_centres();
+
+private:
+    void recut();
+    void rebalance();
+    void place_particles();
+    void connect(const CellBox& occupied);
+    void particles_to_grid();
+    void find_surface();
+    void project(StepReport& report, double dt, Pressure::Surface surface);
+    void apply_viscosity(StepReport& report, double dt);
+    void find_viscosities();
+    void continue_velocity();
+    void move(StepReport& report, double dt);
+    void correct(StepReport& report);
+    void collect(StepReport& report);
+
+    Comm comm_;
+    GridSetup setup_;
+    MacGrid grid_;
+    GridParticles particles_;
+    Array<double> particle_mass_{"treacle::particle_mass", 0}; // [liquids]
+    rigid::RigidBodies bodies_;
+    Decomposition decomposition_;
+    Migration migration_;
+    CellSort sort_;
+    Halo halo_;
+    CellList cells_;
+    CellHalo cells_halo_;
+    Solids solids_;
+    LevelSet level_set_;
+    FractionBuilder fraction_builder_;
+    Fractions fractions_;
+    FaceShares shares_;
+    Array<double> distance_{"treacle::centre_distance", 0};
+    FaceField mass_, velocity_, scratch_;
+    FaceMarks known_;
+    Viscosities viscosities_;
+    Pressure pressure_;
+    Viscosity viscosity_;
+    PositionCorrection correction_;
+    PhaseTimers timers_;
+    std::int64_t steps_ = 0;
+    double imbalance_after_cut_ = 1;
+};
+
+} // namespace treacle::grid

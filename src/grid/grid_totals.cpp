@@ -1,0 +1,89 @@
+#include "grid/grid_step.hpp"
+
+#include <cmath>
+
+namespace treacle::grid {
+
+namespace {
+// Momentum, angular momentum about the origin, energies and mass of the particles. Angular momentum with what the
+// affine velocities carry: the moment of what a particle gives to the faces around it (apic.hpp).
+struct TotalsLoop {
+    static constexpr int count = 9;
+    using value_type = double[];
+    using size_type = std::size_t;
+    size_type value_count = count;
+    MacGrid grid;
+    Array3 x, u, c[3];
+    Array<int> liquid;
+    Array<double> mass;
+    double g[3];
+
+    KOKKOS_INLINE_FUNCTION void init(value_type sum) const {
+        for (int k = 0; k < count; ++k) sum[k] = 0;
+    }
+    KOKKOS_INLINE_FUNCTION void join(value_type sum, const value_type other) const {
+        for (int k = 0; k < count; ++k) sum[k] += other[k];
+    }
+    KOKKOS_INLINE_FUNCTION void operator()(int i, value_type sum) const {
+        const double m = mass(liquid(i));
+        for (int a = 0; a < 3; ++a) {
+            const int b = (a + 1) % 3, d = (a + 2) % 3;
+            sum[a] += m * u(i, a);
+            sum[3 + a] += m * (x(i, b) * u(i, d) - x(i, d) * u(i, b));
+            sum[6] += 0.5 * m * u(i, a) * u(i, a);
+            sum[7] -= m * g[a] * x(i, a);
+        }
+        sum[8] += m;
+        // Component a varies by c[a][k] along axis k; the weights' second moment there is s (1 - s) dx^2.
+        for (int a = 0; a < grid.dimensions; ++a) {
+            for (int k = 0; k < grid.dimensions; ++k) {
+                if (k == a) continue;
+                const double place = (x(i, k) - grid.lower[k]) / grid.dx - 0.5;
+                const double s = place - math::floor(place);
+                const double moment = m * s * (1 - s) * grid.dx * grid.dx * c[a](i, k);
+                const int about = 3 - a - k;
+                sum[3 + about] += (k + 1) % 3 == a ? moment : -moment;
+            }
+        }
+    }
+};
+} // namespace
+
+LiquidTotals GridStep::totals() const {
+    const auto& p = particles_;
+    TotalsLoop loop;
+    loop.grid = grid_;
+    loop.x = p.position();
+    loop.u = p.velocity();
+    for (int a = 0; a < 3; ++a) {
+        loop.c[a] = p.affine(a);
+        loop.g[a] = setup_.domain.gravity[static_cast<std::size_t>(a)];
+    }
+    loop.liquid = p.liquid();
+    loop.mass = particle_mass_;
+    const int n = p.store.owned();
+    double sums[TotalsLoop::count] = {};
+    Kokkos::parallel_reduce("treacle::grid_totals", n, loop,
+                            Kokkos::View<double*, Kokkos::HostSpace, Kokkos::MemoryTraits<Kokkos::Unmanaged>>(sums, TotalsLoop::count));
+    const auto u = p.velocity();
+    double fastest = 0;
+    Kokkos::parallel_reduce("treacle::fastest", n, KOKKOS_LAMBDA(int i, double& most) {
+        most = math::max(most, u(i, 0) * u(i, 0) + u(i, 1) * u(i, 1) + u(i, 2) * u(i, 2));
+    }, Kokkos::Max<double>(fastest));
+    comm_.sum(std::span<double>(sums));
+    // Plane scenes: per metre of depth.
+    const double share = grid_.dimensions == 2 ? 1 / grid_.dx : 1;
+    LiquidTotals out;
+    out.particles = comm_.sum(static_cast<std::int64_t>(n));
+    for (std::size_t k = 0; k < 3; ++k) {
+        out.momentum[k] = share * sums[k];
+        out.angular_momentum[k] = share * sums[3 + k];
+    }
+    out.kinetic_energy = share * sums[6];
+    out.potential_energy = share * sums[7];
+    out.mass = share * sums[8];
+    out.max_speed = std::sqrt(comm_.max(n > 0 ? fastest : 0.0));
+    return out;
+}
+
+} // namespace treacle::grid

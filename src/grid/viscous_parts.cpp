@@ -1,0 +1,224 @@
+#include "grid/viscous_parts.hpp"
+
+namespace treacle::grid {
+
+namespace {
+// w = K wet / W_F^2 dx^3 / dx^2 of one stress; 0 where there is no liquid, or no room for it to slide.
+struct StressLoop {
+    Array<double> viscosity, wet, fluid, out;
+    double factor, least_wet, least_gap; // factor: K / eta dx, of a plane scene K / eta
+
+    KOKKOS_INLINE_FUNCTION void operator()(int i) const {
+        const bool strains = wet(i) > least_wet && fluid(i) >= least_gap;
+        out(i) = strains ? factor * viscosity(i) * wet(i) / (fluid(i) * fluid(i)) : 0.0;
+    }
+};
+
+// The inner part of a window, where places have all neighbours.
+struct Inner {
+    CellBox window, box;
+    explicit Inner(const CellBox& w, int dimensions) : window(w), box(w) {
+        for (int k = 0; k < dimensions; ++k) {
+            ++box.lo[k];
+            --box.hi[k];
+        }
+    }
+    int count() const { return static_cast<int>(box.size()); }
+    KOKKOS_INLINE_FUNCTION std::ptrdiff_t place(int n, int c[3]) const {
+        box.cell(n, c);
+        return window.index(c[0], c[1], c[2]);
+    }
+};
+
+struct RoleLoop {
+    ViscousFaces faces;
+    Inner inner;
+    int axis;
+    Array<double> wet, fluid, cell_fluid;
+    EdgeField edge_fluid;
+    double least_wet, least_gap, mass;
+
+    KOKKOS_INLINE_FUNCTION void operator()(int n) const {
+        int c[3];
+        const auto i = inner.place(n, c);
+        bool stressed = false, tight = false;
+        faces.each_stress(axis, i, faces.normal, faces.shear, [&](double w) { stressed = stressed || w > 0; });
+        faces.each_stress(axis, i, cell_fluid, edge_fluid, [&](double f) { tight = tight || f < least_gap; });
+        const bool has_liquid = wet(i) > least_wet;
+        int role = idle_face;
+        if (has_liquid || stressed) role = fluid(i) < least_gap || (has_liquid && tight) ? held_face : free_face;
+        const double solid = 1 - fluid(i);
+        faces.role[axis](i) = role;
+        faces.share.axis[axis](i) = role == free_face ? fluid(i) : 0.0;
+        faces.scale.axis[axis](i) = role == free_face || !(solid > least_wet) ? 1.0 : 1 / solid;
+        faces.mass.axis[axis](i) = mass * wet(i);
+    }
+};
+
+struct SolidLoop {
+    ViscousFaces faces;
+    Inner inner;
+    int axis;
+    BodyShares shares;
+    BodyMotion motion;
+    MacGrid grid;
+
+    KOKKOS_INLINE_FUNCTION void operator()(int n) const {
+        int c[3];
+        const auto i = inner.place(n, c);
+        double sum = 0;
+        for (int k = shares.first(i); k < shares.first(i + 1); ++k) {
+            double x[3], r[3];
+            grid.face(axis, c, x);
+            motion.arm(shares.body(k), x, r);
+            sum += shares.share(k) * motion.velocity(shares.body(k), axis, r);
+        }
+        faces.solid.axis[axis](i) = faces.scale.axis[axis](i) * sum;
+    }
+};
+
+// The force of a cell's slip surface: its area by the divergence of the open areas of its faces, all liquid's share.
+struct TractionLoop {
+    ViscousFaces faces;
+    Inner inner;
+    FaceField open, grip;
+    Array<double> wet, fluid, viscosity, length;
+    double area, least_wet, normal_layer; // [m2], of a plane scene [m]; normal_layer [m]
+
+    KOKKOS_INLINE_FUNCTION void operator()(int at) const {
+        int c[3];
+        const auto i = inner.place(at, c);
+        for (int k = 0; k < 6; ++k) faces.traction[k](i) = 0;
+        if (!(wet(i) > least_wet) || !(fluid(i) > 0)) return;
+        double n[3] = {0, 0, 0}, squares = 0;
+        for (int k = 0; k < faces.dimensions; ++k) {
+            const auto j = i + faces.stride[k];
+            n[k] = (open.axis[k](j) - open.axis[k](i)) - (grip.axis[k](j) - grip.axis[k](i));
+            squares += n[k] * n[k];
+        }
+        const double size = math::sqrt(squares);
+        if (!(size > 0)) return;
+        const double whole = area * size * viscosity(i) * wet(i) / fluid(i);
+        const double across = whole / normal_layer, along = length(i) > normal_layer ? whole / length(i) : across;
+        for (int k = 0; k < faces.dimensions; ++k) {
+            for (int l = k; l < faces.dimensions; ++l) {
+                const double nn = n[k] * n[l] / squares;
+                faces.traction[k == l ? k : (k + l == 1 ? 3 : (k + l == 3 ? 4 : 5))](i) =
+                    across * nn + along * ((k == l ? 1.0 : 0.0) - nn);
+            }
+        }
+    }
+};
+
+struct LeanLoop {
+    Array<double> wet, out;
+    std::ptrdiff_t stride;
+    Inner inner;
+
+    KOKKOS_INLINE_FUNCTION void operator()(int n) const {
+        int c[3];
+        const auto i = inner.place(n, c);
+        const double lower = wet(i), upper = wet(i + stride);
+        out(i) = lower + upper > 0 ? lower / (lower + upper) : 0.5;
+    }
+};
+
+void make_room(const Array<double>& like, std::initializer_list<Array<double>*> arrays) {
+    for (auto* array : arrays) {
+        if (array->extent(0) >= like.extent(0)) continue;
+        reserve(*array, like.extent(0));
+        Kokkos::deep_copy(*array, 0.0); // the outermost places are never written
+    }
+}
+} // namespace
+
+void ViscousParts::weigh_stresses(const ViscousScene& scene, const ViscosityOptions& options) {
+    const auto& f = scene.fractions;
+    const auto& grip = scene.slip ? scene.slip->grip : f;
+    const int n = static_cast<int>(faces_.window.size());
+    const double length = scene.grid.dimensions == 3 ? scene.grid.dx : 1.0;
+    const auto weigh = [&](const Array<double>& viscosity, const Array<double>& wet, const Array<double>& fluid,
+                           double k, Array<double>& out) {
+        make_room(f.cell_wet, {&out});
+        Kokkos::parallel_for("treacle::weigh_stresses", n,
+                             StressLoop{viscosity, wet, fluid, out, k * length, options.least_wet, options.least_gap});
+    };
+    weigh(scene.viscosity.cell, f.cell_wet, grip.cell_fluid, 2, faces_.normal);
+    for (int e = scene.grid.dimensions == 3 ? 0 : 2; e < 3; ++e) {
+        weigh(scene.viscosity.edge.axis[e], f.edge_wet.axis[e], grip.edge_fluid.axis[e], 1, faces_.shear.axis[e]);
+    }
+}
+
+void ViscousParts::weigh_slip(const ViscousScene& scene, const ViscosityOptions& options) {
+    faces_.slips = scene.slip != nullptr;
+    if (!faces_.slips) return;
+    const auto& f = scene.fractions;
+    const Inner inner(faces_.window, faces_.dimensions);
+    for (auto& component : faces_.traction) make_room(f.cell_wet, {&component});
+    const double dx = scene.grid.dx;
+    Kokkos::parallel_for("treacle::weigh_slip", inner.count(),
+                         TractionLoop{faces_, inner, f.open, scene.slip->grip.open, f.cell_wet, f.cell_fluid,
+                                      scene.viscosity.cell, scene.slip->length, faces_.dimensions == 3 ? dx * dx : dx,
+                                      options.least_wet, options.normal_layer * dx});
+    for (int a = 0; a < faces_.dimensions; ++a) {
+        make_room(f.cell_wet, {&faces_.lean.axis[a]});
+        Kokkos::parallel_for("treacle::lean_slip", inner.count(),
+                             LeanLoop{f.face_wet.axis[a], faces_.lean.axis[a], faces_.stride[a], inner});
+    }
+}
+
+void ViscousParts::cast_roles(const ViscousScene& scene, const ViscosityOptions& options, double dt) {
+    const auto& f = scene.fractions;
+    const auto& grip = scene.slip ? scene.slip->grip : f;
+    const Inner inner(faces_.window, faces_.dimensions);
+    for (int a = 0; a < faces_.dimensions; ++a) {
+        make_room(f.cell_wet, {&faces_.share.axis[a], &faces_.scale.axis[a], &faces_.mass.axis[a], &faces_.solid.axis[a]});
+        if (faces_.role[a].extent(0) < f.cell_wet.extent(0)) {
+            reserve(faces_.role[a], f.cell_wet.extent(0));
+            Kokkos::deep_copy(faces_.role[a], int(idle_face));
+        }
+        Kokkos::parallel_for("treacle::cast_roles", inner.count(),
+                             RoleLoop{faces_, inner, a, f.face_wet.axis[a], grip.face_fluid.axis[a], grip.cell_fluid,
+                                      grip.edge_fluid, options.least_wet, options.least_gap,
+                                      scene.density * cube_volume(scene.grid) / dt});
+    }
+}
+
+void ViscousParts::move_solids(const ViscousScene& scene, const BodyMotion& motion) {
+    const Inner inner(faces_.window, faces_.dimensions);
+    for (int a = 0; a < faces_.dimensions; ++a) {
+        if (motion.bodies == 0) {
+            Kokkos::deep_copy(faces_.solid.axis[a], 0.0);
+            continue;
+        }
+        Kokkos::parallel_for("treacle::move_solids", inner.count(),
+                             SolidLoop{faces_, inner, a, scene.shares[static_cast<std::size_t>(a)], motion, scene.grid});
+    }
+}
+
+void ViscousParts::build(const ViscousScene& scene, const ViscosityOptions& options, const BodyMotion& motion, double dt) {
+    faces_.window = scene.halo.window();
+    faces_.dimensions = scene.grid.dimensions;
+    for (int k = 1; k < 3; ++k) {
+        faces_.stride[k] = faces_.stride[k - 1] * (faces_.window.hi[k - 1] - faces_.window.lo[k - 1]);
+    }
+    if (faces_.window.empty()) return;
+    weigh_stresses(scene, options);
+    weigh_slip(scene, options);
+    cast_roles(scene, options, dt);
+    move_solids(scene, motion);
+}
+
+std::size_t ViscousParts::bytes() const {
+    std::size_t total = faces_.normal.span();
+    for (int a = 0; a < 3; ++a) {
+        total += faces_.shear.axis[a].span();
+        for (const auto* field : {&faces_.share, &faces_.scale, &faces_.mass, &faces_.solid, &faces_.lean}) {
+            total += field->axis[a].span();
+        }
+    }
+    for (const auto& component : faces_.traction) total += component.span();
+    return 8 * total + 4 * (faces_.role[0].span() + faces_.role[1].span() + faces_.role[2].span());
+}
+
+} // namespace treacle::grid

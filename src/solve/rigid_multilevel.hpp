@@ -1,0 +1,56 @@
+#pragma once
+#include "solve/multilevel.hpp"
+
+namespace treacle::solve {
+
+struct RigidMultilevelOptions {
+    double overcorrection = 1.6; // coarse matrices are divided by it, from 1 to below 2
+    int box = 3;                 // cells a side of the finest aggregates
+    int double_from = 2;         // levels from this one on, and not before 1, are visited twice for each time of the one above
+    int dense_rows = 300;        // most unknowns that are solved for directly
+    int rows_per_rank = 1000;    // levels with fewer on the mean are gathered onto every eighth rank
+};
+
+// What the rows are: components of a velocity at places. Cells are integer coordinates from -2^20 to 2^20 - 1.
+struct VelocityRows {
+    int dimensions = 3;
+    double width = 1;                     // of a cell, the unit of length of the rotations
+    std::span<const int> cells;           // [rows][3]
+    std::span<const double> places;       // [rows][3]; of periodic axes any image, if only it is near its cell's
+    std::span<const signed char> axes;    // [rows], 0 … dimensions - 1
+    // [rows], 1 where a row is left to the sweeps, as if no coarse matrix had it: stiff ones beside walls; or empty.
+    std::span<const unsigned char> aside{};
+};
+
+// A multilevel preconditioner of matrices that hardly resist rigid motions, such as those of viscous flow or elasticity:
+// boxes of cells move as rigid bodies, all components together, then boxes of 2 x 2 x 2 of them, and so on. A stiff
+// liquid moves like that wherever it is thick, so that the iterations hardly depend on its viscosity. One cycle with
+// symmetric Gauss–Seidel sweeps, symmetric and positive definite. Aggregates do not cross ranks; small levels move to
+// fewer ranks, the last one is solved directly on rank 0. Memory is kept from one matrix to the next.
+class RigidMultilevel {
+public:
+    RigidMultilevel(const Comm& comm, RigidMultilevelOptions options);
+    ~RigidMultilevel();
+    RigidMultilevel(RigidMultilevel&&) noexcept;
+    RigidMultilevel& operator=(RigidMultilevel&&) noexcept;
+
+    // Collective. The matrix must outlive its use in apply; what the rows are is not asked again.
+    void set_up(const Matrix& matrix, const VelocityRows& rows);
+    // z = M r, collective.
+    void apply(std::span<const double> r, std::span<double> z);
+
+    // Collective. The first one is the matrix itself.
+    std::vector<LevelSize> sizes() const;
+    // What this rank holds.
+    std::size_t bytes() const;
+
+    const RigidMultilevelOptions& options() const { return options_; }
+
+private:
+    struct State;
+    Comm comm_;
+    RigidMultilevelOptions options_;
+    std::unique_ptr<State> state_;
+};
+
+} // namespace treacle::solve
