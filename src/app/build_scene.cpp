@@ -19,6 +19,8 @@ constexpr double sure_density_ratio = 10;
 // Spacings over the reference speed in which compressed particles of several liquids expand again.
 constexpr double recovery_cfl = 0.1;
 
+constexpr double largest_grid_cfl = 3;
+
 constexpr const char* side_names[domain_sides] = {"x_min", "x_max", "y_min", "y_max", "z_min", "z_max"};
 
 double friction_of(scene::Slip slip) { return slip == scene::Slip::no_slip ? 1.0 : 0.0; }
@@ -147,6 +149,11 @@ void check_grid(const Input& input, std::vector<Diagnostic>& problems) {
                    "give all the same, or take method.kind: sph");
         }
     }
+    if (input.scene.time.cfl > largest_grid_cfl) {
+        problems.push_back({input.scene.time.where, "time.cfl is above 3", "the arrays of method grid reach three cells beyond a rank's own",
+                            "take 3 or less"});
+    }
+    if (!input.scene.inlets.empty()) refuse(input.scene.inlets.front().where, "inlets", "take method.kind: sph");
     for (std::size_t k = 0; k < domain_sides; ++k) {
         const auto& face = input.scene.domain.faces[k];
         if (face.skin_friction > 0) {

@@ -4,6 +4,7 @@
 #include "app/inflow.hpp"
 #include "base/error.hpp"
 #include "base/text.hpp"
+#include "grid/seeding.hpp"
 #include "sph/forces.hpp"
 #include "sph/slip_lattice.hpp"
 
@@ -37,7 +38,7 @@ double solid_offset(const Input& input) {
 }
 
 double particle_spacing(const Input& input) {
-    return input.on_grid() ? input.scene.domain.spacing / input.method.grid.particles_per_axis : input.scene.domain.spacing;
+    return input.scene.domain.spacing / (input.on_grid() ? grid::particles_per_axis : 1);
 }
 
 Geometry build_geometry(const Input& input, const std::vector<std::string>& folders) {
@@ -105,7 +106,7 @@ ParticleCounts estimate_particles(const Input& input, const Geometry& geometry) 
 
 double bytes_per_particle(const Input& input) {
     // Of a full cell: levels and shares of its parts, faces, the systems of the pressure and of three faces; then the state.
-    if (input.on_grid()) return 300 + 6000 * std::pow(input.method.grid.particles_per_axis, -input.scene.domain.dimensions);
+    if (input.on_grid()) return 300 + 6000 * std::pow(grid::particles_per_axis, -input.scene.domain.dimensions);
     const auto& domain = input.scene.domain;
     const auto lattice = sph::measure_lattice(input.method.kernel, domain.dimensions,
                                               input.method.support_ratio * domain.spacing, domain.spacing);

@@ -1,7 +1,6 @@
 #include "app/outputs.hpp"
 
 #include "app/bodies.hpp"
-#include "app/build_scene.hpp"
 #include "app/host_rows.hpp"
 #include "app/measure.hpp"
 
@@ -32,7 +31,7 @@ std::vector<std::string> measurement_columns(const Input& input) {
     return columns;
 }
 
-std::vector<std::string> body_columns(const Input& input) {
+std::vector<std::string> body_columns(const Input& input, const Simulation& simulation) {
     const std::string force = input.scene.domain.dimensions == 3 ? "N" : "N/m";
     const std::string torque = input.scene.domain.dimensions == 3 ? "N m" : "N";
     std::vector<std::string> columns{"step", "time [s]"};
@@ -40,7 +39,7 @@ std::vector<std::string> body_columns(const Input& input) {
         for (const char* axis : {"x", "y", "z"}) columns.push_back(what + " " + axis + " [" + unit + "]");
     };
     for (const char* cause : {" pressure", " viscous"}) {
-        for (const auto& name : load_names(input)) {
+        for (const auto& name : simulation.load_names()) {
             append(name + cause + " force", force);
             append(name + cause + " torque", torque);
         }
@@ -116,7 +115,7 @@ Outputs::Outputs(const io::RunFolder& folder, const Input& input, const Simulati
                          : CsvTable::resume(path, std::move(columns), progress.step);
         };
         steps_ = open(folder.steps(), step_columns(input, simulation));
-        bodies_ = open(folder.bodies(), body_columns(input));
+        bodies_ = open(folder.bodies(), body_columns(input, simulation));
         if (!input.scene.measurements.empty()) measurements_ = open(folder.measurements(), measurement_columns(input));
     });
 }

@@ -81,7 +81,7 @@ ExitCode resume_run(const Comm& comm, const ResumeRequest& request) {
         parse(Document::from_text(scene, folder.effective_scene().string()), input);
         check_supported(input);
         // The files of meshes were found when the run began and stand there with their whole paths.
-        if (any_moves(input)) geometry = build_geometry(input, {});
+        if (any_moves(input) || input.on_grid()) geometry = build_geometry(input, {});
     });
     const auto hash = io::text_hash(scene);
     const auto checkpoint = find_checkpoint(comm, folder, hash);

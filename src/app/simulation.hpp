@@ -67,6 +67,8 @@ public:
     virtual const PhaseTimers& timers() const = 0;
     virtual std::size_t bytes() const = 0; // that this rank's data take
 
+    // What carries loads, in the order of StepFigures::loads.
+    virtual std::vector<std::string> load_names() const = 0;
     // Names with units of the method's own figures of a step, and of the phases in the order in which a step goes
     // through them: columns of steps.csv.
     virtual std::vector<std::string> columns() const = 0;

@@ -39,6 +39,8 @@ StepFigures SphSimulation::advance(double dt) {
     return out;
 }
 
+std::vector<std::string> SphSimulation::load_names() const { return app::load_names(input_); }
+
 std::vector<std::string> SphSimulation::columns() const {
     return {"pressure iterations", "pressure residual", "density error", "viscosity iterations", "viscosity residual",
             "mean compression", "max compression", "poisson", "dirichlet", "separated", "anchored", "stopped at solids",

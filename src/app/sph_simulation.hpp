@@ -27,6 +27,7 @@ public:
     std::int64_t emitted() const override { return solver_->emitted(); }
     const PhaseTimers& timers() const override { return solver_->timers(); }
     std::size_t bytes() const override { return solver_->bytes(); }
+    std::vector<std::string> load_names() const override;
     std::vector<std::string> columns() const override;
     std::vector<std::string> phases() const override;
 

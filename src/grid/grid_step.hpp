@@ -53,6 +53,7 @@ public:
     const Comm& comm() const { return comm_; }
     const Decomposition& decomposition() const { return decomposition_; }
     PhaseTimers& timers() { return timers_; }
+    const PhaseTimers& timers() const { return timers_; }
 
     // Collective: to be called when particles have been put into the store, on whatever rank.
     void start();

@@ -88,8 +88,6 @@ void declare_correction(Declaration& d, GridOptions& options) {
 } // namespace
 
 void GridOptions::declare(Declaration& d) {
-    d.number("cfl", cfl, unit::none, range_above_to(0, 3).because("arrays reach three cells beyond a rank's own", "take 3"),
-             "Grid widths that the fastest liquid or body moves in a step at most.");
     d.choice("fractions", fractions,
              {{"consistent", FractionMethod::consistent},
               {"independent", FractionMethod::independent},

@@ -39,7 +39,7 @@ struct ViscosityOptions {
 
 // Options of the MAC/APIC solver (dissertation, chapter 5), as the block `method` of a scene gives them.
 struct GridOptions {
-    double cfl = 3; // widths that liquid and bodies move in a step
+    double cfl = 3; // widths that liquid and bodies move in a step; a scene's time.cfl
     FractionMethod fractions = FractionMethod::consistent;
     Coupling coupling = Coupling::strong;
     bool second_projection = true; // pressure before and after the viscosity, or before it only

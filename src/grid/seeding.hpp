@@ -8,6 +8,9 @@
 
 namespace treacle::grid {
 
+// Of a full cell at the start, along each axis.
+inline constexpr int particles_per_axis = 2;
+
 // Particles of a run: 2 per axis and cell, each at random around the middle of its share of the cell. The random
 // numbers are those of the cell and the share: particles and ids do not depend on the ranks.
 struct Seeding {

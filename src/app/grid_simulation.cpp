@@ -1,0 +1,107 @@
+#include "app/grid_simulation.hpp"
+
+#include "app/bodies.hpp"
+#include "grid/seeding.hpp"
+
+#include <cmath>
+
+namespace treacle::app {
+
+namespace {
+grid::GridSetup make_setup(const Input& input, const Geometry& geometry) {
+    const auto& scene = input.scene;
+    grid::GridSetup out;
+    out.options = input.method.grid;
+    out.options.cfl = scene.time.cfl;
+    out.domain = scene.domain;
+    out.density = scene.liquids.front().density;
+    out.liquids = static_cast<int>(scene.liquids.size());
+    out.surface_tension = scene.liquids.front().surface_tension;
+    for (const auto& liquid : scene.liquids) {
+        out.viscosity = std::max(out.viscosity, largest_viscosity(liquid));
+        out.viscosity_varies = out.viscosity_varies || liquid.varies() || liquid.viscosity != scene.liquids.front().viscosity;
+    }
+    out.rigid = make_bodies(input, geometry);
+    return out;
+}
+
+// Volume that a particle stands for [m3], in the plane [m2].
+double volume_of_particle(const grid::MacGrid& grid) {
+    return grid.dimensions == 2 ? grid::particle_volume(grid) / grid.dx : grid::particle_volume(grid);
+}
+} // namespace
+
+GridSimulation::GridSimulation(const Comm& comm, const Input& input, const Geometry& geometry)
+    : input_(input), solver_(comm, make_setup(input, geometry)) {}
+
+std::vector<std::string> GridSimulation::fill(const Geometry& geometry) {
+    comm().guard([&] {
+        grid::Seeding seeding;
+        seeding.liquids = geometry.liquids;
+        const grid::Solids solids(solver_.grid(), input_.scene.domain);
+        seeding.solid_distance = [&](const Vec3& x) { return solids.distance_at(x, solver_.bodies()); };
+        seeding.viscosity = [&](int liquid, const Vec3& x) {
+            return initial_viscosity(input_, geometry, static_cast<std::size_t>(liquid), x);
+        };
+        for (const auto& liquid : input_.scene.liquids) seeding.velocities.push_back(liquid.velocity);
+        grid::seed(seeding, solver_.grid(), solver_.decomposition(), solver_.particles());
+    });
+    solver_.start();
+    auto notes = geometry.notes;
+    for (auto& note : body_notes(input_, geometry)) notes.push_back(std::move(note));
+    return notes;
+}
+
+void GridSimulation::restore(const RestartState& state) {
+    solver_.restore_bodies(state.bodies);
+    if (state.decomposition.empty()) {
+        solver_.start();
+    } else {
+        solver_.restore(state.decomposition);
+    }
+}
+
+RestartState GridSimulation::state() const { return {solver_.decomposition_state(), solver_.bodies().state(), {}}; }
+
+StepFigures GridSimulation::advance(double dt) {
+    auto report = solver_.advance(dt);
+    StepFigures out;
+    out.dt = report.dt;
+    out.pressure_iterations = report.pressure.solve.iterations;
+    const auto& pressure = report.pressure;
+    const auto& viscosity = report.viscosity;
+    out.values = {double(pressure.solve.iterations), pressure.solve.relative_residual, double(pressure.unknowns),
+                  double(pressure.closed), double(viscosity.solve.iterations), viscosity.solve.relative_residual,
+                  double(viscosity.unknowns), double(report.correction.iterations), report.correction.density_before,
+                  report.correction.density_after, report.correction.energy, double(report.pushed), report.imbalance};
+    out.loads = std::move(report.loads);
+    out.viscous_loads = std::move(report.viscous_loads);
+    out.lost = std::move(report.lost);
+    out.lost_by_cause = report.lost_by_cause;
+    return out;
+}
+
+LiquidView GridSimulation::view() const {
+    const auto& particles = solver_.particles();
+    const double spacing = particle_spacing(input_);
+    return {particles.position(), particles.velocity(), particles.liquid(), particles.store.owned(), spacing,
+            2.5 * spacing,        volume_of_particle(solver_.grid())};
+}
+
+std::vector<std::string> GridSimulation::load_names() const {
+    std::vector<std::string> names;
+    for (const auto& body : input_.scene.bodies) names.push_back(body.name);
+    return names;
+}
+
+std::vector<std::string> GridSimulation::columns() const {
+    return {"pressure iterations", "pressure residual", "pressure unknowns", "closed parts", "viscosity iterations",
+            "viscosity residual", "viscosity unknowns", "correction iterations", "density error before",
+            "density error after", "correction energy", "pushed out of solids", "imbalance"};
+}
+
+std::vector<std::string> GridSimulation::phases() const {
+    return {"sort", "transfer", "surface", "pressure", "viscosity", "move", "correct"};
+}
+
+} // namespace treacle::app
