@@ -129,6 +129,30 @@ void CellHalo::bring(const Fields& fields) {
 void CellHalo::gather(std::initializer_list<Array<double>> values) { bring(values); }
 void CellHalo::gather(std::initializer_list<Array<int>> values) { bring(values); }
 
+namespace {
+void pack_blocks(const Array<double>& field, const Array<int>& places, int n, const Array<double>& buffer, int width) {
+    Kokkos::parallel_for("treacle::pack_blocks", n, KOKKOS_LAMBDA(int k) {
+        const std::int64_t from = std::int64_t(places(k)) * width, to = std::int64_t(k) * width;
+        for (int c = 0; c < width; ++c) buffer(to + c) = field(from + c);
+    });
+}
+void unpack_blocks(const Array<double>& field, const Array<int>& places, int n, const Array<double>& buffer, int width) {
+    Kokkos::parallel_for("treacle::unpack_blocks", n, KOKKOS_LAMBDA(int k) {
+        const std::int64_t to = std::int64_t(places(k)) * width, from = std::int64_t(k) * width;
+        for (int c = 0; c < width; ++c) field(to + c) = buffer(from + c);
+    });
+}
+} // namespace
+
+void CellHalo::gather_blocks(const Array<double>& values, int width) {
+    if (outgoing_.ranks.empty() && incoming_.ranks.empty()) return;
+    reserve(send_, static_cast<std::size_t>(outgoing_.rows() * width));
+    reserve(receive_, static_cast<std::size_t>(incoming_.rows() * width));
+    pack_blocks(values, sent_, static_cast<int>(outgoing_.rows()), send_, width);
+    exchange_slices(comm_, outgoing_, send_, incoming_, receive_, width);
+    unpack_blocks(values, received_, static_cast<int>(incoming_.rows()), receive_, width);
+}
+
 void CellHalo::scatter(std::initializer_list<Array<double>> values) {
     if (outgoing_.ranks.empty() && incoming_.ranks.empty()) return;
     carry({comm_, incoming_, received_, receive_, outgoing_, send_}, values);

@@ -24,6 +24,8 @@ public:
     // theirs. All arrays in one message per neighbour; each has window().size() entries or more.
     void gather(std::initializer_list<Array<double>> values);
     void gather(std::initializer_list<Array<int>> values);
+    // Collective: the same of an array with `width` numbers per cell, those of a cell together.
+    void gather_blocks(const Array<double>& values, int width);
     // Collective: adds the values of halo cells onto their owners', in a fixed order: the adjoint of gather.
     void scatter(std::initializer_list<Array<double>> values);
 

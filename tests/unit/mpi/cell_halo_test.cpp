@@ -118,6 +118,23 @@ TEST_P(CellHaloCase, GatherBringsTheOwnersValuesAndKeepsWhatNobodyOwns) {
     });
 }
 
+TEST_P(CellHaloCase, SeveralNumbersPerCellTravelTogether) {
+    const Array<double> values("treacle::values", static_cast<std::size_t>(3 * halo.window().size()));
+    Kokkos::deep_copy(values, -1.0);
+    const CellBox owned = halo.owned();
+    test::edit(values, [&](auto& v) {
+        for_window([&](int k, const auto& c, const auto& home) {
+            for (int j = 0; j < 3 && owned.contains(c.data()); ++j) v(3 * k + j) = number(home) + 0.25 * j;
+        });
+    });
+    halo.gather_blocks(values, 3);
+    const auto v = test::on_host(values);
+    for_window([&](int k, const auto&, const auto& home) {
+        const bool somewhere = GetParam().active.contains(home.data());
+        for (int j = 0; j < 3; ++j) ASSERT_EQ(v(3 * k + j), somewhere ? number(home) + 0.25 * j : -1.0);
+    });
+}
+
 TEST_P(CellHaloCase, GatherAndScatterAreAdjoint) {
     const auto comm = decomposition.comm();
     test::Random random(static_cast<std::uint64_t>(5 + comm.rank()));

@@ -1,0 +1,72 @@
+#pragma once
+#include "grid/fine_nodes.hpp"
+#include "mpi/cell_halo.hpp"
+#include "rigid/bodies.hpp"
+
+#include <vector>
+
+namespace treacle::grid {
+
+// Velocities of the bodies, for kernels.
+struct BodyMotion {
+    Array<double> rows; // [bodies][9]: centre [m], velocity [m/s], spin [rad/s]
+
+    // Of solid `number` (Solids::number) at x [m/s]; walls rest.
+    KOKKOS_INLINE_FUNCTION void velocity(int number, const double x[3], double u[3]) const {
+        for (int k = 0; k < 3; ++k) u[k] = 0;
+        if (number < 0) return;
+        const double* row = &rows(9 * std::int64_t(number));
+        const double r[3] = {x[0] - row[0], x[1] - row[1], x[2] - row[2]};
+        for (int k = 0; k < 3; ++k) {
+            const int i = (k + 1) % 3, j = (k + 2) % 3;
+            u[k] = row[3 + k] + row[6 + i] * r[j] - row[6 + j] * r[i];
+        }
+    }
+};
+
+// Walls of the domain and bodies: their signed distance at the fine nodes of a window, negative inside, and which of
+// them is nearest. Nodes farther than `band` from any surface have a bound of the right sign, at least `band` large
+// outside. Evaluated on the host, since shapes are host objects: resting bodies only where the window is new, moving
+// ones only within their own extent.
+class Solids {
+public:
+    // Sides of the domain that are walls are solid beyond them; open and periodic ones are not.
+    Solids(const MacGrid& grid, const scene::Domain& domain);
+
+    static constexpr int nothing = -1000; // number of no solid
+    // Numbers of solids: bodies by their place in RigidBodies, side k of the domain as -1 - k.
+    static constexpr int side(int k) { return -1 - k; }
+    double band() const { return band_; } // [m]
+
+    // Follows the window of the halo and the poses of the bodies. Returns whether any distance changed. Local.
+    bool update(const CellHalo& halo, const rigid::RigidBodies& bodies);
+
+    const FineNodes& nodes() const { return nodes_; }
+    const Array<double>& distance() const { return distance_; } // [fine nodes] [m]
+    const Array<int>& number() const { return number_; }        // [fine nodes]
+    DistanceSampler sampler() const { return {nodes_, distance_}; }
+    const Array<int>& moves() const { return moves_; }          // [bodies] 1 where a body moves
+    BodyMotion motion() const { return {motion_}; }
+
+    // Signed distance of all solids at any place [m], on the host, exact.
+    double distance_at(const Vec3& x, const rigid::RigidBodies& bodies) const;
+
+private:
+    void fill_walls(const Array<double>& distance, const Array<int>& number) const;
+    void follow_window(const CellBox& window, const rigid::RigidBodies& bodies);
+    void add_bodies(const rigid::RigidBodies& bodies, bool moving, const CellBox& cells);
+    void upload_motion(const rigid::RigidBodies& bodies);
+
+    MacGrid grid_;
+    double wall_at_[6]{}; // [m]
+    bool is_wall_[6]{};
+    double band_ = 0;
+    FineNodes nodes_;
+    Array<double> distance_{"treacle::solid_distance", 0}, resting_{"treacle::resting_distance", 0};
+    Array<int> number_{"treacle::solid_number", 0}, resting_number_{"treacle::resting_number", 0};
+    Array<double> motion_{"treacle::body_motion", 0};
+    Array<int> moves_{"treacle::body_moves", 0};
+    std::vector<CellBox> touched_; // where moving bodies stand in distance_
+};
+
+} // namespace treacle::grid
