@@ -1,0 +1,112 @@
+#include "grid/advection.hpp"
+
+namespace treacle::grid {
+
+DomainSides make_domain_sides(const MacGrid& grid, const scene::Domain& domain) {
+    DomainSides out{};
+    out.dimensions = grid.dimensions;
+    for (std::size_t k = 0; k < 3; ++k) {
+        out.min[k] = domain.min[k];
+        out.max[k] = domain.max[k];
+        out.period[k] = grid.cells.period[k];
+        for (std::size_t s = 2 * k; s < 2 * k + 2; ++s) out.open[s] = domain.faces[s].kind == scene::FaceKind::open ? 1 : 0;
+    }
+    return out;
+}
+
+namespace {
+// x after dt, from the velocity u there.
+KOKKOS_INLINE_FUNCTION void trace(const FaceSampler& faces, AdvectionScheme scheme, const double u[3], double dt,
+                                  double x[3]) {
+    double k1[3], k2[3], k3[3], stage[3];
+    for (int c = 0; c < 3; ++c) k1[c] = u[c];
+    if (scheme == AdvectionScheme::euler) {
+        for (int c = 0; c < 3; ++c) x[c] += dt * k1[c];
+        return;
+    }
+    const double at = scheme == AdvectionScheme::ralston2 ? 2.0 / 3 : 0.5;
+    for (int c = 0; c < 3; ++c) stage[c] = x[c] + at * dt * k1[c];
+    faces.velocity(stage, k2);
+    if (scheme == AdvectionScheme::ralston2) {
+        for (int c = 0; c < 3; ++c) x[c] += dt * (0.25 * k1[c] + 0.75 * k2[c]);
+        return;
+    }
+    for (int c = 0; c < 3; ++c) stage[c] = x[c] + 0.75 * dt * k2[c];
+    faces.velocity(stage, k3);
+    for (int c = 0; c < 3; ++c) x[c] += dt / 9 * (2 * k1[c] + 3 * k2[c] + 4 * k3[c]);
+}
+
+KOKKOS_INLINE_FUNCTION LossCause loss_of(const Advection& how, double leak_depth, const double x[3], const double u[3]) {
+    for (int k = 0; k < 3; ++k) {
+        if (!math::isfinite(x[k]) || !math::isfinite(u[k])) return LossCause::non_finite;
+    }
+    for (int k = 0; k < how.domain.dimensions; ++k) {
+        if (how.domain.period[k] > 0) {
+            // Farther than one period in one step: a step gone wrong.
+            if (x[k] < how.domain.min[k] || x[k] > how.domain.max[k]) return LossCause::leak;
+            continue;
+        }
+        const double beyond[2] = {how.domain.min[k] - x[k], x[k] - how.domain.max[k]};
+        for (int s = 0; s < 2; ++s) {
+            if (how.domain.open[2 * k + s] && beyond[s] > 0) return LossCause::outflow;
+            if (!how.domain.open[2 * k + s] && beyond[s] > leak_depth) return LossCause::leak;
+        }
+    }
+    return how.solid.at(x) < -leak_depth ? LossCause::leak : LossCause::none;
+}
+} // namespace
+
+Departures advect(const Advection& how, const GridParticles& particles, double dt) {
+    const auto x = particles.position(), u = particles.velocity();
+    const auto cause = particles.cause();
+    const double width = how.faces.width, clearance = how.options.clearance * width, leak = how.options.leak_depth * width;
+    Departures out;
+    Kokkos::parallel_reduce("treacle::advect", particles.store.owned(),
+        KOKKOS_LAMBDA(int i, int& lost, int& outflow, int& pushed) {
+            double to[3] = {x(i, 0), x(i, 1), x(i, 2)};
+            const double speed[3] = {u(i, 0), u(i, 1), u(i, 2)};
+            trace(how.faces, how.options.scheme, speed, dt, to);
+            auto found = LossCause::none;
+            if (math::isfinite(to[0]) && math::isfinite(to[1]) && math::isfinite(to[2])) {
+                for (int k = 0; k < how.domain.dimensions; ++k) {
+                    if (how.domain.period[k] == 0) continue;
+                    if (to[k] < how.domain.min[k]) to[k] += how.domain.period[k];
+                    else if (to[k] >= how.domain.max[k]) to[k] -= how.domain.period[k];
+                }
+                pushed += push_out(how.solid, clearance, to) ? 1 : 0;
+                found = loss_of(how, leak, to, speed);
+            } else {
+                found = LossCause::non_finite;
+            }
+            for (int k = 0; k < 3; ++k) x(i, k) = to[k];
+            cause(i) = static_cast<int>(found);
+            outflow += found == LossCause::outflow ? 1 : 0;
+            lost += found != LossCause::none && found != LossCause::outflow ? 1 : 0;
+        }, out.lost, out.outflow, out.pushed);
+    return out;
+}
+
+std::vector<LostParticle> remove_lost(GridParticles& particles) {
+    std::vector<LostParticle> lost;
+    // Losses are rare and each one is reported: the host looks at all particles of this rank.
+    const auto x = on_host(particles.position()), u = on_host(particles.velocity());
+    const auto id = on_host(particles.id());
+    const auto cause = on_host(particles.cause());
+    const int n = particles.store.owned();
+    const Array<int> keep("treacle::keep", static_cast<std::size_t>(n));
+    auto host_keep = Kokkos::create_mirror_view(keep);
+    int kept = 0;
+    for (int i = 0; i < n; ++i) {
+        if (cause(i) == static_cast<int>(LossCause::none)) {
+            host_keep(kept++) = i;
+        } else {
+            lost.push_back({id(i), {x(i, 0), x(i, 1), x(i, 2)}, {u(i, 0), u(i, 1), u(i, 2)}, LossCause(cause(i))});
+        }
+    }
+    if (lost.empty()) return lost;
+    Kokkos::deep_copy(keep, host_keep);
+    particles.store.permute(keep, kept);
+    return lost;
+}
+
+} // namespace treacle::grid

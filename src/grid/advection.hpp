@@ -1,0 +1,73 @@
+#pragma once
+#include "base/losses.hpp"
+#include "grid/apic.hpp"
+#include "grid/fine_nodes.hpp"
+
+#include <vector>
+
+namespace treacle::grid {
+
+enum class AdvectionScheme { euler, ralston2, ralston3 }; // Runge-Kutta of order 1, 2, 3 (Ralston 1962)
+
+// Farthest place of a stage from the particle, over the whole move: what lies in the window must reach as far.
+constexpr double farthest_stage(AdvectionScheme scheme) {
+    return scheme == AdvectionScheme::euler ? 0 : scheme == AdvectionScheme::ralston2 ? 2.0 / 3 : 0.75;
+}
+// Largest CFL number with a halo of `layers` cells: one of them is what linear interpolation takes.
+constexpr double largest_cfl(AdvectionScheme scheme, int layers) {
+    return scheme == AdvectionScheme::euler ? layers : (layers - 1) / farthest_stage(scheme);
+}
+
+struct AdvectionOptions {
+    AdvectionScheme scheme = AdvectionScheme::ralston2;
+    double clearance = 0.05; // least distance of particles from solids, over dx
+    double leak_depth = 1;   // over dx: deeper than this in a solid, after it was pushed out, a particle is lost
+};
+
+// The sides of the domain, for kernels.
+struct DomainSides {
+    double min[3], max[3];
+    double period[3]; // [m] 0: not periodic
+    int open[6];
+    int dimensions;
+};
+DomainSides make_domain_sides(const MacGrid& grid, const scene::Domain& domain);
+
+// Of this rank's particles.
+struct Departures {
+    int lost = 0, outflow = 0; // for remove_lost to take out
+    int pushed = 0;            // moved out of solids
+};
+
+// Moves the owned particles by dt through the velocities of the faces, their own velocity being that where they start
+// (faces_to_particles), then out of solids along the gradient of the distance; wraps along periodic axes; marks those
+// that are lost in the field `cause`. Local.
+struct Advection {
+    FaceSampler faces;
+    DistanceSampler solid; // with the bodies where they will be
+    DomainSides domain;
+    AdvectionOptions options;
+};
+Departures advect(const Advection& how, const GridParticles& particles, double dt);
+
+// Pushes one place to at least `clearance` [m] from solids; returns whether it was moved.
+KOKKOS_INLINE_FUNCTION bool push_out(const DistanceSampler& solid, double clearance, double x[3]) {
+    bool moved = false;
+    // Distances are linear between nodes: what curves takes more than one go.
+    for (int k = 0; k < 4; ++k) {
+        double gradient[3];
+        const double distance = solid.at(x, gradient);
+        if (distance >= clearance) return moved;
+        const double square = gradient[0] * gradient[0] + gradient[1] * gradient[1] + gradient[2] * gradient[2];
+        if (!(square > 1e-12)) return moved; // at the middle of a solid: it has no side
+        const double step = (clearance * 1.0001 - distance) / math::sqrt(square);
+        for (int c = 0; c < 3; ++c) x[c] += step * gradient[c] / math::sqrt(square);
+        moved = true;
+    }
+    return moved;
+}
+
+// Takes the particles that advect() marked out of the store and returns them.
+std::vector<LostParticle> remove_lost(GridParticles& particles);
+
+} // namespace treacle::grid

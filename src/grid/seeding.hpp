@@ -1,0 +1,29 @@
+#pragma once
+#include "grid/particles.hpp"
+#include "mpi/decomposition.hpp"
+#include "grid/mac_grid.hpp"
+#include "scene/sampling.hpp"
+
+#include <functional>
+
+namespace treacle::grid {
+
+// Particles of a run: 2 per axis and cell, each at random around the middle of its share of the cell. The random
+// numbers are those of the cell and the share: particles and ids do not depend on the ranks.
+struct Seeding {
+    std::vector<scene::Regions> liquids; // where two overlap, the first one wins
+    std::function<double(const Vec3&)> solid_distance; // [m]
+    double clearance = 0.05;             // least distance from solids, over dx
+    double jitter = 0.25;                // farthest from the middle of its share along each axis, over its width
+    std::vector<double> viscosities;     // [Pa s] per liquid, unless `viscosity` is given
+    std::function<double(int, const Vec3&)> viscosity; // [Pa s] of liquid and place
+    std::vector<Vec3> velocities;        // [m/s] per liquid
+};
+
+// Volume that a particle stands for [m3], in the plane [m2] times dx.
+double particle_volume(const MacGrid& grid);
+
+// Adds the particles in this rank's cells. Ids: liquid * shares of the grid + number of the share.
+void seed(const Seeding& seeding, const MacGrid& grid, const Decomposition& decomposition, GridParticles& particles);
+
+} // namespace treacle::grid
