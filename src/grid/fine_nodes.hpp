@@ -42,6 +42,15 @@ struct DistanceSampler {
     FineNodes nodes;
     Array<double> values;
 
+    // The node nearest to x.
+    KOKKOS_INLINE_FUNCTION int nearest(const double x[3]) const {
+        int f[3] = {0, 0, 0};
+        for (int k = 0; k < nodes.dimensions; ++k) {
+            f[k] = static_cast<int>(math::floor((x[k] - nodes.lower[k]) / nodes.width + 0.5));
+            f[k] = math::min(math::max(f[k], 2 * nodes.window.lo[k]), 2 * nodes.window.hi[k] - 1);
+        }
+        return nodes.index(f[0], f[1], f[2]);
+    }
     // Value [m] and, where asked for, the gradient of the interpolant.
     KOKKOS_INLINE_FUNCTION double at(const double x[3], double gradient[3] = nullptr) const {
         int base[3] = {0, 0, 0};

@@ -42,12 +42,7 @@ void copy_box(const CellBox& cells, const FineNodes& from, const Array<double>& 
     });
 }
 
-struct WallPlanes {
-    double at[6];
-    bool is_wall[6];
-    int dimensions;
-};
-
+// Outside of the domain the exact distance, beyond edges and corners too.
 void fill_wall_distance(const FineNodes& nodes, const WallPlanes& walls, double far, const Array<double>& distance,
                         const Array<int>& number) {
     Kokkos::parallel_for("treacle::wall_distance", static_cast<int>(nodes.window.size()), KOKKOS_LAMBDA(int i) {
@@ -56,16 +51,18 @@ void fill_wall_distance(const FineNodes& nodes, const WallPlanes& walls, double 
         for (int corner = 0; corner < FineNodes::per_cell; ++corner) {
             double x[3];
             nodes.place(c, corner, x);
-            double least = far;
+            double least = far, beyond = 0;
             int nearest = Solids::nothing;
             for (int side = 0; side < 2 * walls.dimensions; ++side) {
                 if (!walls.is_wall[side]) continue;
-                const double d = side % 2 == 0 ? x[side / 2] - walls.at[side] : walls.at[side] - x[side / 2];
+                const double d = walls.distance(side, x);
+                if (d < 0) beyond += d * d;
                 if (d < least) {
                     least = d;
                     nearest = Solids::side(side);
                 }
             }
+            if (beyond > 0) least = -math::sqrt(beyond);
             distance(FineNodes::per_cell * i + corner) = least;
             number(FineNodes::per_cell * i + corner) = nearest;
         }
@@ -203,19 +200,12 @@ void for_images(const rigid::RigidBodies& bodies, std::size_t body, const MacGri
 } // namespace
 
 Solids::Solids(const MacGrid& grid, const scene::Domain& domain) : grid_(grid), band_(outer_band * grid.dx) {
+    walls_.dimensions = grid.dimensions;
     for (std::size_t side = 0; side < 6; ++side) {
-        is_wall_[side] = static_cast<int>(side) / 2 < grid.dimensions && domain.faces[side].kind == scene::FaceKind::wall;
-        wall_at_[side] = side % 2 == 0 ? domain.min[side / 2] : domain.max[side / 2];
+        walls_.is_wall[side] =
+            static_cast<int>(side) / 2 < grid.dimensions && domain.faces[side].kind == scene::FaceKind::wall;
+        walls_.at[side] = side % 2 == 0 ? domain.min[side / 2] : domain.max[side / 2];
     }
-}
-
-void Solids::fill_walls(const Array<double>& distance, const Array<int>& number) const {
-    WallPlanes walls{{}, {}, grid_.dimensions};
-    for (int side = 0; side < 6; ++side) {
-        walls.at[side] = wall_at_[side];
-        walls.is_wall[side] = is_wall_[side];
-    }
-    fill_wall_distance(nodes_, walls, band_, distance, number);
 }
 
 void Solids::add_bodies(const rigid::RigidBodies& bodies, bool moving, const CellBox& cells) {
@@ -250,7 +240,7 @@ void Solids::follow_window(const CellBox& window, const rigid::RigidBodies& bodi
     nodes_ = FineNodes(grid_, window);
     resting_ = Array<double>(Kokkos::view_alloc(Kokkos::WithoutInitializing, "treacle::resting_distance"), nodes_.size());
     resting_number_ = Array<int>(Kokkos::view_alloc(Kokkos::WithoutInitializing, "treacle::resting_number"), nodes_.size());
-    fill_walls(resting_, resting_number_);
+    fill_wall_distance(nodes_, walls_, band_, resting_, resting_number_);
     const CellBox known = intersect(old.window, window);
     for (const auto& cells : without(window, known)) add_bodies(bodies, false, cells);
     copy_box(known, old, old_distance, old_number, nodes_, resting_, resting_number_);
@@ -300,9 +290,8 @@ void Solids::upload_motion(const rigid::RigidBodies& bodies) {
 
 double Solids::distance_at(const Vec3& x, const rigid::RigidBodies& bodies) const {
     double least = 1e300;
-    for (std::size_t side = 0; side < 6; ++side) {
-        if (!is_wall_[side]) continue;
-        least = std::min(least, side % 2 == 0 ? x[side / 2] - wall_at_[side] : wall_at_[side] - x[side / 2]);
+    for (int side = 0; side < 6; ++side) {
+        if (walls_.is_wall[side]) least = std::min(least, walls_.distance(side, x.data()));
     }
     const CellBox all = grid_.cells.all();
     for (std::size_t b = 0; b < bodies.size(); ++b) {

@@ -24,6 +24,18 @@ struct BodyMotion {
     }
 };
 
+// The sides of the domain that are walls.
+struct WallPlanes {
+    double at[6]{}; // [m]
+    bool is_wall[6]{};
+    int dimensions = 3;
+
+    // [m] positive in the domain.
+    KOKKOS_INLINE_FUNCTION double distance(int side, const double x[3]) const {
+        return side % 2 == 0 ? x[side / 2] - at[side] : at[side] - x[side / 2];
+    }
+};
+
 // Walls of the domain and bodies: their signed distance at the fine nodes of a window, negative inside, and which of
 // them is nearest. Nodes farther than `band` from any surface have a bound of the right sign, at least `band` large
 // outside. Evaluated on the host, since shapes are host objects: resting bodies only where the window is new, moving
@@ -47,19 +59,18 @@ public:
     DistanceSampler sampler() const { return {nodes_, distance_}; }
     const Array<int>& moves() const { return moves_; }          // [bodies] 1 where a body moves
     BodyMotion motion() const { return {motion_}; }
+    const WallPlanes& walls() const { return walls_; }
 
-    // Signed distance of all solids at any place [m], on the host, exact.
+    // Signed distance of all solids at any place of the domain [m], on the host, exact.
     double distance_at(const Vec3& x, const rigid::RigidBodies& bodies) const;
 
 private:
-    void fill_walls(const Array<double>& distance, const Array<int>& number) const;
     void follow_window(const CellBox& window, const rigid::RigidBodies& bodies);
     void add_bodies(const rigid::RigidBodies& bodies, bool moving, const CellBox& cells);
     void upload_motion(const rigid::RigidBodies& bodies);
 
     MacGrid grid_;
-    double wall_at_[6]{}; // [m]
-    bool is_wall_[6]{};
+    WallPlanes walls_;
     double band_ = 0;
     FineNodes nodes_;
     Array<double> distance_{"treacle::solid_distance", 0}, resting_{"treacle::resting_distance", 0};
