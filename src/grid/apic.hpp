@@ -41,7 +41,8 @@ struct FaceSampler {
         double s[3] = {0, 0, 0};
         for (int k = 0; k < dimensions; ++k) {
             double p = (x[k] - lower[k]) * inverse_width - (k == axis ? 0.0 : 0.5);
-            p = math::min(math::max(p, double(window.lo[k])), double(window.hi[k] - 1));
+            // In this order what is not a number goes to the border.
+            p = math::min(double(window.hi[k] - 1), math::max(double(window.lo[k]), p));
             base[k] = math::min(static_cast<int>(p) - (p < 0 ? 1 : 0), window.hi[k] - 2);
             s[k] = p - base[k];
         }

@@ -46,7 +46,7 @@ struct TurnLoop {
     CellBox owned;
     PressureFaces faces;
     DistanceSampler solid;
-    Array<int> number, known[3];
+    Array<int> number;
     BodyMotion motion;
     FaceSampler from;
     FaceField to;
@@ -56,7 +56,7 @@ struct TurnLoop {
         owned.cell(i, c);
         const int at = faces.window.index(c[0], c[1], c[2]);
         for (int a = 0; a < faces.dimensions; ++a) {
-            if (known[a](at) < 2 || faces.open(a, static_cast<std::size_t>(at)) > 0) continue;
+            if (faces.open(a, static_cast<std::size_t>(at)) > 0) continue;
             double x[3], n[3], u[3], v[3];
             grid.face(a, c, x);
             solid.at(x, n);
@@ -76,7 +76,7 @@ struct TurnLoop {
 } // namespace
 
 void turn_along_solids(const MacGrid& grid, CellHalo& halo, const Solids& solids, const PressureFaces& faces,
-                       const FaceMarks& known, const FaceField& velocity, FaceField& scratch) {
+                       const FaceField& velocity, FaceField& scratch) {
     const CellBox owned = halo.owned();
     if (!owned.empty()) {
         reserve_faces(scratch, grid, halo.window());
@@ -85,8 +85,7 @@ void turn_along_solids(const MacGrid& grid, CellHalo& halo, const Solids& solids
             Kokkos::deep_copy(Kokkos::subview(scratch.axis[a], n), Kokkos::subview(velocity.axis[a], n));
         }
         Kokkos::parallel_for("treacle::turn_along_solids", static_cast<int>(owned.size()),
-                             TurnLoop{grid, owned, faces, solids.sampler(), solids.number(),
-                                      {known.axis[0], known.axis[1], known.axis[2]}, solids.motion(),
+                             TurnLoop{grid, owned, faces, solids.sampler(), solids.number(), solids.motion(),
                                       FaceSampler(grid, halo.window(), scratch), velocity});
     }
     gather_faces(grid, halo, velocity);

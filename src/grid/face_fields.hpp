@@ -19,9 +19,9 @@ void accelerate(const MacGrid& grid, const CellBox& window, const std::array<dou
 // Marks the faces whose velocity a projection found: open ones beside liquid.
 void mark_projected(const PressureFaces& faces, FaceMarks& known);
 
-// (A2) Collective: closed faces that have a velocity by extrapolation lose what leads into or out of their solid, so
-// that particles near solids move along them. `scratch` takes a copy.
+// (A2) Collective: velocities of closed faces, found by extrapolation, lose what leads into or out of their solid, so that
+// particles near solids move along them. `scratch` takes a copy.
 void turn_along_solids(const MacGrid& grid, CellHalo& halo, const Solids& solids, const PressureFaces& faces,
-                       const FaceMarks& known, const FaceField& velocity, FaceField& scratch);
+                       const FaceField& velocity, FaceField& scratch);
 
 } // namespace treacle::grid

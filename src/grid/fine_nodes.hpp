@@ -58,7 +58,8 @@ struct DistanceSampler {
         for (int k = 0; k < nodes.dimensions; ++k) {
             const int first = 2 * nodes.window.lo[k], last = 2 * nodes.window.hi[k] - 1;
             double p = (x[k] - nodes.lower[k]) / nodes.width;
-            p = math::min(math::max(p, double(first)), double(last));
+            // In this order what is not a number goes to the border.
+            p = math::min(double(last), math::max(double(first), p));
             base[k] = math::min(static_cast<int>(math::floor(p)), last - 1);
             s[k] = p - base[k];
         }

@@ -174,7 +174,8 @@ struct PartSum {
 KOKKOS_INLINE_FUNCTION int face_place(int axis) { return 1 << axis; }
 KOKKOS_INLINE_FUNCTION int edge_place(int axis, int dimensions) { return (dimensions == 2 ? 3 : 7) & ~(1 << axis); }
 
-// Share of the area of the lower face of cell c across an axis that is open, from its four parts.
+// Share of the area of the lower face of cell c across an axis that is open, from its four parts. A part that lies in
+// the surface of a solid, but for round-off, is closed: one side of it is solid.
 KOKKOS_INLINE_FUNCTION double open_share(const Places& places, const Array<double>& solid, int axis, const int c[3]) {
     const int u = (axis + 1) % 3, v = (axis + 2) % 3;
     double sum = 0;
@@ -182,14 +183,16 @@ KOKKOS_INLINE_FUNCTION double open_share(const Places& places, const Array<doubl
     for (int j = 0; j <= places.up[v]; ++j) {
         for (int i = 0; i <= places.up[u]; ++i, ++count) {
             double s[4];
+            bool in_surface = true;
             for (int k = 0; k < 4; ++k) {
                 int f[3] = {2 * c[0], 2 * c[1], 2 * c[2]};
                 f[u] += i + (k & 1);
                 f[v] += j + (k >> 1);
                 if (!places.up[2]) f[2] = 0;
                 s[k] = solid(places.nodes.index(f[0], f[1], f[2]));
+                in_surface = in_surface && math::fabs(s[k]) < 1e-9 * places.nodes.width;
             }
-            sum += square_open_share(s, (1 - i) + 2 * (1 - j));
+            if (!in_surface) sum += square_open_share(s, (1 - i) + 2 * (1 - j));
         }
     }
     return sum / count;

@@ -10,6 +10,7 @@
 namespace treacle::grid {
 
 namespace {
+constexpr double least_depth = 0.05; // widths, of the centre of a cell with a drop or a sheet thinner than it
 constexpr int layers = 3;  // of halo: what linear interpolation and a step of CFL 3 reach
 
 double size_of(const std::array<double, 3>& v) { return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); }
@@ -24,6 +25,7 @@ double load_imbalance(const Comm& comm, int particles) {
 GridStep::GridStep(const Comm& comm, const GridSetup& setup)
     : comm_(comm), setup_(setup), grid_(make_mac_grid(setup.domain)), bodies_(setup.rigid),
       decomposition_(comm, grid_.cells), solids_(grid_, setup.domain),
+      slip_(grid_, setup.domain, setup.slip),
       pressure_(comm, setup.options.pressure, setup.options.coupling, grid_.dimensions),
       viscosity_(comm, setup.options.viscosity, setup.options.coupling), correction_(grid_) {
     particle_mass_ = Array<double>("treacle::particle_mass", static_cast<std::size_t>(setup.liquids));
@@ -107,12 +109,33 @@ void GridStep::particles_to_grid() {
     extrapolate(grid_, cells_halo_, velocity_, known_, 2);
 }
 
+// Distances at the centres of cells. Liquid that no centre sees, drops and sheets thinner than a cell, would have no
+// pressure and fall through the floor: where a cell with particles has no liquid beside it, its own centre is in the liquid.
 void GridStep::take_centres() {
     const auto& nodes = solids_.nodes();
-    const int middle = grid_.dimensions == 2 ? 3 : 7;
+    const int middle = grid_.dimensions == 2 ? 3 : 7, dimensions = grid_.dimensions;
     const auto fine = level_set_.distance(), centre = distance_;
     Kokkos::parallel_for("treacle::centre_distance", static_cast<int>(nodes.window.size()),
                          KOKKOS_LAMBDA(int i) { centre(i) = fine(FineNodes::per_cell * i + middle); });
+    const auto faces = pressure_faces(cells_halo_.window(), dimensions);
+    const CellBox owned = cells_halo_.owned();
+    const CellList cells = cells_;
+    const double thin = -least_depth * grid_.dx;
+    Kokkos::parallel_for("treacle::thin_liquid", static_cast<int>(owned.size()), KOKKOS_LAMBDA(int i) {
+        int c[3];
+        owned.cell(i, c);
+        const int here = cells.window.index(c[0], c[1], c[2]), at = faces.window.index(c[0], c[1], c[2]);
+        if (cells.end(here) == cells.begin(here)) return;
+        bool seen = centre(at) < 0;
+        for (int a = 0; a < dimensions; ++a) {
+            for (int side = -1; side <= 1; side += 2) {
+                const int next = at + side * static_cast<int>(faces.stride[a]);
+                seen = seen || fine(FineNodes::per_cell * next + middle) < 0;
+            }
+        }
+        if (!seen) centre(at) = thin;
+    });
+    cells_halo_.gather({distance_});
 }
 
 // (F1), (F2)
@@ -166,9 +189,12 @@ void GridStep::find_viscosities() {
 void GridStep::apply_viscosity(StepReport& report, double dt) {
     if (!setup_.viscosity_varies && setup_.viscosity == 0) return;
     find_viscosities();
+    const bool slides = slip_.any();
+    if (slides) slip_.update(cells_halo_, bodies_, solids_, level_set_, setup_.options.fractions);
     const auto before = bodies_;
-    report.viscosity =
-        viscosity_.solve({grid_, cells_halo_, fractions_, shares_, viscosities_, setup_.density}, velocity_, bodies_, dt);
+    report.viscosity = viscosity_.solve({grid_, cells_halo_, fractions_, slides ? slip_.shares() : shares_, viscosities_,
+                                         setup_.density, slides ? &slip_.slip() : nullptr},
+                                        velocity_, bodies_, dt);
     gather_faces(grid_, cells_halo_, velocity_);
     report.viscous_loads.assign(6 * bodies_.size(), 0.0);
     for (std::size_t b = 0; b < bodies_.size(); ++b) {
@@ -186,7 +212,7 @@ void GridStep::continue_velocity() {
     mark_projected(pressure_.system().faces(), known_);
     const int reach = static_cast<int>(std::ceil(setup_.options.cfl)) + 1;
     extrapolate(grid_, cells_halo_, velocity_, known_, reach);
-    turn_along_solids(grid_, cells_halo_, solids_, pressure_.system().faces(), known_, velocity_, scratch_); // (A2)
+    turn_along_solids(grid_, cells_halo_, solids_, pressure_.system().faces(), velocity_, scratch_); // (A2)
 }
 
 void GridStep::move(StepReport& report, double dt) {

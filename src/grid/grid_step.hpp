@@ -5,6 +5,7 @@
 #include "grid/level_set.hpp"
 #include "grid/options.hpp"
 #include "grid/pressure.hpp"
+#include "grid/slip_geometry.hpp"
 #include "grid/viscosity.hpp"
 #include "mpi/halo.hpp"
 #include "mpi/migration.hpp"
@@ -25,6 +26,7 @@ struct GridSetup {
     double viscosity = 0;           // [Pa s] of all liquid, unless it varies; 0: without a viscous solve
     bool viscosity_varies = false;  // then each particle has its own
     rigid::BodiesSetup rigid;       // all bodies, those at rest as well
+    SlipSetup slip;                 // of all of them
 };
 
 struct StepReport {
@@ -121,6 +123,7 @@ private:
     FractionBuilder fraction_builder_;
     Fractions fractions_;
     FaceShares shares_;
+    SlipGeometry slip_;
     Array<double> distance_{"treacle::centre_distance", 0};
     FaceField mass_, velocity_, scratch_;
     FaceMarks known_;

@@ -1,5 +1,7 @@
 #include "grid/level_set.hpp"
 
+#include "grid/images.hpp"
+
 #include <cmath>
 #include <vector>
 
@@ -9,7 +11,6 @@ namespace {
 constexpr int table = 256; // steps of the map of the half space over [0, 1]
 // Particles nearer to a solid than this, over dx, have an image in it: the layer at the wall, of two per cell.
 constexpr double image_reach = 0.6;
-constexpr double no_image = 1e100; // [m]
 // Layers of fine nodes into which the liquid is continued in solids: as deep, along the axes, as the cube of a face with
 // fluid reaches.
 constexpr int continued_layers = 6;
@@ -48,20 +49,6 @@ KOKKOS_INLINE_FUNCTION double read_table(const Array<double>& map, double q) {
     const double at = math::min(q, 1.0) * table;
     const int k = math::min(static_cast<int>(at), table - 1);
     return map(k) + (at - k) * (map(k + 1) - map(k));
-}
-
-// Across bodies; walls have theirs by the mirrored places of nodes (Builder::at_node).
-void find_images(const GridParticles& particles, const DistanceSampler& solid, const Array<int>& number, double reach) {
-    const auto x = particles.position(), image = particles.image();
-    Kokkos::parallel_for("treacle::images", particles.store.total(), KOKKOS_LAMBDA(int i) {
-        const double p[3] = {x(i, 0), x(i, 1), x(i, 2)};
-        double gradient[3] = {0, 0, 0};
-        const double distance = solid.at(p, gradient);
-        const double square = gradient[0] * gradient[0] + gradient[1] * gradient[1] + gradient[2] * gradient[2];
-        // No side at the middle of thin solids.
-        const bool near = distance < reach && square > 0.01 && number(solid.nearest(p)) >= 0;
-        for (int k = 0; k < 3; ++k) image(i, k) = near ? p[k] - 2 * distance * gradient[k] / square : no_image;
-    });
 }
 
 // Weighted sums of the particles around a place.
@@ -243,7 +230,8 @@ void LevelSet::build(const MacGrid& grid, CellHalo& halo, const GridParticles& p
     const FineNodes nodes = solids.nodes();
     reserve(distance_, nodes.size());
     Kokkos::deep_copy(distance_, grid.dx);
-    find_images(particles, solids.sampler(), solids.number(), image_reach * grid.dx);
+    // Across bodies; walls have theirs by the mirrored places of nodes.
+    Images::find(particles, solids.sampler(), solids.number(), ImagesIn::bodies, image_reach * grid.dx);
     const int seeded = grid.dimensions == 2 ? 4 : 8;
     surface_ = static_cast<std::size_t>(sum_particles({nodes, halo.owned(), cells, particles.position(), particles.image(),
                                                        solids.walls(), solids.distance(), half_space_, distance_, grid.dx,

@@ -1,5 +1,6 @@
 #pragma once
 #include "grid/advection.hpp"
+#include "grid/images.hpp"
 #include "grid/particles.hpp"
 #include "kokkos/neighbour_list.hpp"
 #include "mpi/halo.hpp"
@@ -35,17 +36,25 @@ class PositionCorrection {
 public:
     explicit PositionCorrection(const MacGrid& grid);
 
-    // Collective. Moves the owned particles; sort, halo and cell list must be of their positions, and stay so.
-    // `solid`: distances of the window. `particle_mass` [liquids] [kg], `gravity` [m/s2] for the energy.
-    PositionReport apply(const PositionOptions& options, GridParticles& particles, const CellList& cells, Halo& halo,
-                         const Comm& comm, const DistanceSampler& solid, const Array<double>& particle_mass,
-                         const double gravity[3]);
-
-    double rest_density() const { return rest_; } // number density of the lattice of two particles per axis and cell [1/m3]
+    // Collective. Moves the owned particles and their ghosts; sort, halo and cell list must be of the positions before, with
+    // the ghosts' liquid gathered. Particles near solids see the images of those beside them: walls neither draw nor
+    // push. Writes the field `density`. `particle_mass` [liquids] [kg]; `gravity` [m/s2] for the energy.
+    struct Setting {
+        const CellList& cells;
+        Halo& halo;
+        const Comm& comm;
+        const Solids& solids;
+        Array<double> particle_mass;
+        double gravity[3];
+    };
+    PositionReport apply(const PositionOptions& options, GridParticles& particles, const Setting& setting);
 
 private:
+    double correct(const PositionOptions& options, GridParticles& particles, const Setting& setting);
+
     MacGrid grid_;
-    double rest_ = 0, rest_gradients_ = 0;
+    double rest_ = 0;           // sum of the kernel over the lattice of two particles per axis and cell
+    double rest_gradients_ = 0; // of the squared gradients of a particle's constraint there [1/m2]
     NeighbourList neighbours_;
     Array3 start_{"treacle::start", 0};
 };

@@ -199,7 +199,8 @@ void for_images(const rigid::RigidBodies& bodies, std::size_t body, const MacGri
 }
 } // namespace
 
-Solids::Solids(const MacGrid& grid, const scene::Domain& domain) : grid_(grid), band_(outer_band * grid.dx) {
+Solids::Solids(const MacGrid& grid, const scene::Domain& domain, std::vector<char> counted)
+    : grid_(grid), counted_(std::move(counted)), band_(outer_band * grid.dx) {
     walls_.dimensions = grid.dimensions;
     for (std::size_t side = 0; side < 6; ++side) {
         walls_.is_wall[side] =
@@ -215,7 +216,7 @@ void Solids::add_bodies(const rigid::RigidBodies& bodies, bool moving, const Cel
     auto numbers = Kokkos::create_mirror_view(to_number);
     bool fetched = false;
     for (std::size_t b = 0; b < bodies.size(); ++b) {
-        if (bodies.moves(b) != moving) continue;
+        if (bodies.moves(b) != moving || (!counted_.empty() && counted_[b] == 0)) continue;
         for_images(bodies, b, grid_, cells, [&](const Vec3& shift, const CellBox& reached) {
             if (!fetched) {
                 Kokkos::deep_copy(distance, to);

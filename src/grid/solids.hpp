@@ -27,7 +27,8 @@ struct WallPlanes {
 class Solids {
 public:
     // Sides of the domain that are walls are solid beyond them; open and periodic ones are not.
-    Solids(const MacGrid& grid, const scene::Domain& domain);
+    // `counted` [bodies]: 1 for those that count; empty: all.
+    Solids(const MacGrid& grid, const scene::Domain& domain, std::vector<char> counted = {});
 
     static constexpr int nothing = -1000; // number of no solid
     // Numbers of solids: bodies by their place in RigidBodies, side k of the domain as -1 - k.
@@ -55,6 +56,7 @@ private:
 
     MacGrid grid_;
     WallPlanes walls_;
+    std::vector<char> counted_;
     double band_ = 0;
     FineNodes nodes_;
     Array<double> distance_{"treacle::solid_distance", 0}, resting_{"treacle::resting_distance", 0};
