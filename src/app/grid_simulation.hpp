@@ -1,5 +1,6 @@
 #pragma once
 #include "app/simulation.hpp"
+#include "app/solid_points.hpp"
 #include "grid/grid_step.hpp"
 
 namespace treacle::app {
@@ -22,6 +23,7 @@ public:
     const ParticleStore& liquid() const override { return solver_.particles().store; }
     ParticleStore* solid() override { return nullptr; }
     const ParticleStore* solid() const override { return nullptr; }
+    const ParticleStore& solid_points() override;
     LiquidView view() const override;
     const rigid::RigidBodies& bodies() const override { return solver_.bodies(); }
     std::int64_t emitted() const override { return 0; }
@@ -34,6 +36,7 @@ public:
 private:
     const Input& input_;
     grid::GridStep solver_;
+    SolidPoints points_;
 };
 
 } // namespace treacle::app

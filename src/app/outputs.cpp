@@ -96,7 +96,7 @@ io::Precision precision_of(const Input& input) {
 }
 } // namespace
 
-Outputs::Outputs(const io::RunFolder& folder, const Input& input, const Simulation& simulation,
+Outputs::Outputs(const io::RunFolder& folder, const Input& input, Simulation& simulation,
                  const Progress& progress, Opening opening)
     : comm_(simulation.comm()), folder_(folder), input_(input), simulation_(simulation),
       frames_(comm_, folder.frames(), input.scene.output.name, precision_of(input)),
@@ -107,7 +107,7 @@ Outputs::Outputs(const io::RunFolder& folder, const Input& input, const Simulati
     const bool fresh = opening == Opening::fresh;
     if (!fresh) {
         frames_.resume(progress.time);
-        if (any_moves(input) && simulation.solid()) solid_frames_.resume(progress.time);
+        if (any_moves(input)) solid_frames_.resume(progress.time);
     }
     comm_.guard_root([&] {
         const auto open = [&](const std::filesystem::path& path, std::vector<std::string> columns) {
@@ -131,8 +131,8 @@ void Outputs::write_frame(const Progress& progress) {
 }
 
 void Outputs::write_solids(const Progress& progress) {
-    if (!simulation_.solid() || (progress.step > 0 && !simulation_.bodies().any_moves())) return;
-    const auto& store = *simulation_.solid();
+    if (progress.step > 0 && !simulation_.bodies().any_moves()) return;
+    const auto& store = simulation_.solid_points();
     const auto positions = host_rows(store.position(), store.owned());
     const auto fields = collect_fields(store, {"id", "body"});
     solid_frames_.write(progress.step, progress.time, make_block(positions, fields));

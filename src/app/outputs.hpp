@@ -15,7 +15,7 @@ class Outputs {
 public:
     // Resumed: rows and frames later than the progress are dropped.
     // The input and the simulation must outlive this object.
-    Outputs(const io::RunFolder& folder, const Input& input, const Simulation& simulation, const Progress& progress,
+    Outputs(const io::RunFolder& folder, const Input& input, Simulation& simulation, const Progress& progress,
             Opening opening);
 
     void write_frame(const Progress& progress);
@@ -33,7 +33,7 @@ private:
     Comm comm_;
     io::RunFolder folder_;
     const Input& input_;
-    const Simulation& simulation_;
+    Simulation& simulation_;
     io::FrameWriter frames_, solid_frames_;
     std::optional<CsvTable> steps_, measurements_, bodies_, lost_;
     std::vector<double> next_measurement_; // [s] per measurement

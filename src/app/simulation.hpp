@@ -61,6 +61,8 @@ public:
     virtual const ParticleStore& liquid() const = 0;
     virtual ParticleStore* solid() = 0; // null where solids are no particles
     virtual const ParticleStore* solid() const = 0;
+    // Points on solids where they are now, with their fields id and body, for frames.
+    virtual const ParticleStore& solid_points() = 0;
     virtual LiquidView view() const = 0;
     virtual const rigid::RigidBodies& bodies() const = 0;
     virtual std::int64_t emitted() const = 0; // particles that flowed in since the start of the run, over all ranks

@@ -22,6 +22,7 @@ public:
     const ParticleStore& liquid() const override { return solver_->liquid().store; }
     ParticleStore* solid() override { return &solver_->solid().store; }
     const ParticleStore* solid() const override { return &solver_->solid().store; }
+    const ParticleStore& solid_points() override { return solver_->solid().store; }
     LiquidView view() const override;
     const rigid::RigidBodies& bodies() const override { return solver_->bodies(); }
     std::int64_t emitted() const override { return solver_->emitted(); }
