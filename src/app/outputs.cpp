@@ -132,6 +132,7 @@ void Outputs::write_frame(const Progress& progress) {
 
 void Outputs::write_solids(const Progress& progress) {
     if (progress.step > 0 && !simulation_.bodies().any_moves()) return;
+    if (!simulation_.solid() && simulation_.bodies().size() == 0) return; // nothing to show
     const auto& store = simulation_.solid_points();
     const auto positions = host_rows(store.position(), store.owned());
     const auto fields = collect_fields(store, {"id", "body"});
