@@ -236,8 +236,10 @@ void GridStep::correct(StepReport& report) {
     if (options.correction.method == PositionMethod::none || steps_ % options.correction_every != 0) return;
     place_particles();
     solids_.update(cells_halo_, bodies_);
-    report.correction = correction_.apply(options.correction, particles_, cells_, halo_, comm_, solids_.sampler(),
-                                          particle_mass_, setup_.domain.gravity.data());
+    halo_.gather(particles_.store, {particles_.liquid_field()});
+    const auto& g = setup_.domain.gravity;
+    report.correction = correction_.apply(options.correction, particles_,
+                                          {cells_, halo_, comm_, solids_, particle_mass_, {g[0], g[1], g[2]}});
 }
 
 // One MAC/APIC step, collective. Tags: src/grid/README.md.
