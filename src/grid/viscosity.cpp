@@ -75,7 +75,7 @@ struct Viscosity::State {
     ViscousSystem system;
     ViscousBodies bodies;
     std::optional<solve::Matrix> matrix;
-    std::vector<double> b, x;
+    std::vector<double> b, x, scratch;
     Array<double> faces{"treacle::viscous_faces", 0};
     double dx = 0;
     int dimensions = 3, coupled = 0; // coupled: unknowns of the bodies
@@ -92,6 +92,7 @@ struct Viscosity::State {
     void describe_rows(const MacGrid& grid);
     void make_matrix(double dt);
     void load_vectors(const FaceField& velocity, std::span<const double> v);
+    void choose_guess();
     void couple(std::span<const double> x, std::span<double> y);
     std::span<double> own_faces(std::vector<double>& vector) { return std::span(vector).first(static_cast<std::size_t>(system.faces())); }
 };
@@ -165,6 +166,20 @@ void Viscosity::State::load_vectors(const FaceField& velocity, std::span<const d
     std::copy(pushed.begin(), pushed.end(), b.begin() + static_cast<std::ptrdiff_t>(n));
 }
 
+// The velocities of before, unless nothing at all has the smaller residual: what is not smooth strains a stiff liquid.
+void Viscosity::State::choose_guess() {
+    std::vector<double>& product = scratch;
+    product.resize(x.size());
+    matrix->multiply(x, product);
+    std::array<double, 2> squares{0, 0};
+    for (std::size_t k = 0; k < x.size(); ++k) {
+        squares[0] += (b[k] - product[k]) * (b[k] - product[k]);
+        squares[1] += b[k] * b[k];
+    }
+    comm.sum(std::span<double>(squares));
+    if (!(squares[0] < squares[1])) std::fill(x.begin(), x.end(), 0.0);
+}
+
 Viscosity::Viscosity(const Comm& comm, ViscosityOptions options, Coupling coupling)
     : comm_(comm), options_(options), coupling_(coupling) {}
 Viscosity::~Viscosity() = default;
@@ -184,6 +199,7 @@ ViscosityReport Viscosity::solve(const ViscousScene& scene, const FaceField& vel
     s.describe_rows(scene.grid);
     s.make_matrix(dt);
     s.load_vectors(velocity, before);
+    s.choose_guess();
     ViscosityReport report;
     report.unknowns = s.system.global_rows() - s.coupled;
     report.entries = comm_.sum(s.matrix->entries());
@@ -223,7 +239,7 @@ std::size_t Viscosity::bytes() const {
     if (!state_) return 0;
     const auto& s = *state_;
     return s.parts.bytes() + s.system.bytes() + s.bodies.bytes() + s.multilevel.bytes() + s.components.bytes() +
-           8 * (s.b.capacity() + s.x.capacity() + s.faces.span() + s.places.capacity()) + 4 * s.cells.capacity() +
+           8 * (s.b.capacity() + s.x.capacity() + s.scratch.capacity() + s.faces.span() + s.places.capacity()) + 4 * s.cells.capacity() +
            s.axes.capacity() + s.aside.capacity();
 }
 

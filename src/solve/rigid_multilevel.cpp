@@ -112,7 +112,7 @@ void RigidMultilevel::State::correct(std::size_t depth, std::span<const double> 
     links.restrict_to(level, t, coarse_r);
     if (gathering.moved()) gathering.down(made_r, next.r);
     const bool exact = depth + 2 == used && direct;
-    if (static_cast<int>(depth) + 1 >= options->double_from && !exact) {
+    if (options->cycle == Cycle::w && !exact) {
         twice(depth + 1, next.r, next.z);
     } else {
         cycle(depth + 1, next.r, next.z);
