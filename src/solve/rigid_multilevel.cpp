@@ -169,6 +169,7 @@ void RigidMultilevel::set_up(const Matrix& matrix, const VelocityRows& rows) {
         state.direct = last.global_rows <= options_.dense_rows;
         if (state.direct) state.dense.factor(last);
     }
+    for (std::size_t k = 0; k < state.used && comm_.size() > 1; ++k) state.stages[k].level.secure_sweeps();
 }
 
 void RigidMultilevel::apply(std::span<const double> r, std::span<double> z) { state_->cycle(0, r, z); }
