@@ -216,38 +216,49 @@ void split_axes(const Array3& x, int n, Array<double> along[3]) {
     }
 }
 
+// Lists the nodes in solids that the liquid may be continued into, and marks them as not yet found.
+int list_nodes(const FineNodes& nodes, const Array<double>& solid, double depth, const Array<int>& list, const Array<int>& found) {
+    int count = 0;
+    const bool write = list.extent(0) > 0;
+    Kokkos::parallel_scan("treacle::nodes_in_solids", static_cast<int>(nodes.window.size()),
+        KOKKOS_LAMBDA(int i, int& row, bool last) {
+            for (int at = FineNodes::per_cell * i; at < FineNodes::per_cell * i + nodes.used(); ++at) {
+                if (last && !write) found(at) = solid(at) < 0 ? continued_layers + 1 : 0;
+                if (solid(at) >= 0 || solid(at) < -depth) continue;
+                if (last && write) list(row) = at;
+                ++row;
+            }
+        }, count);
+    return count;
+}
+
 // Nodes in solids take the value of their neighbours nearer to the surface, weighted by how much nearer: constant along
 // the gradient of the solid's distance. Nodes that this layer finds count from the next one on.
-void continue_layer(const FineNodes& nodes, const Array<double>& solid, double depth, int layer, const Array<int>& found,
-                    const Array<double>& value) {
-    Kokkos::parallel_for("treacle::continue_liquid", static_cast<int>(nodes.window.size()), KOKKOS_LAMBDA(int i) {
-        const int base = FineNodes::per_cell * i;
+void continue_layer(const FineNodes& nodes, const Array<double>& solid, const Array<int>& list, int count, int layer,
+                    const Array<int>& found, const Array<double>& value) {
+    Kokkos::parallel_for("treacle::continue_liquid", count, KOKKOS_LAMBDA(int i) {
+        const int at = list(i), corner = at % FineNodes::per_cell;
+        if (found(at) < layer) return;
+        const double here = solid(at);
         int c[3];
-        nodes.window.cell(i, c);
-        for (int corner = 0; corner < nodes.used(); ++corner) {
-            const double here = solid(base + corner);
-            if (layer == 1) found(base + corner) = here < 0 ? continued_layers + 1 : 0;
-            if (here >= 0 || here < -depth) continue;
-            if (layer > 1 && found(base + corner) < layer) continue;
-            double sum = 0, weights = 0;
-            for (int k = 0; k < nodes.dimensions; ++k) {
-                for (int side = -1; side <= 1; side += 2) {
-                    int f[3] = {2 * c[0] + (corner & 1), 2 * c[1] + (corner >> 1 & 1), 2 * c[2] + (corner >> 2)};
-                    if (nodes.dimensions == 2) f[2] = 0;
-                    f[k] += side;
-                    if (f[k] < 2 * nodes.window.lo[k] || f[k] >= 2 * nodes.window.hi[k]) continue;
-                    const int at = nodes.index(f[0], f[1], f[2]);
-                    const double nearer = solid(at) - here;
-                    const bool known = solid(at) >= 0 || (layer > 1 && found(at) < layer);
-                    if (!known || nearer <= 0) continue;
-                    sum += nearer * value(at);
-                    weights += nearer;
-                }
+        nodes.window.cell(at / FineNodes::per_cell, c);
+        double sum = 0, weights = 0;
+        for (int k = 0; k < nodes.dimensions; ++k) {
+            for (int side = -1; side <= 1; side += 2) {
+                int f[3] = {2 * c[0] + (corner & 1), 2 * c[1] + (corner >> 1 & 1), 2 * c[2] + (corner >> 2)};
+                if (nodes.dimensions == 2) f[2] = 0;
+                f[k] += side;
+                if (f[k] < 2 * nodes.window.lo[k] || f[k] >= 2 * nodes.window.hi[k]) continue;
+                const int other = nodes.index(f[0], f[1], f[2]);
+                const double nearer = solid(other) - here;
+                if (found(other) >= layer || nearer <= 0) continue;
+                sum += nearer * value(other);
+                weights += nearer;
             }
-            if (weights == 0) continue;
-            value(base + corner) = sum / weights;
-            found(base + corner) = layer;
         }
+        if (weights == 0) return;
+        value(at) = sum / weights;
+        found(at) = layer;
     });
 }
 } // namespace
@@ -255,8 +266,12 @@ void continue_layer(const FineNodes& nodes, const Array<double>& solid, double d
 void LevelSet::continue_into_solids(const FineNodes& nodes, const Array<double>& solid) {
     reserve(layer_, nodes.size());
     const double depth = (continued_layers + 1) * nodes.width;
+    const int count = list_nodes(nodes, solid, depth, Array<int>(), layer_);
+    reserve(in_solids_, static_cast<std::size_t>(count));
+    if (count == 0) return;
+    list_nodes(nodes, solid, depth, in_solids_, layer_);
     for (int layer = 1; layer <= continued_layers; ++layer) {
-        continue_layer(nodes, solid, depth, layer, layer_, distance_);
+        continue_layer(nodes, solid, in_solids_, count, layer, layer_, distance_);
     }
 }
 
