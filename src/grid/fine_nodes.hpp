@@ -33,7 +33,7 @@ struct FineNodes {
         for (int k = 0; k < 3; ++k) x[k] = lower[k] + width * (2 * c[k] + (corner >> k & 1));
         if (dimensions == 2) x[2] = 0;
     }
-    int used() const { return dimensions == 2 ? 4 : 8; } // corners of a cell that count
+    KOKKOS_INLINE_FUNCTION int used() const { return dimensions == 2 ? 4 : 8; } // corners of a cell that count
 };
 
 // A distance given at fine nodes, anywhere in the window: trilinear between them; what lies outside of the window

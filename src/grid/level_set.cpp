@@ -1,6 +1,7 @@
 #include "grid/level_set.hpp"
 
 #include "grid/images.hpp"
+#include "kokkos/lanes.hpp"
 
 #include <cmath>
 #include <vector>
@@ -55,9 +56,6 @@ KOKKOS_INLINE_FUNCTION double read_table(const Array<double>& map, double q) {
 struct Mean {
     double weight = 0, offset[3] = {0, 0, 0};
 
-    KOKKOS_INLINE_FUNCTION void add(const Array3& x, int first, int last, const double at[3], double inverse_square) {
-        for (int k = first; k < last; ++k) add(x, k, at, inverse_square, 0);
-    }
     // `mirror`: bit k: the offset along axis k changes its sign.
     KOKKOS_INLINE_FUNCTION void add(const Array3& x, int k, const double at[3], double inverse_square, int mirror) {
         const double d[3] = {x(k, 0) - at[0], x(k, 1) - at[1], x(k, 2) - at[2]};
@@ -71,17 +69,48 @@ struct Mean {
     }
 };
 
+// The same of several particles at a time.
+struct LaneMean {
+    Lanes weight = 0.0, x = 0.0, y = 0.0, z = 0.0;
+
+    KOKKOS_INLINE_FUNCTION void add(const Array<double> along[3], int first, int last, const double at[3], double inverse_square) {
+        for (int k = first; k < last; k += lanes) {
+            const Lanes dx = load_lanes(&along[0](k)) - Lanes(at[0]), dy = load_lanes(&along[1](k)) - Lanes(at[1]),
+                        dz = load_lanes(&along[2](k)) - Lanes(at[2]);
+            const Lanes s = math::max(Lanes(0.0), Lanes(1.0) - (dx * dx + dy * dy + dz * dz) * Lanes(inverse_square));
+            const Lanes w = select(first_lanes(last - k), s * s * s, Lanes(0.0));
+            weight = weight + w;
+            x = x + w * dx;
+            y = y + w * dy;
+            z = z + w * dz;
+        }
+    }
+    KOKKOS_INLINE_FUNCTION void add_to(Mean& mean) const {
+        mean.weight += sum_lanes(weight);
+        mean.offset[0] += sum_lanes(x);
+        mean.offset[1] += sum_lanes(y);
+        mean.offset[2] += sum_lanes(z);
+    }
+};
+
 struct Builder {
     FineNodes nodes;
     CellBox owned;
     CellList cells;
     Array3 x, image;
+    Array<double> along[3]; // x, axis by axis
     WallPlanes walls;
     Array<double> solid, map, out;
     double reach, shift; // [m]
     int full;            // particles of a cell without surface
 
-    // The fewest and the most particles in the cells around c, itself included.
+    KOKKOS_INLINE_FUNCTION bool is_solid(const int c[3]) const {
+        const int base = FineNodes::per_cell * nodes.window.index(c[0], c[1], c[2]);
+        bool inside = true;
+        for (int k = 0; k < nodes.used(); ++k) inside = inside && solid(base + k) < 0;
+        return inside;
+    }
+    // The fewest and the most particles in the cells around c, itself included, but for those within solids.
     KOKKOS_INLINE_FUNCTION void count_around(const int c[3], int& fewest, int& most) const {
         const int up = nodes.dimensions == 2 ? 0 : 1;
         fewest = full;
@@ -89,8 +118,10 @@ struct Builder {
         for (int z = -up; z <= up; ++z) {
             for (int y = -1; y <= 1; ++y) {
                 for (int dx = -1; dx <= 1; ++dx) {
-                    const int k = cells.window.index(c[0] + dx, c[1] + y, c[2] + z);
+                    const int q[3] = {c[0] + dx, c[1] + y, c[2] + z};
+                    const int k = cells.window.index(q[0], q[1], q[2]);
                     const int n = cells.end(k) - cells.begin(k);
+                    if (n == 0 && is_solid(q)) continue;
                     fewest = math::min(fewest, n);
                     most = math::max(most, n);
                 }
@@ -131,20 +162,22 @@ struct Builder {
         int side[3];
         const int near = images ? near_walls(place, side) : 0;
         Mean mean;
+        LaneMean seen;
         const int top = nodes.dimensions == 2 ? 0 : corner >> 2 & 1, bottom = nodes.dimensions == 2 ? 0 : -1;
         for (int z = bottom; z <= top; ++z) {
             for (int y = -1; y <= (corner >> 1 & 1); ++y) {
                 for (int dx = -1; dx <= (corner & 1); ++dx) {
                     const int k = cells.window.index(c[0] + dx, c[1] + y, c[2] + z);
                     const int first = cells.begin(k), last = cells.end(k);
-                    mean.add(x, first, last, place, inverse_square);
-                    if (images) mean.add(image, first, last, place, inverse_square);
+                    seen.add(along, first, last, place, inverse_square);
+                    for (int p = first; images && p < last; ++p) mean.add(image, p, place, inverse_square, 0);
                     for (int mirror = 1; mirror <= near; ++mirror) {
                         if ((mirror & near) == mirror) add_mirrored(first, last, place, mirror, side, inverse_square, mean);
                     }
                 }
             }
         }
+        seen.add_to(mean);
         return mean.weight > 0 ? reach * read_table(map, mean.distance() / reach) - shift : reach;
     }
 };
@@ -173,38 +206,59 @@ int sum_particles(const Builder& build) {
     return surface;
 }
 
+// Positions axis by axis, with room behind the last for lanes that do not count.
+void split_axes(const Array3& x, int n, Array<double> along[3]) {
+    for (int k = 0; k < 3; ++k) {
+        const auto to = static_cast<std::size_t>(n + lanes);
+        if (along[k].extent(0) < to) along[k] = Array<double>("treacle::level_set_along", to + to / 32); // zeros: no NaN behind the end
+        const auto axis = along[k];
+        Kokkos::parallel_for("treacle::split_axes", n, KOKKOS_LAMBDA(int i) { axis(i) = x(i, k); });
+    }
+}
+
+// Lists the nodes in solids that the liquid may be continued into, and marks them as not yet found.
+int list_nodes(const FineNodes& nodes, const Array<double>& solid, double depth, const Array<int>& list, const Array<int>& found) {
+    int count = 0;
+    const bool write = list.extent(0) > 0;
+    Kokkos::parallel_scan("treacle::nodes_in_solids", static_cast<int>(nodes.window.size()),
+        KOKKOS_LAMBDA(int i, int& row, bool last) {
+            for (int at = FineNodes::per_cell * i; at < FineNodes::per_cell * i + nodes.used(); ++at) {
+                if (last && !write) found(at) = solid(at) < 0 ? continued_layers + 1 : 0;
+                if (solid(at) >= 0 || solid(at) < -depth) continue;
+                if (last && write) list(row) = at;
+                ++row;
+            }
+        }, count);
+    return count;
+}
+
 // Nodes in solids take the value of their neighbours nearer to the surface, weighted by how much nearer: constant along
 // the gradient of the solid's distance. Nodes that this layer finds count from the next one on.
-void continue_layer(const FineNodes& nodes, const Array<double>& solid, double depth, int layer, const Array<int>& found,
-                    const Array<double>& value) {
-    Kokkos::parallel_for("treacle::continue_liquid", static_cast<int>(nodes.window.size()), KOKKOS_LAMBDA(int i) {
-        const int base = FineNodes::per_cell * i;
+void continue_layer(const FineNodes& nodes, const Array<double>& solid, const Array<int>& list, int count, int layer,
+                    const Array<int>& found, const Array<double>& value) {
+    Kokkos::parallel_for("treacle::continue_liquid", count, KOKKOS_LAMBDA(int i) {
+        const int at = list(i), corner = at % FineNodes::per_cell;
+        if (found(at) < layer) return;
+        const double here = solid(at);
         int c[3];
-        nodes.window.cell(i, c);
-        for (int corner = 0; corner < nodes.used(); ++corner) {
-            const double here = solid(base + corner);
-            if (layer == 1) found(base + corner) = here < 0 ? continued_layers + 1 : 0;
-            if (here >= 0 || here < -depth) continue;
-            if (layer > 1 && found(base + corner) < layer) continue;
-            double sum = 0, weights = 0;
-            for (int k = 0; k < nodes.dimensions; ++k) {
-                for (int side = -1; side <= 1; side += 2) {
-                    int f[3] = {2 * c[0] + (corner & 1), 2 * c[1] + (corner >> 1 & 1), 2 * c[2] + (corner >> 2)};
-                    if (nodes.dimensions == 2) f[2] = 0;
-                    f[k] += side;
-                    if (f[k] < 2 * nodes.window.lo[k] || f[k] >= 2 * nodes.window.hi[k]) continue;
-                    const int at = nodes.index(f[0], f[1], f[2]);
-                    const double nearer = solid(at) - here;
-                    const bool known = solid(at) >= 0 || (layer > 1 && found(at) < layer);
-                    if (!known || nearer <= 0) continue;
-                    sum += nearer * value(at);
-                    weights += nearer;
-                }
+        nodes.window.cell(at / FineNodes::per_cell, c);
+        double sum = 0, weights = 0;
+        for (int k = 0; k < nodes.dimensions; ++k) {
+            for (int side = -1; side <= 1; side += 2) {
+                int f[3] = {2 * c[0] + (corner & 1), 2 * c[1] + (corner >> 1 & 1), 2 * c[2] + (corner >> 2)};
+                if (nodes.dimensions == 2) f[2] = 0;
+                f[k] += side;
+                if (f[k] < 2 * nodes.window.lo[k] || f[k] >= 2 * nodes.window.hi[k]) continue;
+                const int other = nodes.index(f[0], f[1], f[2]);
+                const double nearer = solid(other) - here;
+                if (found(other) >= layer || nearer <= 0) continue;
+                sum += nearer * value(other);
+                weights += nearer;
             }
-            if (weights == 0) continue;
-            value(base + corner) = sum / weights;
-            found(base + corner) = layer;
         }
+        if (weights == 0) return;
+        value(at) = sum / weights;
+        found(at) = layer;
     });
 }
 } // namespace
@@ -212,8 +266,12 @@ void continue_layer(const FineNodes& nodes, const Array<double>& solid, double d
 void LevelSet::continue_into_solids(const FineNodes& nodes, const Array<double>& solid) {
     reserve(layer_, nodes.size());
     const double depth = (continued_layers + 1) * nodes.width;
+    const int count = list_nodes(nodes, solid, depth, Array<int>(), layer_);
+    reserve(in_solids_, static_cast<std::size_t>(count));
+    if (count == 0) return;
+    list_nodes(nodes, solid, depth, in_solids_, layer_);
     for (int layer = 1; layer <= continued_layers; ++layer) {
-        continue_layer(nodes, solid, depth, layer, layer_, distance_);
+        continue_layer(nodes, solid, in_solids_, count, layer, layer_, distance_);
     }
 }
 
@@ -232,9 +290,10 @@ void LevelSet::build(const MacGrid& grid, CellHalo& halo, const GridParticles& p
     Kokkos::deep_copy(distance_, grid.dx);
     // Across bodies; walls have theirs by the mirrored places of nodes.
     Images::find(particles, solids.sampler(), solids.number(), ImagesIn::bodies, image_reach * grid.dx);
+    split_axes(particles.position(), particles.store.total(), along_);
     const int seeded = grid.dimensions == 2 ? 4 : 8;
     surface_ = static_cast<std::size_t>(sum_particles({nodes, halo.owned(), cells, particles.position(), particles.image(),
-                                                       solids.walls(), solids.distance(), half_space_, distance_, grid.dx,
+                                                       {along_[0], along_[1], along_[2]}, solids.walls(), solids.distance(), half_space_, distance_, grid.dx,
                                                        scatter_shift[grid.dimensions - 2] * grid.dx,
                                                        static_cast<int>(full_share * seeded)}));
     halo.gather_blocks(distance_, FineNodes::per_cell);

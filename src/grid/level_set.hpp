@@ -23,7 +23,9 @@ private:
 
     Array<double> distance_{"treacle::liquid_distance", 0};
     Array<double> half_space_{"treacle::half_space_map", 0}; // of the mean's distance: where the surface is, both over reach
-    Array<int> layer_{"treacle::continuation_layer", 0};
+    Array<double> along_[3] = {Array<double>("treacle::level_set_x", 0), Array<double>("treacle::level_set_y", 0),
+                               Array<double>("treacle::level_set_z", 0)}; // positions of all particles, axis by axis
+    Array<int> layer_{"treacle::continuation_layer", 0}, in_solids_{"treacle::nodes_in_solids", 0};
     int dimensions_ = 0; // that half_space_ is of
     std::size_t surface_ = 0;
 };

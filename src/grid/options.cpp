@@ -37,7 +37,7 @@ void PressureOptions::declare(Declaration& d) {
 void ViscosityOptions::declare(Declaration& d) {
     declare_solve(d, preconditioner, residual, max_iterations);
     d.number("least_wet", least_wet, unit::none, range_above_to(0, 0.1),
-             "Share of a cube below which its liquid counts as none.");
+             "Share of a cube below which its liquid has no stress and keeps its velocity: slivers cost iterations.");
     d.number("least_gap", least_gap, unit::none, range_above_to(0, 0.5),
              "Share of a stress' cube outside of solids below which the liquid beside it moves with the solid: walls are "
              "out of place by at most this share of the spacing, and smaller ones make slivers of liquid stiffer.");

@@ -1,5 +1,9 @@
 #include "grid/position_correction.hpp"
 
+#include "kokkos/lanes.hpp"
+
+#include <cmath>
+
 namespace treacle::grid {
 
 namespace {
@@ -7,38 +11,48 @@ namespace {
 struct Kernel {
     double inverse_radius;
 
-    KOKKOS_INLINE_FUNCTION double value(double r) const {
-        const double s = 1 - r * inverse_radius;
-        return s > 0 ? s * s * s : 0;
+    template <Number T>
+    KOKKOS_INLINE_FUNCTION T value(T r) const {
+        const T s = math::max(T(0.0), T(1.0) - r * T(inverse_radius));
+        return s * s * s;
     }
-    // Derivative by r, over r.
-    KOKKOS_INLINE_FUNCTION double slope(double r) const {
-        const double s = 1 - r * inverse_radius;
-        return s > 0 && r > 0 ? -3 * s * s * inverse_radius / r : 0;
+    // Derivative by r.
+    template <Number T>
+    KOKKOS_INLINE_FUNCTION T slope(T r) const {
+        const T s = math::max(T(0.0), T(1.0) - r * T(inverse_radius));
+        return T(-3 * inverse_radius) * s * s;
     }
 };
 
-// Sums over what a particle sees: its neighbours, and the images of itself and of them.
+// What a particle sees: its neighbours and, near solids, the images of itself and of them.
 struct Pairs {
-    Array3 x, image;
+    Array4 place; // x, y, z and a number of the loop's
+    Array3 image;
+    Array<int> near; // 1: images count
     Array<std::int64_t> offset;
     Array<int> index;
 
-    // visit(j, difference x_i - x, r, whether it is an image)
+    // visit(x_i - x_j, y_i - y_j, z_i - z_j, the loop's number of j) of neighbours, several at a time; lanes beyond the last one
+    // are far away.
     template <class Visit>
-    KOKKOS_INLINE_FUNCTION void visit(int i, const Visit& visit_pair) const {
-        see(x, i, i, true, visit_pair);
-        for (auto k = offset(i); k < offset(i + 1); ++k) {
-            const int j = index(k);
-            see(x, i, j, false, visit_pair);
-            if (image(j, 0) != Images::none) see(image, i, j, true, visit_pair);
+    KOKKOS_INLINE_FUNCTION void neighbours(int i, const Visit& visit) const {
+        const Lanes x = place(i, 0), y = place(i, 1), z = place(i, 2), far = 1e10;
+        const auto end = offset(i + 1);
+        for (auto k = offset(i); k < end; k += lanes) {
+            const Quads other = gather_quads(place.data(), &index(k));
+            const LaneMask there = first_lanes(static_cast<int>(math::min(end - k, std::int64_t(lanes))));
+            visit(select(there, x - other.x, far), y - other.y, z - other.z, other.w);
         }
-        if (image(i, 0) != Images::none) see(image, i, i, true, visit_pair);
     }
+    // The same of images, one by one.
     template <class Visit>
-    KOKKOS_INLINE_FUNCTION void see(const Array3& at, int i, int j, bool fixed, const Visit& visit_pair) const {
-        const double d[3] = {x(i, 0) - at(j, 0), x(i, 1) - at(j, 1), x(i, 2) - at(j, 2)};
-        visit_pair(j, d, math::sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]), fixed);
+    KOKKOS_INLINE_FUNCTION void images(int i, const Visit& visit) const {
+        if (!near(i)) return;
+        for (auto k = offset(i) - 1; k < offset(i + 1); ++k) {
+            const int j = k < offset(i) ? i : index(k);
+            if (image(j, 0) == Images::none) continue;
+            visit(place(i, 0) - image(j, 0), place(i, 1) - image(j, 1), place(i, 2) - image(j, 2), place(j, 3));
+        }
     }
 };
 
@@ -48,6 +62,31 @@ struct Constraint {
     Array<double> particle_mass;
     Array<int> liquid;
     double mean_mass; // by which masses are measured: heavier particles move less
+
+    KOKKOS_INLINE_FUNCTION double mobility(int i) const { return mean_mass / particle_mass(liquid(i)); }
+};
+
+void write_places(const Array3& x, int n, const Constraint& constraint, const Array4& place) {
+    Kokkos::parallel_for("treacle::places", n, KOKKOS_LAMBDA(int i) {
+        for (int c = 0; c < 3; ++c) place(i, c) = x(i, c);
+        place(i, 3) = constraint.mobility(i);
+    });
+}
+
+// Sums of one particle's constraint.
+template <Number T>
+struct ConstraintSums {
+    T density = 0.0, squares = 0.0, x = 0.0, y = 0.0, z = 0.0;
+
+    KOKKOS_INLINE_FUNCTION void add(const Kernel& kernel, T dx, T dy, T dz, T mobility) {
+        const auto at = distance(dx * dx + dy * dy + dz * dz);
+        const T slope = kernel.slope(at.r), along = slope * at.inverse;
+        density = density + kernel.value(at.r);
+        squares = squares + slope * slope * mobility;
+        x = x + along * dx;
+        y = y + along * dy;
+        z = z + along * dz;
+    }
 };
 
 // lambda_i = -C_i / (sum_k |grad_k C_i|^2 m_0 / m_k + softness), and the density. Returns the largest C.
@@ -55,35 +94,52 @@ double find_multipliers(const Constraint& constraint, const Pairs& pairs, int n,
                         const Array<double>& density) {
     double worst = 0;
     Kokkos::parallel_reduce("treacle::density_constraint", n, KOKKOS_LAMBDA(int i, double& most) {
-        double sum = 0, squares = 0, own[3] = {0, 0, 0};
-        pairs.visit(i, [&](int j, const double d[3], double r, bool fixed) {
-            sum += constraint.kernel.value(r);
-            const double slope = constraint.kernel.slope(r) / constraint.rest;
-            for (int c = 0; c < 3; ++c) own[c] += slope * d[c];
-            // What is fixed, an image, moves with no weight of its own.
-            if (!fixed) squares += slope * slope * r * r * constraint.mean_mass / constraint.particle_mass(constraint.liquid(j));
+        ConstraintSums<Lanes> lane;
+        ConstraintSums<double> fixed;
+        pairs.neighbours(i, [&](Lanes dx, Lanes dy, Lanes dz, Lanes mobility) {
+            lane.add(constraint.kernel, dx, dy, dz, mobility);
         });
-        const double mass = constraint.particle_mass(constraint.liquid(i));
-        squares += (own[0] * own[0] + own[1] * own[1] + own[2] * own[2]) * constraint.mean_mass / mass;
+        // An image is not moved: it has no square of its own.
+        pairs.images(i, [&](double dx, double dy, double dz, double) { fixed.add(constraint.kernel, dx, dy, dz, 0.0); });
+        const double x = sum_lanes(lane.x) + fixed.x, y = sum_lanes(lane.y) + fixed.y, z = sum_lanes(lane.z) + fixed.z;
+        const double mobility = pairs.place(i, 3);
+        const double squares = (sum_lanes(lane.squares) + (x * x + y * y + z * z) * mobility) / (constraint.rest * constraint.rest);
+        const double sum = constraint.kernel.value(0.0) + sum_lanes(lane.density) + fixed.density;
         const double excess = sum / constraint.rest - 1;
-        density(i) = (excess + 1) * mass / volume;
+        density(i) = (excess + 1) * constraint.mean_mass / mobility / volume;
         multiplier(i) = -math::max(excess, 0.0) / (squares + constraint.softness);
         most = math::max(most, excess);
     }, Kokkos::Max<double>(worst));
     return n > 0 ? worst : 0;
 }
 
+void write_multipliers(const Array<double>& multiplier, int n, const Array4& place) {
+    Kokkos::parallel_for("treacle::multipliers", n, KOKKOS_LAMBDA(int i) { place(i, 3) = multiplier(i); });
+}
+
 // dx_i = m_0 / m_i sum_j (lambda_i + lambda_j) grad W_ij / W_0: equal and opposite but for images.
 void find_density_corrections(const Constraint& constraint, const Pairs& pairs, int n, bool with_neighbours,
-                              const Array<double>& multiplier, const Array3& correction) {
+                              const Array3& correction) {
+    const double theirs = with_neighbours ? 1 : 0;
     Kokkos::parallel_for("treacle::density_correction", n, KOKKOS_LAMBDA(int i) {
-        double sum[3] = {0, 0, 0};
-        pairs.visit(i, [&](int j, const double d[3], double r, bool) {
-            const double factor = multiplier(i) + (with_neighbours ? multiplier(j) : 0);
-            const double slope = factor * constraint.kernel.slope(r) / constraint.rest;
-            for (int c = 0; c < 3; ++c) sum[c] += slope * d[c];
+        const double mine = pairs.place(i, 3);
+        Lanes x = 0.0, y = 0.0, z = 0.0;
+        pairs.neighbours(i, [&](Lanes dx, Lanes dy, Lanes dz, Lanes other) {
+            const auto at = distance(dx * dx + dy * dy + dz * dz);
+            const Lanes factor = (Lanes(mine) + Lanes(theirs) * other) * constraint.kernel.slope(at.r) * at.inverse;
+            x = x + factor * dx;
+            y = y + factor * dy;
+            z = z + factor * dz;
         });
-        const double weight = constraint.mean_mass / constraint.particle_mass(constraint.liquid(i));
+        double sum[3] = {sum_lanes(x), sum_lanes(y), sum_lanes(z)};
+        pairs.images(i, [&](double dx, double dy, double dz, double other) {
+            const auto at = distance(dx * dx + dy * dy + dz * dz);
+            const double factor = (mine + theirs * other) * constraint.kernel.slope(at.r) * at.inverse;
+            sum[0] += factor * dx;
+            sum[1] += factor * dy;
+            sum[2] += factor * dz;
+        });
+        const double weight = constraint.mobility(i) / constraint.rest;
         for (int c = 0; c < 3; ++c) correction(i, c) = weight * sum[c];
     });
 }
@@ -92,13 +148,18 @@ void find_density_corrections(const Constraint& constraint, const Pairs& pairs, 
 void find_spring_corrections(const Pairs& pairs, int n, double spacing, const Array3& correction) {
     constexpr double stiffness = 0.1;
     Kokkos::parallel_for("treacle::spring_correction", n, KOKKOS_LAMBDA(int i) {
-        double sum[3] = {0, 0, 0};
-        pairs.visit(i, [&](int, const double d[3], double r, bool) {
-            const double pull = 1 - r * r / (spacing * spacing);
-            if (pull <= 0 || r == 0) return;
-            for (int c = 0; c < 3; ++c) sum[c] += stiffness * spacing * pull * d[c] / r;
+        Lanes x = 0.0, y = 0.0, z = 0.0;
+        pairs.neighbours(i, [&](Lanes dx, Lanes dy, Lanes dz, Lanes) {
+            const auto at = distance(dx * dx + dy * dy + dz * dz);
+            const Lanes pull = math::max(Lanes(0.0), Lanes(1.0) - at.r * at.r * Lanes(1 / (spacing * spacing))) * at.inverse;
+            x = x + pull * dx;
+            y = y + pull * dy;
+            z = z + pull * dz;
         });
-        for (int c = 0; c < 3; ++c) correction(i, c) = sum[c];
+        const double factor = stiffness * spacing;
+        correction(i, 0) = factor * sum_lanes(x);
+        correction(i, 1) = factor * sum_lanes(y);
+        correction(i, 2) = factor * sum_lanes(z);
     });
 }
 
@@ -146,6 +207,14 @@ void add_corrections(int n, const Array3& x, const Array3& correction) {
     });
 }
 
+// Which particles may see images: within the kernel's reach of a solid, and the farthest move.
+void find_near(const DistanceSampler& solid, const Array3& x, int n, double reach, const Array<int>& near) {
+    Kokkos::parallel_for("treacle::near_solids", n, KOKKOS_LAMBDA(int i) {
+        const double p[3] = {x(i, 0), x(i, 1), x(i, 2)};
+        near(i) = solid.at(p) < reach ? 1 : 0;
+    });
+}
+
 void wrap_positions(const MacGrid& grid, int n, const Array3& x) {
     for (int k = 0; k < grid.dimensions; ++k) {
         const double period = grid.cells.period[k], low = grid.lower[k];
@@ -168,7 +237,7 @@ PositionCorrection::PositionCorrection(const MacGrid& grid) : grid_(grid) {
             for (int x = -2; x <= 2; ++x) {
                 const double r = spacing * math::sqrt(double(x * x + y * y + z * z));
                 rest_ += kernel.value(r);
-                squares += kernel.slope(r) * r * kernel.slope(r) * r;
+                squares += (r > 0 ? kernel.slope(r) * kernel.slope(r) : 0);
             }
         }
     }
@@ -181,15 +250,18 @@ double PositionCorrection::correct(const PositionOptions& options, GridParticles
     const auto x = particles.position(), correction = particles.correction();
     const auto multiplier = particles.multiplier();
     Images::find(particles, setting.solids.sampler(), setting.solids.number(), ImagesIn::all_solids, 0.5 * grid_.dx);
-    const Pairs pairs{x, particles.image(), neighbours_.offset, neighbours_.index};
+    const Pairs pairs{place_, particles.image(), near_, neighbours_.offset, neighbours_.index};
     const Constraint constraint{{1 / grid_.dx}, rest_, options.softness * rest_gradients_, setting.particle_mass,
                                 particles.liquid(), on_host(setting.particle_mass)(0)};
+    const int total = particles.store.total();
+    write_places(x, total, constraint, place_);
     const double volume = std::pow(grid_.dx, 3) / (grid_.dimensions == 2 ? 4 : 8);
     const double worst = setting.comm.max(find_multipliers(constraint, pairs, n, volume, multiplier, particles.density()));
     if (worst < options.tolerance) return worst;
     if (options.method == PositionMethod::density) {
         setting.halo.gather(particles.store, {particles.multiplier_field()});
-        find_density_corrections(constraint, pairs, n, options.neighbour_constraints, multiplier, correction);
+        write_multipliers(multiplier, total, place_);
+        find_density_corrections(constraint, pairs, n, options.neighbour_constraints, correction);
     } else {
         find_spring_corrections(pairs, n, 0.5 * grid_.dx, correction);
     }
@@ -198,7 +270,7 @@ double PositionCorrection::correct(const PositionOptions& options, GridParticles
     move_particles({setting.solids.sampler(), relaxation, options.scale_min, options.scale_max, grid_.dx,
                     options.cap * grid_.dx, defaults.clearance * grid_.dx}, n, start_, x, correction);
     setting.halo.gather(particles.store, {particles.correction_field()});
-    add_corrections(particles.store.total(), x, correction);
+    add_corrections(total, x, correction);
     return worst;
 }
 
@@ -208,6 +280,9 @@ PositionReport PositionCorrection::apply(const PositionOptions& options, GridPar
     const int n = particles.store.owned();
     neighbours_.build(particles.store, particles.store, grid_.cells, setting.cells, grid_.dx);
     reserve(start_, static_cast<std::size_t>(n));
+    reserve(near_, static_cast<std::size_t>(n));
+    reserve(place_, static_cast<std::size_t>(particles.store.total()) + 1); // rows end with entries that name row 0
+    find_near(setting.solids.sampler(), particles.position(), n, (1 + options.cap) * grid_.dx, near_);
     const auto x = particles.position(), start = start_;
     Kokkos::parallel_for("treacle::keep_positions", n, KOKKOS_LAMBDA(int i) {
         for (int c = 0; c < 3; ++c) start(i, c) = x(i, c);

@@ -185,12 +185,19 @@ template <class Visit>
 void for_images(const rigid::RigidBodies& bodies, std::size_t body, const MacGrid& grid, const CellBox& cells,
                 const Visit& visit) {
     int images[3];
+    Vec3 back{0, 0, 0}; // to the domain, for what has gone through periodic sides
     const auto& region = bodies.setup().bodies[body].region.front();
-    for (int k = 0; k < 3; ++k) images[k] = grid.cells.periodic(k) && region.closed() && !region.inverted() ? 1 : 0;
+    for (int k = 0; k < 3; ++k) {
+        const auto axis = static_cast<std::size_t>(k);
+        images[k] = grid.cells.periodic(k) && region.closed() && !region.inverted() ? 1 : 0;
+        if (images[k] == 0) continue;
+        back[axis] = -grid.cells.period[k] * std::floor((bodies.pose(body).centre[axis] - grid.lower[k]) / grid.cells.period[k]);
+    }
     for (int z = -images[2]; z <= images[2]; ++z) {
         for (int y = -images[1]; y <= images[1]; ++y) {
             for (int x = -images[0]; x <= images[0]; ++x) {
-                const Vec3 shift{x * grid.cells.period[0], y * grid.cells.period[1], z * grid.cells.period[2]};
+                const Vec3 shift{back[0] + x * grid.cells.period[0], back[1] + y * grid.cells.period[1],
+                                 back[2] + z * grid.cells.period[2]};
                 const CellBox reached = reach_of(bodies, body, shift, grid, cells);
                 if (!reached.empty()) visit(shift, reached);
             }

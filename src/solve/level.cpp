@@ -3,6 +3,7 @@
 #include "solve/gather_sum.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace treacle::solve {
 
@@ -66,11 +67,28 @@ void Level::refer_to(const Matrix& matrix) {
 }
 
 void Level::find_diagonals() {
+    secured_.clear();
     diagonal_.resize(static_cast<std::size_t>(rows));
     for (Index i = 0; i < rows; ++i) {
         const Index* const begin = own_.columns + own_.offsets[i];
         const Index* const end = own_.columns + own_.offsets[i + 1];
         diagonal_[static_cast<std::size_t>(i)] = static_cast<Index>(std::lower_bound(begin, end, i) - own_.columns);
+    }
+}
+
+void Level::secure_sweeps() {
+    secured_.resize(static_cast<std::size_t>(rows));
+    for (Index i = 0; i < rows; ++i) secured_[static_cast<std::size_t>(i)] = diagonal(i);
+    const auto around = halo().gather(secured_);
+    for (Index i = 0; i < rows; ++i) {
+        double& own = secured_[static_cast<std::size_t>(i)];
+        const double given = own;
+        double sum = 0;
+        for (Index k = other_.offsets[i]; k < other_.offsets[i + 1]; ++k) {
+            const double there = around[static_cast<std::size_t>(other_.columns[k])];
+            if (there > 0) sum += std::fabs(other_.values[k]) * std::sqrt(given / there);
+        }
+        own = std::max(given, 0.5 * (given + sum));
     }
 }
 
@@ -126,9 +144,10 @@ void Level::sweep_down_from_zero(std::span<const double> r_, std::span<double> z
         // Hardware that fetches ahead along the arrays would go on into the half that is not read.
         if (i + ahead < rows) fetch(columns, values, own_.offsets[i + ahead], diagonal_[at + ahead]);
         const double sum = r_[at] - gather_sum(columns, values, begin, diagonal, z_.data());
-        z_[at] = divide(sum, values[diagonal]);
-        // What is left is -U z, U the transpose of the part of the row that was just read.
+        z_[at] = divide(sum, divisor(at));
+        // What is left is -U z + (D' - D) z, U the transpose of the part of the row that was just read.
         scatter(columns, values, begin, diagonal, z_[at], t_.data());
+        t_[at] += (divisor(at) - values[diagonal]) * z_[at];
     }
     const auto around = halo().gather(z_);
     for (Index i = 0; i < rows; ++i) {
@@ -147,7 +166,7 @@ double Level::product(std::span<const double> z_, std::span<const double> around
 void Level::sweep_down(std::span<const double> r_, std::span<double> z_) {
     const auto around = halo().gather(z_);
     for (std::size_t i = 0; i < static_cast<std::size_t>(rows); ++i) {
-        if (!is_fixed(i)) z_[i] += divide(r_[i] - product(z_, around, i), own_.values[diagonal_[i]]);
+        if (!is_fixed(i)) z_[i] += divide(r_[i] - product(z_, around, i), divisor(i));
     }
 }
 
@@ -157,7 +176,7 @@ void Level::sweep_up(std::span<const double> r_, std::span<double> z_) {
         // Rows fall while each row's entries rise, which hardware does not foresee.
         if (is_fixed(i)) continue;
         if (i >= ahead) fetch(own_.columns, own_.values, own_.offsets[i - ahead], own_.offsets[i - ahead + 1]);
-        z_[i] += divide(r_[i] - product(z_, around, i), own_.values[diagonal_[i]]);
+        z_[i] += divide(r_[i] - product(z_, around, i), divisor(i));
     }
 }
 
@@ -170,7 +189,7 @@ void Level::residual(std::span<const double> r_, std::span<const double> z_, std
 
 std::size_t Level::bytes() const {
     return own_store_.bytes() + other_store_.bytes() + halo_.bytes() + 16 * runs.capacity() +
-           8 * (keys.capacity() + walls.capacity() + centres.capacity() + r.capacity() + z.capacity() + t.capacity()) +
+           8 * (keys.capacity() + walls.capacity() + centres.capacity() + r.capacity() + z.capacity() + t.capacity() + secured_.capacity()) +
            fixed.capacity() + 4 * (halo_columns_.capacity() + diagonal_.capacity() + aggregate.capacity() + group.capacity());
 }
 

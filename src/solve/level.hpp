@@ -62,7 +62,12 @@ public:
     // Collective. Takes the rows, whose numbers start at first in the order of the ranks.
     void take(const Comm& comm, MadeRows& made, Index first, Index global_rows);
 
-    // z = (D + L)^-1 r, t = r - A z: one pass over half of the matrix.
+    // Collective. Sweeps within the ranks' own rows reduce the error of any symmetric positive definite matrix only if
+    // 2 D' - D - A_off is positive definite too, D' being what they divide by and A_off the couplings of different ranks.
+    // D' = D where A is diagonally dominant; this takes max(D, (D + sum |A_off|) / 2), rows scaled to a unit diagonal.
+    void secure_sweeps();
+
+    // z = (D' + L)^-1 r, t = r - A z: one pass over half of the matrix.
     void sweep_down_from_zero(std::span<const double> r, std::span<double> z, std::span<double> t);
     // Sweeps from z. The values of other ranks are those before the sweep.
     void sweep_down(std::span<const double> r, std::span<double> z);
@@ -100,12 +105,14 @@ public:
 
 private:
     double product(std::span<const double> z, std::span<const double> around, std::size_t row) const;
+    double divisor(std::size_t row) const { return secured_.empty() ? own_.values[diagonal_[row]] : secured_[row]; }
     void find_diagonals();
 
     Block own_, other_;
     Csr own_store_, other_store_;
     std::vector<Index> halo_columns_; // scratch of take()
     std::vector<Index> diagonal_;     // place of the diagonal entry in own
+    std::vector<double> secured_;     // [rows] D'; or empty: D
     RowHalo halo_;
     RowHalo* borrowed_halo_ = nullptr; // the matrix's own
 };

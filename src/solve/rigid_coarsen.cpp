@@ -5,10 +5,9 @@
 namespace treacle::solve {
 
 namespace {
-// Motions that an aggregate's rows hardly feel, as the spin of a single row about itself, have a diagonal of round-off.
-// Below this share of the aggregate's largest diagonal entry they get that one, which takes them out of play and adds
-// what is positive; arms are of the order of 1.
-constexpr double least_diagonal = 1e-8;
+// Arms below this are round-off of zero [widths]. Motions that no row of an aggregate feels, as the spin of a single row
+// about itself, get rows and columns of zeros, which the sweeps pass over.
+constexpr double least_arm = 1e-9;
 
 // How a row of the matrix feels the motions of its aggregate: entries that are not zero.
 template <int D>
@@ -131,7 +130,10 @@ void RigidCoarsener::find_arms(const Level& level, std::span<const double> place
     }
     links.arms.assign(places.size(), 0.0);
     each([&](std::size_t i, std::size_t a) {
-        for (std::size_t k = 0; k < 3; ++k) links.arms[3 * i + k] = places[3 * i + k] - made.centres[3 * a + k];
+        for (std::size_t k = 0; k < 3; ++k) {
+            const double arm = places[3 * i + k] - made.centres[3 * a + k];
+            links.arms[3 * i + k] = arm < -least_arm || arm > least_arm ? arm : 0.0;
+        }
     });
 }
 
@@ -241,14 +243,8 @@ void RigidCoarsener::add_blocks(const Level& level, const RigidLinks& links, Ind
 }
 
 template <int D>
-void RigidCoarsener::end_rows(Index aggregate, double divisor, MadeRows& made) {
+void RigidCoarsener::end_rows(double divisor, MadeRows& made) {
     constexpr auto m = static_cast<std::size_t>(rigid_modes(D));
-    double* const own = block(aggregate);
-    double most = 0;
-    for (std::size_t k = 0; k < m; ++k) most = std::max(most, own[(m + 1) * k]);
-    for (std::size_t k = 0; k < m; ++k) {
-        if (own[(m + 1) * k] < least_diagonal * most) own[(m + 1) * k] = most;
-    }
     met_.clear();
     for (std::size_t k = 0; k < met_places_.size(); ++k) {
         met_.emplace_back(places_.global(met_places_[k]), static_cast<Index>(k));
@@ -283,7 +279,7 @@ void RigidCoarsener::make_rows(const Level& level, double divisor, const RigidLi
         }
         const CellKey key = level.runs[static_cast<std::size_t>(level.group[a])].key;
         made.keys.insert(made.keys.end(), static_cast<std::size_t>(modes), key);
-        end_rows<D>(static_cast<Index>(a), divisor, made);
+        end_rows<D>(divisor, made);
     }
 }
 

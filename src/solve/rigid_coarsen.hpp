@@ -41,7 +41,7 @@ private:
     template <int D>
     void add_blocks(const Level& level, const RigidLinks& links, Index node);
     template <int D>
-    void end_rows(Index aggregate, double divisor, MadeRows& made);
+    void end_rows(double divisor, MadeRows& made);
     double* block(Index place);
 
     int modes_ = 6;

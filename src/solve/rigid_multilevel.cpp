@@ -112,7 +112,7 @@ void RigidMultilevel::State::correct(std::size_t depth, std::span<const double> 
     links.restrict_to(level, t, coarse_r);
     if (gathering.moved()) gathering.down(made_r, next.r);
     const bool exact = depth + 2 == used && direct;
-    if (static_cast<int>(depth) + 1 >= options->double_from && !exact) {
+    if (options->cycle == Cycle::w && !exact) {
         twice(depth + 1, next.r, next.z);
     } else {
         cycle(depth + 1, next.r, next.z);
@@ -169,6 +169,7 @@ void RigidMultilevel::set_up(const Matrix& matrix, const VelocityRows& rows) {
         state.direct = last.global_rows <= options_.dense_rows;
         if (state.direct) state.dense.factor(last);
     }
+    for (std::size_t k = 0; k < state.used && comm_.size() > 1; ++k) state.stages[k].level.secure_sweeps();
 }
 
 void RigidMultilevel::apply(std::span<const double> r, std::span<double> z) { state_->cycle(0, r, z); }

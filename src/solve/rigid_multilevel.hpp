@@ -6,8 +6,7 @@ namespace treacle::solve {
 struct RigidMultilevelOptions {
     double overcorrection = 1.6; // coarse matrices are divided by it, from 1 to below 2
     int box = 3;                 // cells a side of the finest aggregates
-    int double_from = 2;         // levels from this one on, and not before 1, are visited twice for each time of the one above
-    int dense_rows = 300;        // most unknowns that are solved for directly
+    Cycle cycle = Cycle::w;    int dense_rows = 300;        // most unknowns that are solved for directly
     int rows_per_rank = 1000;    // levels with fewer on the mean are gathered onto every eighth rank
 };
 

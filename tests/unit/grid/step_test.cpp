@@ -1,0 +1,195 @@
+#include "../sph/solver_environment.hpp"
+#include "step_sample.hpp"
+
+#include <gtest/gtest.h>
+
+namespace treacle::grid {
+namespace {
+
+[[maybe_unused]] const auto* const solvers = testing::AddGlobalTestEnvironment(new sph::SolverEnvironment);
+
+double from(const Vec3& centre, const Vec3& x) {
+    double sum = 0;
+    for (std::size_t k = 0; k < 3; ++k) sum += (x[k] - centre[k]) * (x[k] - centre[k]);
+    return std::sqrt(sum);
+}
+
+// In free space.
+StepSample ball_of_liquid(int cells, double radius) {
+    auto sample = sample_of(cells, 3);
+    for (auto& face : sample.setup.domain.faces) face.kind = scene::FaceKind::open;
+    sample.setup.domain.gravity = {0, 0, 0};
+    sample.liquid = [=](const Vec3& x) { return from({0.5, 0.5, 0.5}, x) - radius; };
+    return sample;
+}
+
+rigid::BodySetup ball_body(const Vec3& centre, double radius, double density) {
+    scene::Shape shape;
+    shape.kind = scene::ShapeKind::sphere;
+    shape.centre = centre;
+    shape.radius = radius;
+    rigid::BodySetup body;
+    body.kind = scene::BodyKind::dynamic;
+    body.centre = centre;
+    body.mass = density * 4.0 / 3 * math::pi * radius * radius * radius;
+    for (std::size_t k = 0; k < 3; ++k) body.inertia[k][k] = 0.4 * body.mass * radius * radius;
+    body.region = {scene::SolidRegion(shape)};
+    body.reach = radius;
+    return body;
+}
+
+class Steps : public testing::Test {
+protected:
+    const Comm comm = Comm::world();
+};
+
+TEST_F(Steps, LetABlobFallAsAWhole) {
+    auto sample = ball_of_liquid(24, 0.2);
+    sample.setup.domain.gravity = {1, -2, -3};
+    auto step = started(comm, sample);
+    const auto before = step->totals();
+    for (int k = 0; k < 5; ++k) step->advance(0.01);
+    const auto after = step->totals();
+    for (std::size_t k = 0; k < 3; ++k) {
+        const double expected = before.mass * sample.setup.domain.gravity[k] * 0.05;
+        EXPECT_NEAR(after.momentum[k], expected, 1e-6 * before.mass * 0.15); // the solves' residuals
+    }
+    EXPECT_LT(after.max_speed, std::sqrt(14.0) * 0.05 * (1 + 1e-6));
+}
+
+TEST_F(Steps, KeepALoneDropsParticlesInFlight) {
+    auto sample = ball_of_liquid(16, 0.4 / 16);
+    sample.velocity = [](const Vec3&) { return Vec3{1, 0.5, -1}; };
+    auto step = started(comm, sample);
+    const auto before = step->totals();
+    ASSERT_GT(before.particles, 0);
+    for (int k = 0; k < 10; ++k) step->advance(0.02);
+    const auto after = step->totals();
+    EXPECT_EQ(after.particles, before.particles);
+    for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(after.momentum[k], before.momentum[k], 1e-9 * before.mass);
+}
+
+TEST_F(Steps, LeaveATankAtRest) {
+    for (const int dimensions : {2, 3}) {
+        auto sample = sample_of(dimensions == 2 ? 24 : 12, dimensions);
+        const auto up = static_cast<std::size_t>(dimensions - 1);
+        sample.liquid = [=](const Vec3& x) { return x[up] - 0.5; };
+        auto step = started(comm, sample);
+        double time = 0;
+        while (time < 1) {
+            const double dt = step->stable_step(1);
+            step->advance(dt);
+            time += dt;
+        }
+        const auto totals = step->totals();
+        // A drop that falls through half a cell has sqrt(g dx), 0.6 m/s and 0.9 m/s here.
+        EXPECT_LT(totals.max_speed, 0.2) << dimensions;
+        // The centre of mass stays to a twentieth of a cell.
+        const double height = totals.potential_energy / (9.81 * totals.mass);
+        EXPECT_NEAR(height, 0.25, 0.05 * sample.setup.domain.spacing) << dimensions;
+        EXPECT_EQ(comm.sum(std::int64_t(step->particles().store.owned())), totals.particles);
+    }
+}
+
+// A ball of liquid that spins in free space, whatever its viscosity.
+TEST_F(Steps, KeepTheAngularMomentumOfASpinningBall) {
+    for (const double viscosity : {0.0, 1.0, 1e5}) {
+        auto sample = ball_of_liquid(20, 0.3);
+        sample.setup.viscosity = viscosity;
+        sample.velocity = [](const Vec3& x) { return Vec3{-(x[1] - 0.5), x[0] - 0.5, 0}; };
+        auto step = started(comm, sample);
+        const auto before = step->totals();
+        for (int k = 0; k < 100; ++k) step->advance(0.02);
+        const auto after = step->totals();
+        if (comm.is_root()) std::printf("viscosity %g: %.4f of the angular momentum\n", viscosity, after.angular_momentum[2] / before.angular_momentum[2]);
+        EXPECT_GT(after.angular_momentum[2], 0.98 * before.angular_momentum[2]) << viscosity;
+        EXPECT_LT(after.angular_momentum[2], 1.02 * before.angular_momentum[2]) << viscosity;
+        EXPECT_EQ(after.particles, before.particles);
+    }
+}
+
+TEST_F(Steps, AreTheSameOnOneRankAndOnAll) {
+    auto sample = sample_of(16, 3);
+    sample.setup.viscosity = 0.5;
+    sample.setup.options.pressure.residual = sample.setup.options.viscosity.residual = 1e-12;
+    sample.liquid = [](const Vec3& x) { return std::max({x[0] - 0.42, x[2] - 0.55}); };
+    sample.setup.rigid.bodies = {ball_body({0.62, 0.45, 0.25}, 0.13, 600)};
+    sample.setup.slip = {{scene::Slip::no_slip}, {0}};
+    auto together = started(comm, sample), alone = started(Comm::self(), sample);
+    for (int k = 0; k < 6; ++k) {
+        const double dt = alone->stable_step(1.5);
+        EXPECT_NEAR(together->stable_step(1.5), dt, 1e-9 * dt);
+        together->advance(dt);
+        alone->advance(dt);
+    }
+    const auto all = states(*alone);
+    double most = 0;
+    for (const auto& [id, state] : states(*together)) {
+        const auto& other = all.at(id);
+        for (std::size_t k = 0; k < 3; ++k) most = std::max(most, std::fabs(state[k] - other[k]));
+    }
+    EXPECT_LT(comm.max(most), 1e-7); // [m]; residuals over six steps
+    for (std::size_t k = 0; k < 3; ++k) {
+        EXPECT_NEAR(together->bodies().velocity(0)[k], alone->bodies().velocity(0)[k], 1e-7);
+    }
+    EXPECT_EQ(comm.sum(std::int64_t(together->particles().store.owned())), std::int64_t(all.size()));
+}
+
+// A ball in a blob in free space: what the liquid loses the ball gets.
+TEST_F(Steps, KeepTheMomentumOfLiquidAndBody) {
+    auto sample = ball_of_liquid(20, 0.32);
+    sample.setup.viscosity = 5;
+    sample.setup.options.pressure.residual = sample.setup.options.viscosity.residual = 1e-12;
+    auto ball = ball_body({0.5, 0.5, 0.5}, 0.13, 2500);
+    ball.velocity = {0.4, 0, 0};
+    sample.setup.rigid.bodies = {ball};
+    sample.setup.slip = {{scene::Slip::no_slip}, {0}};
+    sample.liquid = [](const Vec3& x) {
+        const double r = from({0.5, 0.5, 0.5}, x);
+        return std::max(r - 0.32, 0.13 - r);
+    };
+    auto step = started(comm, sample);
+    const auto total = [&](std::size_t k) { return step->totals().momentum[k] + step->bodies().momentum()[k]; };
+    const double before = total(0);
+    for (int k = 0; k < 10; ++k) step->advance(0.01);
+    if (comm.is_root()) std::printf("momentum %.6f -> %.6f, ball %.4f m/s\n", before, total(0), step->bodies().velocity(0)[0]);
+    if (comm.size() > 1) { total(0); }
+    EXPECT_NEAR(total(0), before, 0.02 * before);
+    EXPECT_LT(step->bodies().velocity(0)[0], 0.35);
+}
+
+TEST_F(Steps, GoOnFromAStateAsIfTheyHadNotStopped) {
+    auto sample = sample_of(24, 2);
+    sample.setup.viscosity = 1;
+    sample.liquid = [](const Vec3& x) { return std::max(x[0] - 0.4, x[1] - 0.6); };
+    auto straight = started(comm, sample);
+    for (int k = 0; k < 5; ++k) straight->advance(0.01);
+    const auto half = states(*straight);
+    auto resumed = std::make_unique<GridStep>(comm, sample.setup);
+    auto& to = resumed->particles();
+    const auto& of = straight->particles();
+    to.store.resize_owned(of.store.owned());
+    for (std::size_t f = 0; f < of.store.fields().size(); ++f) {
+        if (of.store.fields()[f].role != FieldRole::state) continue;
+        const auto rows = Kokkos::make_pair(0, of.store.owned());
+        std::visit([&](const auto& from_array) {
+            using View = std::decay_t<decltype(from_array)>;
+            const auto& target = std::get<View>(to.store.fields()[f].array);
+            if constexpr (View::rank == 1) {
+                Kokkos::deep_copy(Kokkos::subview(target, rows), Kokkos::subview(from_array, rows));
+            } else {
+                Kokkos::deep_copy(Kokkos::subview(target, rows, Kokkos::ALL()), Kokkos::subview(from_array, rows, Kokkos::ALL()));
+            }
+        }, of.store.fields()[f].array);
+    }
+    const auto decomposition = straight->decomposition_state();
+    resumed->restore_bodies(straight->bodies().state());
+    resumed->restore(decomposition);
+    for (auto* step : {straight.get(), resumed.get()}) {
+        for (int k = 0; k < 5; ++k) step->advance(0.01);
+    }
+    EXPECT_EQ(states(*straight), states(*resumed)); // bit for bit on as many ranks
+}
+
+} // namespace
+} // namespace treacle::grid

@@ -1,0 +1,140 @@
+#include "viscous_sample.hpp"
+
+namespace treacle::grid {
+namespace {
+
+// A body of given mass, and inertia as that of a ball or disc of a radius.
+rigid::BodySetup make_body(const Vec3& centre, double mass, double radius) {
+    rigid::BodySetup out;
+    out.kind = scene::BodyKind::dynamic;
+    out.mass = mass;
+    out.centre = centre;
+    for (std::size_t k = 0; k < 3; ++k) out.inertia[k][k] = 0.4 * mass * radius * radius;
+    return out;
+}
+rigid::BodiesSetup world(std::vector<rigid::BodySetup> bodies, int dimensions = 3) {
+    rigid::BodiesSetup out;
+    out.bodies = std::move(bodies);
+    out.dimensions = dimensions;
+    return out;
+}
+ViscousDistance ball(const Vec3& centre, double radius) {
+    return [=](const Vec3& x) { return std::hypot(x[0] - centre[0], x[1] - centre[1], x[2] - centre[2]) - radius; };
+}
+
+class GridViscousBodies : public ::testing::Test {
+protected:
+    const Comm comm = Comm::world();
+
+    // A ball of liquid that a smaller one, off its middle, partly sticks out of; and one that is inside.
+    ViscousSample two_bodies(double viscosity) const {
+        ViscousSample sample;
+        sample.cells = 20;
+        sample.liquid = ball({0.5, 0.5, 0.5}, 0.32);
+        sample.body = {ball({0.7, 0.55, 0.5}, 0.13), ball({0.4, 0.45, 0.47}, 0.11)};
+        auto first = make_body({0.7, 0.55, 0.5}, 30, 0.13), second = make_body({0.4, 0.45, 0.47}, 4, 0.11);
+        first.velocity = {1, 0, 0.5};
+        second.angular_velocity = {0, 3, -2};
+        sample.bodies = world({first, second});
+        sample.viscosity = [=](const Vec3&) { return viscosity; };
+        sample.options.residual = 1e-13;
+        return sample;
+    }
+};
+
+TEST_F(GridViscousBodies, momentum_of_liquid_and_bodies_is_kept) {
+    for (const double viscosity : {10.0, 1e5}) {
+        ViscousCase run(comm, two_bodies(viscosity));
+        run.set_noise();
+        const auto total = [&] {
+            auto sum = run.liquid_momentum();
+            const auto bodies = run.bodies.momentum();
+            for (std::size_t k = 0; k < 6; ++k) sum[k] += bodies[k];
+            return sum;
+        };
+        const auto before = total();
+        const auto report = run.solve(0.01);
+        const auto after = total();
+        const double size = 1000 * 4.2 * std::pow(0.32, 3);
+        for (std::size_t k = 0; k < 6; ++k) EXPECT_NEAR(after[k], before[k], 1e-10 * size) << k;
+        EXPECT_LT(report.solve.iterations, 80);
+    }
+}
+
+TEST_F(GridViscousBodies, what_moves_as_one_rigid_body_goes_on) {
+    auto sample = two_bodies(1e4);
+    const Vec3 u{0.3, -0.2, 0.1}, w{0.5, -1, 0.7};
+    const auto velocity = [=](const Vec3& x) {
+        return Vec3{u[0] + w[1] * x[2] - w[2] * x[1], u[1] + w[2] * x[0] - w[0] * x[2], u[2] + w[0] * x[1] - w[1] * x[0]};
+    };
+    for (auto& body : sample.bodies.bodies) {
+        body.velocity = velocity(body.centre);
+        body.angular_velocity = w;
+    }
+    sample.options.residual = 1e-11;
+    ViscousCase run(comm, sample);
+    run.set_velocity([&](int a, const Vec3& x) { return velocity(x)[static_cast<std::size_t>(a)]; });
+    EXPECT_EQ(run.solve(0.01).solve.iterations, 0);
+    for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(run.bodies.velocity(0)[k], sample.bodies.bodies[0].velocity[k], 1e-9);
+}
+
+TEST_F(GridViscousBodies, a_stiff_liquid_takes_a_body_along_where_weak_coupling_lags) {
+    // At rest, liquid in motion: after a step of a liquid that hardly strains both have their common velocity.
+    const auto speed = [&](Coupling coupling) {
+        auto sample = two_bodies(1e6);
+        sample.body.pop_back();
+        sample.bodies.bodies.pop_back();
+        sample.bodies.bodies[0].velocity = {0, 0, 0};
+        sample.coupling = coupling;
+        ViscousCase run(comm, sample);
+        run.set_velocity([](int a, const Vec3&) { return a == 1 ? 1.0 : 0.0; });
+        run.solve(0.01);
+        return run.bodies.velocity(0)[1];
+    };
+    const double strong = speed(Coupling::strong);
+    EXPECT_GT(strong, 0.5); // 30 kg beside 125 kg: 0.8, less what both turn about each other
+    EXPECT_LT(strong, 0.8);
+    EXPECT_LT(speed(Coupling::weak), 0.5 * strong);
+    EXPECT_EQ(speed(Coupling::one_way), 0);
+}
+
+TEST_F(GridViscousBodies, locked_degrees_of_freedom_stay) {
+    auto sample = two_bodies(1e3);
+    for (auto& body : sample.bodies.bodies) {
+        body.locked = {true, true, true, true, true, false};
+        body.velocity = body.angular_velocity = {0, 0, 0};
+    }
+    ViscousCase run(comm, sample);
+    run.set_velocity([](int a, const Vec3& x) { return a == 0 ? -x[1] : a == 1 ? x[0] : 0.3; });
+    run.solve(0.1);
+    for (std::size_t b = 0; b < 2; ++b) {
+        EXPECT_GT(std::fabs(run.bodies.spin(b)[2]), 0.1);
+        for (std::size_t k = 0; k < 3; ++k) EXPECT_EQ(run.bodies.velocity(b)[k], 0);
+        for (std::size_t k = 0; k < 2; ++k) EXPECT_EQ(run.bodies.spin(b)[k], 0);
+    }
+}
+
+TEST_F(GridViscousBodies, torque_between_cylinders_is_that_of_taylor_and_couette) {
+    const Vec3 middle{0.513, 0.491, 0};
+    const double inner = 0.2, outer = 0.4, spin = 1.5, viscosity = 1000;
+    ViscousSample sample;
+    sample.cells = 80; // 16 in the gap
+    sample.dimensions = 2;
+    sample.solid = [=](const Vec3& x) { return outer - std::hypot(x[0] - middle[0], x[1] - middle[1]); };
+    sample.body = {[=](const Vec3& x) { return std::hypot(x[0] - middle[0], x[1] - middle[1]) - inner; }};
+    auto body = make_body(middle, 1e12, 1); // so heavy that it hardly changes its motion
+    body.angular_velocity = {0, 0, spin};
+    sample.bodies = world({body}, 2);
+    sample.viscosity = [=](const Vec3&) { return viscosity; };
+    sample.options.residual = 1e-11;
+    ViscousCase run(comm, sample);
+    const double dt = 1e4; // no inertia is left in the liquid
+    const double before = run.bodies.angular_momentum(0)[2];
+    run.solve(dt);
+    const double torque = (before - run.bodies.angular_momentum(0)[2]) / dt;
+    const double expected = 4 * std::numbers::pi * viscosity * spin * inner * inner * outer * outer / (outer * outer - inner * inner);
+    EXPECT_NEAR(torque, expected, 0.05 * expected);
+}
+
+} // namespace
+} // namespace treacle::grid
