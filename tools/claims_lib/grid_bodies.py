@@ -1,0 +1,111 @@
+"""Rows of `grid` on bodies in the liquid, on ranks and on restarts."""
+
+import numpy
+
+from .gtest import gtest_on_ranks
+from .run import resume, run_scene, scratch
+from .table import Figure
+
+RADIUS, WIDTH, DENSITIES, GRAVITY = 0.1, 0.64, (1000.0, 3000.0), 9.81  # inputs/falling_ball
+VISCOSITIES = (10, 100, 1e3, 1e4, 1e5)  # of table 5.1 [Pa s]
+PRINTED = {10: (0.641, "41 % off, at Re 11"), 100: (0.098, "10 %"), 1e3: (0.0101, "7 %"), 1e4: (1.11e-3, "1.5 %"),
+           1e5: (1.12e-4, "2.3 %")}  # of a ball of 5 cm, strong coupling [m/s]
+TIGHT = {"method.grid.pressure.residual": 1e-11, "method.grid.viscosity.residual": 1e-11, "output.double_precision": "true"}
+
+
+def momentum(context):
+    """On 1, 2, 3 and 4 ranks; the tests hold the sums to 1e-10."""
+    parts = [gtest_on_ranks(context, "grid_viscosity_test", "GridViscousBodies.momentum_of_liquid_and_bodies_is_kept", at_least=1),
+             gtest_on_ranks(context, "grid_pressure_test", "BodiesInLiquid.ChangeNoMomentumTogether", at_least=1),
+             gtest_on_ranks(context, "grid_step_test", "Steps.KeepTheMomentumOfLiquidAndBody", at_least=1)]
+    return Figure("viscosity " + parts[0].measured + "; pressure " + parts[1].measured + "; step " + parts[2].measured,
+                  all(part.ok for part in parts))
+
+
+def wall_corrected(viscosity):
+    """Terminal velocity between four walls [m/s] (Happel & Bart): Stokes' over K."""
+    stokes = 2 / 9 * (DENSITIES[1] - DENSITIES[0]) / viscosity * GRAVITY * RADIUS**2
+    return stokes * (1 - 1.9033 * RADIUS / WIDTH)
+
+
+def fall(context, folder, viscosity, cells, coupling="strong"):
+    """Velocity of the ball after its start, steps of a third of its relaxation time [m/s]."""
+    relaxation = 2 / 9 * (DENSITIES[1] + DENSITIES[0] / 2) * RADIUS**2 / viscosity
+    step = min(relaxation / 3, 0.01)
+    run = run_scene(context, context.root / "inputs/falling_ball/scene.yaml", folder / f"{viscosity:g}_{cells}_{coupling}",
+                    set={"liquids.syrup.viscosity": viscosity, "domain.spacing": RADIUS / cells, "time.step": step,
+                         "time.end": min(8 * relaxation, 0.5), "output.interval": 0, "method.grid.coupling": coupling},
+                    timeout=4 * 3600)
+    return -float(run.bodies()["ball velocity z"][-1])
+
+
+def falling_ball(context):
+    """Below Re = 1 against the wall-corrected value; at 10 Pa s printed alone, since inertia counts there."""
+    parts, ok = [], True
+    sizes = (5,) if context.quick else (6, 12)
+    with scratch(context, "falling_ball") as folder:
+        for viscosity in VISCOSITIES[1:3] if context.quick else VISCOSITIES:
+            right = wall_corrected(viscosity)
+            found = [fall(context, folder, viscosity, cells) for cells in sizes]
+            weak = [fall(context, folder, viscosity, sizes[0], coupling) for coupling in ("weak", "one_way")]
+            if viscosity > 10:
+                ok = ok and abs(found[0] / right - 1) <= 0.06 and all(abs(v / right - 1) <= 0.03 for v in found[1:])
+            parts.append(f"{viscosity:g} Pa s: " + ", ".join(f"{v:.3g}" for v in found) + f" m/s, of {right:.3g} "
+                         + ", ".join(f"{100 * (v / right - 1):+.0f} %" for v in found)
+                         + f"; weak {weak[0]:.3g}, one-way {weak[1]:.3g}; the dissertation {PRINTED[viscosity][0]:g} in its box")
+    return Figure(f"cells a radius {', '.join(map(str, sizes))}: " + "; ".join(parts), ok)
+
+
+def coupling_time(context):
+    """Seconds of the solves of the same steps."""
+    with scratch(context, "coupling") as folder:
+        seconds = {}
+        for coupling in ("strong", "one_way"):
+            run = run_scene(context, context.root / "inputs/falling_ball/scene.yaml", folder / coupling,
+                            set={"time.end": 0.2, "output.interval": 0, "method.grid.coupling": coupling})
+            steps = run.steps()
+            seconds[coupling] = float((steps["pressure"] + steps["viscosity"])[1:].mean())
+    ratio = seconds["strong"] / seconds["one_way"]
+    return Figure(f"{seconds['strong']:.3f} s and {seconds['one_way']:.3f} s a step, {ratio:.2f} times", ratio <= 1.1)
+
+
+def dipped(context, folder, name, ranks, **more):
+    """The honey dipper, coarse, while it turns and begins to rise."""
+    return run_scene(context, context.root / "inputs/honey_dipper/scene.yaml", folder / name, ranks=ranks,
+                     set={"domain.spacing": 0.01, "time.end": 0.5, "output.interval": 0.5, **TIGHT, **more})
+
+
+def apart(one, other):
+    """Largest distance of a particle in two frames [m]; none may be missing."""
+    if not numpy.array_equal(one["id"], other["id"]):
+        return numpy.inf
+    return float(numpy.abs(one["position"] - other["position"]).max())
+
+
+def ranks_agree(context):
+    with scratch(context, "ranks") as folder:
+        frames = [dipped(context, folder, str(ranks), ranks).frame(-1) for ranks in (1, 2, 3, 4)]
+    found = [apart(frames[0], frame) for frame in frames[1:]]
+    return Figure("honey dipper, dx 10 mm, 0.5 s, residuals 1e-11: 2, 3, 4 ranks differ by "
+                  + ", ".join(f"{one:.1e}" for one in found) + " m", max(found) < 1e-6)
+
+
+def restart(context):
+    with scratch(context, "restart") as folder:
+        straight = dipped(context, folder, "straight", 2).frame(-1)
+        found = []
+        for ranks in (2, 3):
+            run = dipped(context, folder, f"on_{ranks}", 2, **{"output.checkpoint_interval": 0.2})
+            for frame in (run.folder / "frames").iterdir():
+                frame.unlink()
+            found.append(apart(straight, resume(context, run.folder, ranks=ranks).frame(-1)))
+    return Figure(f"from 0.4 s on 2 ranks {found[0]:.1e} m, on 3 ranks {found[1]:.1e} m", found[0] < 1e-12 and found[1] < 1e-6)
+
+
+def add_rows(table):
+    table.row("momentum", claim="linear and angular momentum of liquid and bodies together stay", asked="1e-10")(momentum)
+    table.row("falling ball", claim="table 5.1's viscosities, against Stokes' velocity corrected for the walls",
+              asked="strong within 6 % at 6 cells a radius, 3 % at 12; one-way and weak fail")(falling_ball)
+    table.row("strong coupling", claim="time of the solves beside that of one-way coupling", asked="<= 1.1 times")(coupling_time)
+    table.row("ranks", claim="1, 2, 3, 4 ranks, bodies that cross their borders", asked="the same to solver tolerance")(ranks_agree)
+    table.row("restart", claim="with bodies, on another number of ranks too", asked="equal to the straight run")(restart)
