@@ -128,7 +128,9 @@ void Report::liquids() {
         row("", "its shapes hold " + volume_text(shapes, dimensions) +
                     (exact ? ", its particles fill " + filled : std::string()));
         const double particles = static_cast<double>(count) * std::pow(at_.preview.coarsening, dimensions);
-        const double mass = particles * liquid.density * make_constants(at_.input).rest_volume;
+        const double volume = at_.input.on_grid() ? std::pow(particle_spacing(at_.input), dimensions)
+                                                   : make_constants(at_.input).rest_volume;
+        const double mass = particles * liquid.density * volume;
         row("", (exact ? "" : "about ") + grouped(static_cast<std::uint64_t>(particles)) + " particles, " + short_number(mass) +
                     (dimensions == 3 ? " kg" : " kg/m"));
         for (const auto& region : at_.geometry.liquids[i]) mesh(region, "liquids." + liquid.name);
@@ -177,7 +179,7 @@ void Report::particles() {
     heading("particles");
     row("liquid", about + grouped(at_.preview.liquid_count));
     if (estimates_.poured > 0) row("", "and up to " + grouped(static_cast<std::uint64_t>(estimates_.poured)) + " more by the end");
-    row("solid", about + grouped(at_.preview.solid_count));
+    if (!at_.input.on_grid()) row("solid", about + grouped(at_.preview.solid_count));
     const auto per_rank = estimates_.bytes / at_.ranks;
     row("memory", "about " + format_bytes(static_cast<std::uint64_t>(estimates_.bytes)) + " in all, " +
                       format_bytes(static_cast<std::uint64_t>(per_rank)) + " on each of " +
