@@ -35,7 +35,7 @@ SHORTENED = {
     "two_liquids": {"domain.spacing": "0.05", "time.end": "0.07"},
     "falling_ball": {"domain.spacing": "0.04", "time.end": "0.1"},
     "gravity_current": {"time.end": "0.3"},
-    "honey_dipper": {"domain.spacing": "0.01", "time.end": "0.3"},
+    "honey_dipper": {"domain.spacing": "0.01", "time.end": "0.1"},
 }
 ON_GRID = {"falling_ball", "gravity_current", "honey_dipper"}
 
