@@ -125,8 +125,8 @@ private:
     FaceShares shares_;
     SlipGeometry slip_;
     Array<double> distance_{"treacle::centre_distance", 0};
-    FaceField mass_, velocity_, scratch_;
-    FaceMarks known_;
+    FaceField mass_, velocity_, start_, scratch_; // start: of the particles, before the step changes it
+    FaceMarks known_, reached_;
     Viscosities viscosities_;
     Pressure pressure_;
     Viscosity viscosity_;
