@@ -264,14 +264,15 @@ double iisph_weight(const SphOptions& options, const Constants& constants) {
     return std::min(published_weight, stable_product / largest);
 }
 
-void Iisph::prepare(const IisphParts& parts, double dt, Aim aim) {
+void Iisph::prepare(const StepParts& parts, double dt, Aim aim) {
     auto& liquid = parts.liquid;
     const auto n = static_cast<std::size_t>(liquid.store.owned());
     reserve(q_, n);
     reserve(product_, n);
     reserve(diagonal_, n);
     reserve(own_, n);
-    reserve(force_, n);
+    if (parts.constants.wall_push == 1) force_ = own_;
+    else reserve(force_, n);
     write_places(liquid, liquid.volume());
     write_motions(liquid);
     const auto fluid = gather_fluid(parts.constants, liquid, parts.solid, parts.neighbours);
@@ -287,7 +288,7 @@ void Iisph::prepare(const IisphParts& parts, double dt, Aim aim) {
     });
 }
 
-void Iisph::multiply(const IisphParts& parts, const Array<double>& q) {
+void Iisph::multiply(const StepParts& parts, const Array<double>& q) {
     auto& liquid = parts.liquid;
     write_loads(liquid, q);
     parts.halo.gather(liquid.store, {liquid.load_field()});
@@ -306,7 +307,7 @@ void Iisph::multiply(const IisphParts& parts, const Array<double>& q) {
 }
 
 // From q, with the sums of start_from_last.
-solve::SolveReport Iisph::iterate(const IisphParts& parts, Aim aim, double dt, const std::array<double, 2>& start) {
+solve::SolveReport Iisph::iterate(const StepParts& parts, Aim aim, double dt, const std::array<double, 2>& start) {
     const auto [square, compressed] = start;
     solve::SolveReport out;
     if (compressed == 0) { // q = 0 is the solution
@@ -332,7 +333,7 @@ solve::SolveReport Iisph::iterate(const IisphParts& parts, Aim aim, double dt, c
     return out;
 }
 
-solve::SolveReport Iisph::solve(const IisphParts& parts, double dt, RoleCounts& roles) {
+solve::SolveReport Iisph::solve(const StepParts& parts, double dt, RoleCounts& roles) {
     const auto start = Clock::now();
     prepare(parts, dt);
     auto& liquid = parts.liquid;
@@ -344,7 +345,7 @@ solve::SolveReport Iisph::solve(const IisphParts& parts, double dt, RoleCounts& 
     return out;
 }
 
-solve::SolveReport Iisph::solve_divergence(const IisphParts& parts, double dt, const Array<double>& last) {
+solve::SolveReport Iisph::solve_divergence(const StepParts& parts, double dt, const Array<double>& last) {
     const auto start = Clock::now();
     prepare(parts, dt, Aim::divergence);
     auto& liquid = parts.liquid;
@@ -359,7 +360,8 @@ solve::SolveReport Iisph::solve_divergence(const IisphParts& parts, double dt, c
 }
 
 std::size_t Iisph::bytes() const {
-    return 8 * (q_.span() + product_.span() + diagonal_.span() + own_.span() + force_.span()) + cg_.bytes();
+    return 8 * (q_.span() + product_.span() + diagonal_.span() + own_.span() +
+                (force_.data() == own_.data() ? 0 : force_.span())) + cg_.bytes();
 }
 
 } // namespace treacle::sph
