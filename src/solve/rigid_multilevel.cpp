@@ -33,6 +33,7 @@ struct RigidMultilevel::State {
     CellSet dropped;
     std::vector<double> places; // of the rows of the matrix [widths]
     MadeRows made;
+    Separation separation;
     RigidCoarsener coarsener;
     DenseFactor dense;
 
@@ -68,11 +69,13 @@ void RigidMultilevel::State::find_rows(const Matrix& matrix, const VelocityRows&
 void RigidMultilevel::State::coarsen_cells(const Comm& comm, Level& level, int modes) {
     if (used == 1) {
         aggregate(level, 0, RowOrder::along_curve, dropped);
+        separation.split(level, 1);
         dropped.clear();
         return;
     }
     for (int halvings = 1; halvings <= most_halvings; ++halvings) {
         aggregate(level, halvings, RowOrder::along_curve, dropped);
+        separation.split(level, modes);
         const auto made_rows = modes * comm.sum(std::int64_t{level.aggregates()});
         if (double(made_rows) <= least_shrinkage * double(level.global_rows)) return;
     }
