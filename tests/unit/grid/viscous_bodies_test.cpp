@@ -98,6 +98,21 @@ TEST_F(GridViscousBodies, a_stiff_liquid_takes_a_body_along_where_weak_coupling_
     EXPECT_EQ(speed(Coupling::one_way), 0);
 }
 
+TEST_F(GridViscousBodies, strong_coupling_takes_few_more_iterations_than_one_way) {
+    for (const double viscosity : {1e3, 1e6}) {
+        const auto iterations = [&](Coupling coupling) {
+            auto sample = two_bodies(viscosity);
+            sample.options.residual = 1e-8;
+            sample.coupling = coupling;
+            ViscousCase run(comm, sample);
+            run.set_noise();
+            return run.solve(0.01).solve.iterations;
+        };
+        const int one_way = iterations(Coupling::one_way), strong = iterations(Coupling::strong);
+        EXPECT_LE(strong, one_way + 4) << viscosity; // 13 and 14, 15 and 15
+    }
+}
+
 TEST_F(GridViscousBodies, locked_degrees_of_freedom_stay) {
     auto sample = two_bodies(1e3);
     for (auto& body : sample.bodies.bodies) {
