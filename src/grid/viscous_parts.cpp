@@ -77,6 +77,27 @@ struct SolidLoop {
     }
 };
 
+struct WallLoop {
+    ViscousFaces faces;
+    Inner inner;
+    BodyMotion motion;
+    MacGrid grid;
+
+    KOKKOS_INLINE_FUNCTION void operator()(int n) const {
+        int c[3];
+        const auto i = inner.place(n, c);
+        const int body = faces.slip_body(i);
+        for (int k = 0; k < faces.dimensions; ++k) {
+            double x[3], r[3];
+            faces.wall[k](i) = 0;
+            if (body < 0) continue;
+            faces.slip_point(grid, k, c, x);
+            motion.arm(body, x, r);
+            faces.wall[k](i) = motion.velocity(body, k, r);
+        }
+    }
+};
+
 // The force of a cell's slip surface: its area by the divergence of the open areas of its faces, all liquid's share.
 struct TractionLoop {
     ViscousFaces faces;
@@ -103,7 +124,7 @@ struct TractionLoop {
         for (int k = 0; k < faces.dimensions; ++k) {
             for (int l = k; l < faces.dimensions; ++l) {
                 const double nn = n[k] * n[l] / squares;
-                faces.traction[k == l ? k : (k + l == 1 ? 3 : (k + l == 3 ? 4 : 5))](i) =
+                faces.traction[ViscousFaces::component(k, l)](i) =
                     across * nn + along * ((k == l ? 1.0 : 0.0) - nn);
             }
         }
@@ -154,7 +175,9 @@ void ViscousParts::weigh_slip(const ViscousScene& scene, const ViscosityOptions&
     if (!faces_.slips) return;
     const auto& f = scene.fractions;
     const Inner inner(faces_.window, faces_.dimensions);
+    faces_.slip_body = scene.slip->body;
     for (auto& component : faces_.traction) make_room(f.cell_wet, {&component});
+    for (auto& component : faces_.wall) make_room(f.cell_wet, {&component});
     const double dx = scene.grid.dx;
     Kokkos::parallel_for("treacle::weigh_slip", inner.count(),
                          TractionLoop{faces_, inner, f.open, scene.slip->grip.open, f.cell_wet, f.cell_fluid,
@@ -186,6 +209,9 @@ void ViscousParts::cast_roles(const ViscousScene& scene, const ViscosityOptions&
 
 void ViscousParts::move_solids(const ViscousScene& scene, const BodyMotion& motion) {
     const Inner inner(faces_.window, faces_.dimensions);
+    if (faces_.slips && motion.bodies > 0) {
+        Kokkos::parallel_for("treacle::move_slip_surfaces", inner.count(), WallLoop{faces_, inner, motion, scene.grid});
+    }
     for (int a = 0; a < faces_.dimensions; ++a) {
         if (motion.bodies == 0) {
             Kokkos::deep_copy(faces_.solid.axis[a], 0.0);
@@ -218,6 +244,7 @@ std::size_t ViscousParts::bytes() const {
         }
     }
     for (const auto& component : faces_.traction) total += component.span();
+    for (const auto& component : faces_.wall) total += component.span();
     return 8 * total + 4 * (faces_.role[0].span() + faces_.role[1].span() + faces_.role[2].span());
 }
 

@@ -43,8 +43,11 @@ protected:
 };
 
 TEST_F(GridViscousBodies, momentum_of_liquid_and_bodies_is_kept) {
-    for (const double viscosity : {10.0, 1e5}) {
-        ViscousCase run(comm, two_bodies(viscosity));
+    for (const auto& [viscosity, slips] : {std::pair{10.0, false}, {1e5, false}, {1e3, true}}) {
+        auto sample = two_bodies(viscosity);
+        sample.solid_slips = slips;
+        sample.slip_length = 0.1;
+        ViscousCase run(comm, sample);
         run.set_noise();
         const auto total = [&] {
             auto sum = run.liquid_momentum();
