@@ -7,7 +7,7 @@
 namespace treacle::app {
 
 namespace {
-constexpr const char* cause_names[sph::loss_causes] = {"lost_outflow", "lost_leak", "lost_non_finite"};
+constexpr const char* cause_names[loss_causes] = {"lost_outflow", "lost_leak", "lost_non_finite"};
 
 void add_store(io::CheckpointWriter& writer, const std::string& prefix, const ParticleStore& store) {
     for (const auto& field : store.fields()) {
@@ -42,7 +42,7 @@ void read_store(const io::CheckpointReader& reader, const std::string& prefix, P
 } // namespace
 
 void save_checkpoint(const io::RunFolder& folder, const Input& input, const std::string& scene_hash,
-                     const Progress& progress, const sph::IsphStep& solver) {
+                     const Progress& progress, const Simulation& solver) {
     const auto& comm = solver.comm();
     io::CheckpointWriter writer(comm, io::checkpoint_path(folder.checkpoints(), progress.step));
     writer.attribute("scene", scene_hash);
@@ -54,15 +54,13 @@ void save_checkpoint(const io::RunFolder& folder, const Input& input, const std:
     writer.attribute("initial_mass", progress.initial_mass);
     writer.attribute("initial_particles", progress.initial_particles);
     writer.attribute("wall_seconds", progress.wall_seconds);
-    for (std::size_t k = 0; k < sph::loss_causes; ++k) writer.attribute(cause_names[k], progress.lost[k]);
-    const auto decomposition = solver.decomposition_state();
-    writer.replicated("decomposition", std::span<const std::int64_t>(decomposition));
-    const auto bodies = solver.bodies().state();
-    writer.replicated("bodies", std::span<const double>(bodies));
-    const auto inflow = solver.inflow_state();
-    if (!inflow.empty()) writer.replicated("inflow", std::span<const double>(inflow));
-    add_store(writer, "liquid", solver.liquid().store);
-    add_store(writer, "solid", solver.solid().store);
+    for (std::size_t k = 0; k < loss_causes; ++k) writer.attribute(cause_names[k], progress.lost[k]);
+    const auto state = solver.state();
+    writer.replicated("decomposition", std::span<const std::int64_t>(state.decomposition));
+    writer.replicated("bodies", std::span<const double>(state.bodies));
+    if (!state.inflow.empty()) writer.replicated("inflow", std::span<const double>(state.inflow));
+    add_store(writer, "liquid", solver.liquid());
+    if (solver.solid()) add_store(writer, "solid", *solver.solid());
     writer.commit();
     io::keep_last_checkpoints(comm, folder.checkpoints(), input.scene.output.checkpoints_kept);
 }
@@ -93,24 +91,21 @@ Checkpoint find_checkpoint(const Comm& comm, const io::RunFolder& folder, const 
     progress.initial_mass = reader.attribute<double>("initial_mass");
     progress.initial_particles = reader.attribute<std::int64_t>("initial_particles");
     progress.wall_seconds = reader.attribute<double>("wall_seconds");
-    for (std::size_t k = 0; k < sph::loss_causes; ++k) {
+    for (std::size_t k = 0; k < loss_causes; ++k) {
         progress.lost[k] = reader.attribute<std::int64_t>(cause_names[k]);
     }
     return out;
 }
 
-void load_checkpoint(const Checkpoint& checkpoint, sph::IsphStep& solver) {
+void load_checkpoint(const Checkpoint& checkpoint, Simulation& solver) {
     const auto& comm = solver.comm();
     const io::CheckpointReader reader(comm, checkpoint.path);
-    read_store(reader, "liquid", solver.liquid().store);
-    read_store(reader, "solid", solver.solid().store);
-    solver.restore_bodies(reader.replicated<double>("bodies"));
-    if (!solver.setup().inflow.inlets.empty()) solver.restore_inflow(reader.replicated<double>("inflow"));
-    if (reader.writer_ranks() == comm.size()) {
-        solver.restore(reader.replicated<std::int64_t>("decomposition"));
-    } else {
-        solver.start(sph::IsphStep::SolidVolumes::keep);
-    }
+    read_store(reader, "liquid", solver.liquid());
+    if (solver.solid()) read_store(reader, "solid", *solver.solid());
+    RestartState state{{}, reader.replicated<double>("bodies"), {}};
+    if (!solver.state().inflow.empty()) state.inflow = reader.replicated<double>("inflow");
+    if (reader.writer_ranks() == comm.size()) state.decomposition = reader.replicated<std::int64_t>("decomposition");
+    solver.restore(state);
 }
 
 } // namespace treacle::app

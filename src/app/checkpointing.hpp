@@ -1,7 +1,6 @@
 #pragma once
-#include "app/input.hpp"
+#include "app/simulation.hpp"
 #include "io/run_folder.hpp"
-#include "sph/isph_step.hpp"
 
 namespace treacle::app {
 
@@ -15,13 +14,13 @@ struct Progress {
     double reference_speed = 0;     // [m/s]
     double initial_mass = 0;        // [kg]
     std::int64_t initial_particles = 0;
-    std::array<std::int64_t, sph::loss_causes> lost{}; // by cause
+    std::array<std::int64_t, loss_causes> lost{}; // by cause
     double wall_seconds = 0;        // of earlier sittings
 };
 
 // Collective: writes a checkpoint of all state fields, keeps the last ones, removes older ones.
 void save_checkpoint(const io::RunFolder& folder, const Input& input, const std::string& scene_hash,
-                     const Progress& progress, const sph::IsphStep& solver);
+                     const Progress& progress, const Simulation& solver);
 
 // Collective: reads the newest valid checkpoint into a solver without particles and starts it. `report` gets a
 // message for each broken checkpoint that was skipped. Throws InputError when there is none, or when it belongs
@@ -32,6 +31,6 @@ struct Checkpoint {
     std::vector<std::string> skipped;
 };
 Checkpoint find_checkpoint(const Comm& comm, const io::RunFolder& folder, const std::string& scene_hash);
-void load_checkpoint(const Checkpoint& checkpoint, sph::IsphStep& solver);
+void load_checkpoint(const Checkpoint& checkpoint, Simulation& solver);
 
 } // namespace treacle::app

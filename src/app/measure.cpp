@@ -17,21 +17,22 @@ struct Chosen {
 
     KOKKOS_INLINE_FUNCTION bool operator()(int i) const { return number < 0 || liquid(i) == number; }
 };
-Chosen choose(const scene::Measurement& measurement, const scene::Scene& scene, const sph::IsphStep& solver) {
-    Chosen out{solver.liquid().liquid(), -1};
+Chosen choose(const scene::Measurement& measurement, const scene::Scene& scene, const Simulation& solver) {
+    Chosen out{solver.view().liquid, -1};
     const auto at = std::ranges::find(scene.liquids, measurement.liquid, &scene::Liquid::name);
     if (at != scene.liquids.end()) out.number = static_cast<int>(at - scene.liquids.begin());
     return out;
 }
 
-double measure_front(int axis, const Chosen& chosen, const sph::IsphStep& solver) {
-    const auto x = solver.liquid().position();
+double measure_front(int axis, const Chosen& chosen, const Simulation& solver) {
+    const auto view = solver.view();
+    const auto x = view.position;
     double front = nowhere;
-    Kokkos::parallel_reduce("treacle::front", solver.liquid().store.owned(), KOKKOS_LAMBDA(int i, double& most) {
+    Kokkos::parallel_reduce("treacle::front", view.owned, KOKKOS_LAMBDA(int i, double& most) {
         if (chosen(i)) most = math::max(most, x(i, axis));
     }, Kokkos::Max<double>(front));
     const double over_ranks = solver.comm().max(front);
-    return over_ranks > nowhere ? over_ranks + solver.setup().constants.spacing / 2 : 0.0;
+    return over_ranks > nowhere ? over_ranks + view.spacing / 2 : 0.0;
 }
 
 // The axis that gravity pulls along most, and the way up along it.
@@ -69,12 +70,12 @@ struct Plumb {
     }
 };
 
-Plumb drop_plumb(const Vec3& position, const scene::Domain& domain, const sph::Constants& constants) {
+Plumb drop_plumb(const Vec3& position, const scene::Domain& domain, const LiquidView& view) {
     const auto [axis, sign] = upwards(domain);
     const auto u = static_cast<std::size_t>(axis);
-    Plumb out{{position[0], position[1], position[2]}, constants.support, axis, domain.dimensions, sign, 0, 0, 0, 1};
+    Plumb out{{position[0], position[1], position[2]}, view.reach, axis, domain.dimensions, sign, 0, 0, 0, 1};
     out.floor = sign > 0 ? domain.min[u] : -domain.max[u];
-    out.step = 0.5 * constants.spacing;
+    out.step = 0.5 * view.spacing;
     // A level below and two above: the profile starts and ends with what liquid pressed to a side has beyond it.
     out.levels = static_cast<int>(std::ceil((domain.max[u] - domain.min[u]) / out.step)) + 4;
     for (int k = 0; k < domain.dimensions; ++k) {
@@ -87,12 +88,12 @@ Plumb drop_plumb(const Vec3& position, const scene::Domain& domain, const sph::C
 
 // Share of each level that is liquid, over all ranks: particles are spread over a spacing up and down. Counted in
 // integers, so that no order of the particles changes it.
-std::vector<double> wet_levels(const Plumb& plumb, const Chosen& chosen, const sph::IsphStep& solver) {
-    const auto& constants = solver.setup().constants;
-    const auto x = solver.liquid().position();
-    const double d = constants.spacing, unit = 1e-9 * plumb.area * d / constants.rest_volume;
+std::vector<double> wet_levels(const Plumb& plumb, const Chosen& chosen, const Simulation& solver) {
+    const auto view = solver.view();
+    const auto x = view.position;
+    const double d = view.spacing, unit = 1e-9 * plumb.area * d / view.volume;
     const Array<std::int64_t> counts("treacle::wet_levels", static_cast<std::size_t>(plumb.levels));
-    Kokkos::parallel_for("treacle::height", solver.liquid().store.owned(), KOKKOS_LAMBDA(int i) {
+    Kokkos::parallel_for("treacle::height", view.owned, KOKKOS_LAMBDA(int i) {
         const double weight = chosen(i) ? plumb.weight(x, i) : 0;
         if (weight == 0) return;
         const double y = (plumb.way * x(i, plumb.up) - plumb.floor) / plumb.step;
@@ -114,8 +115,8 @@ std::vector<double> wet_levels(const Plumb& plumb, const Chosen& chosen, const s
 // Where the liquid over a point ends: the highest level at which half of the surroundings, a support radius wide, is
 // liquid [m] above the lower side of the domain.
 double measure_height(const Vec3& position, const scene::Domain& domain, const Chosen& chosen,
-                      const sph::IsphStep& solver) {
-    const auto plumb = drop_plumb(position, domain, solver.setup().constants);
+                      const Simulation& solver) {
+    const auto plumb = drop_plumb(position, domain, solver.view());
     const auto wet = wet_levels(plumb, chosen, solver);
     for (std::size_t k = wet.size() - 1; k > 0; --k) {
         if (wet[k] >= 0.5 || wet[k - 1] < 0.5) continue;
@@ -124,20 +125,21 @@ double measure_height(const Vec3& position, const scene::Domain& domain, const C
     return 0;
 }
 
-double measure_flow(const scene::Measurement& measurement, const Chosen& chosen, const sph::IsphStep& solver) {
+double measure_flow(const scene::Measurement& measurement, const Chosen& chosen, const Simulation& solver) {
     const int axis = measurement.axis;
     const double at = measurement.position[static_cast<std::size_t>(axis)];
-    const double half = solver.setup().constants.support / 2;
-    const auto x = solver.liquid().position(), u = solver.liquid().velocity();
+    const auto view = solver.view();
+    const double half = view.reach / 2;
+    const auto x = view.position, u = view.velocity;
     double sum = 0;
-    Kokkos::parallel_reduce("treacle::flow", solver.liquid().store.owned(), KOKKOS_LAMBDA(int i, double& flow) {
+    Kokkos::parallel_reduce("treacle::flow", view.owned, KOKKOS_LAMBDA(int i, double& flow) {
         if (math::fabs(x(i, axis) - at) < half && chosen(i)) flow += u(i, axis);
     }, sum);
-    return solver.comm().sum(sum) * solver.setup().constants.rest_volume / (2 * half);
+    return solver.comm().sum(sum) * view.volume / (2 * half);
 }
 } // namespace
 
-double measure(const scene::Measurement& measurement, const scene::Scene& scene, const sph::IsphStep& solver) {
+double measure(const scene::Measurement& measurement, const scene::Scene& scene, const Simulation& solver) {
     const auto chosen = choose(measurement, scene, solver);
     switch (measurement.kind) {
     case scene::MeasurementKind::front: return measure_front(measurement.axis, chosen, solver);

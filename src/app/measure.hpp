@@ -1,6 +1,5 @@
 #pragma once
-#include "scene/scene.hpp"
-#include "sph/isph_step.hpp"
+#include "app/simulation.hpp"
 
 namespace treacle::app {
 
@@ -10,7 +9,7 @@ namespace treacle::app {
 //           position; 0 where there is no liquid [m]
 //   flow    volume flow through the plane through the position [m3/s], [m2/s] in the plane
 // Of all liquids, or of the one that the measurement names.
-double measure(const scene::Measurement& measurement, const scene::Scene& scene, const sph::IsphStep& solver);
+double measure(const scene::Measurement& measurement, const scene::Scene& scene, const Simulation& solver);
 
 // "front [m]": the measurement's name with its unit.
 std::string measurement_column(const scene::Measurement& measurement, const scene::Domain& domain);

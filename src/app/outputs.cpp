@@ -10,25 +10,19 @@
 namespace treacle::app {
 
 namespace {
-// In the order in which a step goes through them.
-constexpr const char* phases[] = {"sort", "neighbours", "density", "forces", "viscosity", "predict", "assemble", "solve",
-                                  "pressure force", "move"};
-
-std::vector<std::string> step_columns(const Input& input) {
+std::vector<std::string> step_columns(const Input& input, const Simulation& simulation) {
     const std::string mass = input.scene.domain.dimensions == 3 ? "kg" : "kg/m";
     const std::string energy = input.scene.domain.dimensions == 3 ? "J" : "J/m";
-    std::vector<std::string> columns{"step", "time [s]", "dt [s]", "pressure iterations", "pressure residual",
-                                     "density error", "viscosity iterations", "viscosity residual", "mean compression",
-                                     "max compression", "particles", "flowed in", "flowed out",
-                                     "poisson", "dirichlet", "separated", "anchored", "stopped at solids", "mass [" + mass + "]"};
+    std::vector<std::string> columns{"step", "time [s]", "dt [s]"};
+    for (auto& name : simulation.columns()) columns.push_back(std::move(name));
+    columns.insert(columns.end(), {"particles", "flowed in", "flowed out", "mass [" + mass + "]"});
     for (const char* axis : {"x", "y", "z"}) columns.push_back(std::string("momentum ") + axis + " [" + mass + " m/s]");
     for (const char* axis : {"x", "y", "z"}) {
         columns.push_back(std::string("angular momentum ") + axis + " [" + mass + " m2/s]");
     }
     for (const auto* name : {"kinetic energy", "potential energy"}) columns.push_back(std::string(name) + " [" + energy + "]");
-    columns.insert(columns.end(), {"max speed [m/s]", "lost by leak", "lost as non-finite",
-                                   "imbalance"});
-    for (const char* phase : phases) columns.push_back(std::string(phase) + " [s]");
+    columns.insert(columns.end(), {"max speed [m/s]", "lost by leak", "lost as non-finite"});
+    for (const auto& phase : simulation.phases()) columns.push_back(phase + " [s]");
     return columns;
 }
 
@@ -103,31 +97,32 @@ io::Precision precision_of(const Input& input) {
 }
 } // namespace
 
-Outputs::Outputs(const Comm& comm, const io::RunFolder& folder, const Input& input, const Progress& progress,
-                 Opening opening)
-    : comm_(comm), folder_(folder), input_(input),
-      frames_(comm, folder.frames(), input.scene.output.name, precision_of(input)),
-      solid_frames_(comm, folder.frames(), "solid", precision_of(input)),
+Outputs::Outputs(const io::RunFolder& folder, const Input& input, const Simulation& simulation,
+                 const Progress& progress, Opening opening)
+    : comm_(simulation.comm()), folder_(folder), input_(input), simulation_(simulation),
+      frames_(comm_, folder.frames(), input.scene.output.name, precision_of(input)),
+      solid_frames_(comm_, folder.frames(), "solid", precision_of(input)),
       next_measurement_(input.scene.measurements.size(), 0.0),
-      last_measurement_(input.scene.measurements.size(), 0.0), phase_seconds_(std::size(phases), 0.0) {
+      last_measurement_(input.scene.measurements.size(), 0.0), phases_(simulation.phases()),
+      phase_seconds_(phases_.size(), 0.0) {
     const bool fresh = opening == Opening::fresh;
     if (!fresh) {
         frames_.resume(progress.time);
-        if (any_moves(input)) solid_frames_.resume(progress.time);
+        if (any_moves(input) && simulation.solid()) solid_frames_.resume(progress.time);
     }
-    comm.guard_root([&] {
+    comm_.guard_root([&] {
         const auto open = [&](const std::filesystem::path& path, std::vector<std::string> columns) {
             return fresh ? CsvTable::create(path, std::move(columns))
                          : CsvTable::resume(path, std::move(columns), progress.step);
         };
-        steps_ = open(folder.steps(), step_columns(input));
+        steps_ = open(folder.steps(), step_columns(input, simulation));
         bodies_ = open(folder.bodies(), body_columns(input));
         if (!input.scene.measurements.empty()) measurements_ = open(folder.measurements(), measurement_columns(input));
     });
 }
 
-void Outputs::write_frame(const Progress& progress, sph::IsphStep& solver) {
-    const auto& store = solver.liquid().store;
+void Outputs::write_frame(const Progress& progress) {
+    const auto& store = simulation_.liquid();
     auto names = input_.scene.output.fields;
     names.push_back("id");
     if (input_.scene.liquids.size() > 1) names.push_back("liquid"); // pictures and ParaView tell them apart by it
@@ -136,44 +131,38 @@ void Outputs::write_frame(const Progress& progress, sph::IsphStep& solver) {
     frames_.write(progress.step, progress.time, make_block(positions, fields));
 }
 
-void Outputs::write_solids(const Progress& progress, const sph::IsphStep& solver) {
-    if (progress.step > 0 && !solver.bodies().any_moves()) return;
-    const auto& store = solver.solid().store;
+void Outputs::write_solids(const Progress& progress) {
+    if (!simulation_.solid() || (progress.step > 0 && !simulation_.bodies().any_moves())) return;
+    const auto& store = *simulation_.solid();
     const auto positions = host_rows(store.position(), store.owned());
     const auto fields = collect_fields(store, {"id", "body"});
     solid_frames_.write(progress.step, progress.time, make_block(positions, fields));
 }
 
-void Outputs::write_step(const Progress& progress, const sph::StepReport& report,
-                         const sph::LiquidTotals& totals, sph::IsphStep& solver) {
+void Outputs::write_step(const Progress& progress, const StepFigures& report, const LiquidTotals& totals) {
     if (!steps_) return;
-    std::vector<double> row{double(progress.step), progress.time, report.dt, double(report.pressure.iterations),
-                            report.pressure.relative_residual, report.pressure.error_measure,
-                            double(report.viscosity.iterations), report.viscosity.relative_residual,
-                            report.mean_compression, report.max_compression, double(totals.particles),
-                            double(solver.emitted()), double(progress.lost[0]),
-                            double(report.roles.poisson), double(report.roles.dirichlet),
-                            double(report.roles.separated), double(report.anchored), double(report.stopped), totals.mass};
+    std::vector<double> row{double(progress.step), progress.time, report.dt};
+    row.insert(row.end(), report.values.begin(), report.values.end());
+    row.insert(row.end(), {double(totals.particles), double(simulation_.emitted()), double(progress.lost[0]), totals.mass});
     row.insert(row.end(), totals.momentum.begin(), totals.momentum.end());
     row.insert(row.end(), totals.angular_momentum.begin(), totals.angular_momentum.end());
     row.insert(row.end(), {totals.kinetic_energy, totals.potential_energy, totals.max_speed});
     for (std::size_t k = 1; k < progress.lost.size(); ++k) row.push_back(double(progress.lost[k]));
-    row.push_back(report.imbalance);
-    for (std::size_t k = 0; k < std::size(phases); ++k) {
-        const double seconds = solver.timers().seconds(phases[k]);
+    for (std::size_t k = 0; k < phases_.size(); ++k) {
+        const double seconds = simulation_.timers().seconds(phases_[k]);
         row.push_back(seconds - phase_seconds_[k]);
         phase_seconds_[k] = seconds;
     }
     steps_->append(row);
 }
 
-void Outputs::write_measurements(const Progress& progress, const sph::IsphStep& solver) {
+void Outputs::write_measurements(const Progress& progress) {
     const auto& measurements = input_.scene.measurements;
     bool due = false;
     for (std::size_t k = 0; k < measurements.size(); ++k) {
         if (progress.time < next_measurement_[k] - 1e-12) continue;
         const double interval = measurements[k].interval;
-        last_measurement_[k] = measure(measurements[k], input_.scene, solver);
+        last_measurement_[k] = measure(measurements[k], input_.scene, simulation_);
         if (interval > 0) next_measurement_[k] = interval * (std::floor(progress.time / interval + 1e-9) + 1);
         due = true;
     }
@@ -183,9 +172,9 @@ void Outputs::write_measurements(const Progress& progress, const sph::IsphStep& 
     measurements_->append(row);
 }
 
-void Outputs::write_bodies(const Progress& progress, const sph::StepReport& report,
-                           const rigid::RigidBodies& bodies) {
+void Outputs::write_bodies(const Progress& progress, const StepFigures& report) {
     if (!bodies_) return;
+    const auto& bodies = simulation_.bodies();
     std::vector<double> row{double(progress.step), progress.time};
     row.insert(row.end(), report.loads.begin(), report.loads.end());
     row.insert(row.end(), report.viscous_loads.begin(), report.viscous_loads.end());
@@ -204,7 +193,7 @@ void Outputs::write_bodies(const Progress& progress, const sph::StepReport& repo
     bodies_->append(row);
 }
 
-void Outputs::write_lost(const Progress& progress, const sph::StepReport& report) {
+void Outputs::write_lost(const Progress& progress, const StepFigures& report) {
     std::vector<double> rows;
     for (const auto& particle : report.lost) {
         rows.insert(rows.end(), {double(progress.step), progress.time, double(particle.id),

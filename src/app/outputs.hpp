@@ -14,30 +14,32 @@ enum class Opening { fresh, resumed };
 class Outputs {
 public:
     // Resumed: rows and frames later than the progress are dropped.
-    Outputs(const Comm& comm, const io::RunFolder& folder, const Input& input, const Progress& progress,
+    // The input and the simulation must outlive this object.
+    Outputs(const io::RunFolder& folder, const Input& input, const Simulation& simulation, const Progress& progress,
             Opening opening);
 
-    void write_frame(const Progress& progress, sph::IsphStep& solver);
+    void write_frame(const Progress& progress);
     // Once for a run where nothing solid moves, otherwise with every frame.
-    void write_solids(const Progress& progress, const sph::IsphStep& solver);
-    void write_step(const Progress& progress, const sph::StepReport& report, const sph::LiquidTotals& totals,
-                    sph::IsphStep& solver);
-    void write_measurements(const Progress& progress, const sph::IsphStep& solver);
+    void write_solids(const Progress& progress);
+    void write_step(const Progress& progress, const StepFigures& report, const LiquidTotals& totals);
+    void write_measurements(const Progress& progress);
     // Loads of all solids, and where the bodies that move are.
-    void write_bodies(const Progress& progress, const sph::StepReport& report, const rigid::RigidBodies& bodies);
+    void write_bodies(const Progress& progress, const StepFigures& report);
     // Appends the culprits to lost_particles.csv.
-    void write_lost(const Progress& progress, const sph::StepReport& report);
+    void write_lost(const Progress& progress, const StepFigures& report);
     void flush();
 
 private:
     Comm comm_;
     io::RunFolder folder_;
     const Input& input_;
+    const Simulation& simulation_;
     io::FrameWriter frames_, solid_frames_;
     std::optional<CsvTable> steps_, measurements_, bodies_, lost_;
     std::vector<double> next_measurement_; // [s] per measurement
     std::vector<double> last_measurement_;
-    std::vector<double> phase_seconds_;    // at the last step
+    std::vector<std::string> phases_;
+    std::vector<double> phase_seconds_; // at the last step
 };
 
 } // namespace treacle::app

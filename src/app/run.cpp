@@ -1,6 +1,7 @@
 #include "app/run.hpp"
 
 #include "app/bodies.hpp"
+#include "app/build_scene.hpp"
 #include "app/time_loop.hpp"
 #include "base/file.hpp"
 #include "base/options.hpp"
@@ -64,8 +65,8 @@ ExitCode run_scene(const Comm& comm, const RunRequest& request) {
 
     Progress progress;
     progress.reference_speed = reference_speed(input, geometry);
-    auto solver = make_solver(comm, input, progress.reference_speed, geometry);
-    const auto notes = fill_solver(input, geometry, *solver);
+    auto solver = make_simulation(comm, input, progress.reference_speed, geometry);
+    const auto notes = solver->fill(geometry);
     TimeLoop loop({comm, folder, input, io::text_hash(scene), request.wall_limit}, std::move(solver), progress);
     for (const auto& note : notes) loop.log().warn(note);
     return loop.run(Opening::fresh);
@@ -84,7 +85,7 @@ ExitCode resume_run(const Comm& comm, const ResumeRequest& request) {
     });
     const auto hash = io::text_hash(scene);
     const auto checkpoint = find_checkpoint(comm, folder, hash);
-    auto solver = make_solver(comm, input, checkpoint.progress.reference_speed, geometry);
+    auto solver = make_simulation(comm, input, checkpoint.progress.reference_speed, geometry);
     load_checkpoint(checkpoint, *solver);
     TimeLoop loop({comm, folder, input, hash, request.wall_limit}, std::move(solver), checkpoint.progress);
     for (const auto& message : checkpoint.skipped) loop.log().warn(message);

@@ -15,12 +15,12 @@ namespace {
 // Times closer than this share of the run count as equal.
 constexpr double same_time = 1e-10;
 
-constexpr const char* cause_words[sph::loss_causes] = {"flowed out", "went through a wall",
+constexpr const char* cause_words[loss_causes] = {"flowed out", "went through a wall",
                                                        "were no longer finite"};
 
 std::int64_t lost_against_limit(const Progress& progress) {
-    return progress.lost[static_cast<std::size_t>(sph::LossCause::leak) - 1] +
-           progress.lost[static_cast<std::size_t>(sph::LossCause::non_finite) - 1];
+    return progress.lost[static_cast<std::size_t>(LossCause::leak) - 1] +
+           progress.lost[static_cast<std::size_t>(LossCause::non_finite) - 1];
 }
 } // namespace
 
@@ -39,7 +39,7 @@ void check_time_step(const Input& input) {
                       "take a step below the limit, or leave out method.viscosity.integration: explicit"});
 }
 
-TimeLoop::TimeLoop(LoopSetup setup, std::unique_ptr<sph::IsphStep> solver, const Progress& progress)
+TimeLoop::TimeLoop(LoopSetup setup, std::unique_ptr<Simulation> solver, const Progress& progress)
     : setup_(std::move(setup)), solver_(std::move(solver)), progress_(progress),
       stop_(setup_.comm, setup_.folder.stop(), setup_.wall_limit),
       log_(setup_.comm.is_root() ? Voice::speaks : Voice::silent), next_line_(progress.time),
@@ -70,19 +70,19 @@ double TimeLoop::choose_step() const {
     return way / std::ceil(way / dt * (1 - same_time));
 }
 
-void TimeLoop::check_losses(const sph::StepReport& report, Outputs& outputs) {
+void TimeLoop::check_losses(const StepFigures& report, Outputs& outputs) {
     std::int64_t gone = 0;
-    for (std::size_t k = 0; k < sph::loss_causes; ++k) {
+    for (std::size_t k = 0; k < loss_causes; ++k) {
         progress_.lost[k] += report.lost_by_cause[k];
         gone += report.lost_by_cause[k];
     }
     stale_ = gone > 0;
-    if (gone == report.lost_by_cause[static_cast<std::size_t>(sph::LossCause::outflow) - 1]) return;
+    if (gone == report.lost_by_cause[static_cast<std::size_t>(LossCause::outflow) - 1]) return;
     outputs.write_lost(progress_, report);
     const double limit = setup_.input.scene.lost_limit * double(progress_.initial_particles + solver_->emitted());
     if (double(lost_against_limit(progress_)) <= limit) return;
     std::string causes;
-    for (std::size_t k = 1; k < sph::loss_causes; ++k) {
+    for (std::size_t k = 1; k < loss_causes; ++k) {
         if (progress_.lost[k] == 0) continue;
         causes += (causes.empty() ? "" : ", ") + std::to_string(progress_.lost[k]) + " " + cause_words[k];
     }
@@ -99,14 +99,14 @@ void TimeLoop::save() {
     save_checkpoint(setup_.folder, setup_.input, setup_.scene_hash, progress, *solver_);
 }
 
-void TimeLoop::write_due(Outputs& outputs, const sph::StepReport& report) {
+void TimeLoop::write_due(Outputs& outputs, const StepFigures& report) {
     const auto& output = setup_.input.scene.output;
     const double now = progress_.time * (1 + same_time) + 1e-300;
     bool line = finished();
     if (output.interval > 0 && now >= output.interval * double(progress_.frames)) {
         if (stale_) solver_->refresh();
-        outputs.write_frame(progress_, *solver_);
-        outputs.write_solids(progress_, *solver_);
+        outputs.write_frame(progress_);
+        outputs.write_solids(progress_);
         progress_.frames = static_cast<std::int64_t>(std::floor(now / output.interval)) + 1;
         line = line || output.log_interval == 0;
     }
@@ -131,7 +131,7 @@ void TimeLoop::write_due(Outputs& outputs, const sph::StepReport& report) {
     if (due) save();
 }
 
-void TimeLoop::report_progress(const sph::StepReport& report) {
+void TimeLoop::report_progress(const StepFigures& report) {
     const double end = setup_.input.scene.time.end;
     const double done = progress_.time / end;
     const double rate = (progress_.time - start_time_) / std::max(1e-9, stop_.wall_seconds());
@@ -139,7 +139,7 @@ void TimeLoop::report_progress(const sph::StepReport& report) {
     char text[256];
     std::snprintf(text, sizeof text,
                   "step %6lld  t %.5g s  dt %.3g s  its %3d  particles %lld  lost %lld  max speed %.3g m/s  %3.0f %%  ",
-                  static_cast<long long>(progress_.step), progress_.time, report.dt, report.pressure.iterations,
+                  static_cast<long long>(progress_.step), progress_.time, report.dt, report.pressure_iterations,
                   static_cast<long long>(totals_.particles), static_cast<long long>(lost_against_limit(progress_)),
                   totals_.max_speed, 100 * done);
     log_.line(text + format_duration(left) + " left");
@@ -150,17 +150,16 @@ void TimeLoop::take_step(Outputs& outputs) {
     const auto report = solver_->advance(dt);
     ++progress_.step;
     progress_.time += dt;
-    iterations_ += report.pressure.iterations;
+    iterations_ += report.pressure_iterations;
     check_losses(report, outputs);
-    totals_ = sph::measure_totals(setup_.comm, solver_->liquid(), solver_->setup().constants,
-                                  solver_->setup().forces.gravity);
+    totals_ = solver_->totals();
     if (!std::isfinite(totals_.kinetic_energy)) {
         throw SimulationError({"step " + std::to_string(progress_.step), "the kinetic energy is not finite",
                                "velocities have grown without bound", "take a smaller time step"});
     }
-    outputs.write_step(progress_, report, totals_, *solver_);
-    outputs.write_bodies(progress_, report, solver_->bodies());
-    outputs.write_measurements(progress_, *solver_);
+    outputs.write_step(progress_, report, totals_);
+    outputs.write_bodies(progress_, report);
+    outputs.write_measurements(progress_);
     write_due(outputs, report);
 }
 
@@ -183,7 +182,7 @@ void TimeLoop::write_summary(const std::string& how_it_ended) {
                                    {"pressure iterations in this sitting", iterations_},
                                    {"ranks", comm.size()}});
     Value lost = Value::object({});
-    for (std::size_t k = 1; k < sph::loss_causes; ++k) lost.set(cause_words[k], progress_.lost[k]);
+    for (std::size_t k = 1; k < loss_causes; ++k) lost.set(cause_words[k], progress_.lost[k]);
     summary.set("lost particles", lost);
     const auto spread = [&](double value) {
         return Value::object({{"min", comm.min(value)}, {"mean", comm.sum(value) / comm.size()}, {"max", comm.max(value)}});
@@ -200,22 +199,22 @@ void TimeLoop::write_summary(const std::string& how_it_ended) {
 }
 
 ExitCode TimeLoop::run(Opening opening) {
-    const auto& constants = solver_->setup().constants;
-    totals_ = sph::measure_totals(setup_.comm, solver_->liquid(), constants, solver_->setup().forces.gravity);
-    Outputs outputs(setup_.comm, setup_.folder, setup_.input, progress_, opening);
+    totals_ = solver_->totals();
+    Outputs outputs(setup_.folder, setup_.input, *solver_, progress_, opening);
     if (opening == Opening::fresh) {
         progress_.initial_particles = totals_.particles - solver_->emitted();
         progress_.initial_mass = totals_.mass;
-        log_.line(std::to_string(totals_.particles) + " liquid and " +
-                  std::to_string(setup_.comm.sum(static_cast<std::int64_t>(solver_->solid().store.owned()))) +
-                  " solid particles on " + std::to_string(setup_.comm.size()) + " ranks");
+        const std::int64_t solids = solver_->solid() ? setup_.comm.sum(std::int64_t{solver_->solid()->owned()}) : 0;
+        log_.line(std::to_string(totals_.particles) + " liquid" +
+                  (solver_->solid() ? " and " + std::to_string(solids) + " solid" : std::string()) + " particles on " +
+                  std::to_string(setup_.comm.size()) + " ranks");
         if (setup_.input.scene.output.interval > 0) {
             solver_->refresh();
-            outputs.write_solids(progress_, *solver_);
-            outputs.write_frame(progress_, *solver_);
+            outputs.write_solids(progress_);
+            outputs.write_frame(progress_);
             progress_.frames = 1;
         }
-        outputs.write_measurements(progress_, *solver_);
+        outputs.write_measurements(progress_);
     }
     auto reason = StopControl::Reason::none;
     while (!finished() && reason == StopControl::Reason::none) {

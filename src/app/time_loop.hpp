@@ -1,5 +1,4 @@
 #pragma once
-#include "app/build_scene.hpp"
 #include "app/outputs.hpp"
 #include "app/stop_control.hpp"
 #include "base/error.hpp"
@@ -18,7 +17,7 @@ struct LoopSetup {
 // Carries a run from where its progress stands to its end, with all output on the way.
 class TimeLoop {
 public:
-    TimeLoop(LoopSetup setup, std::unique_ptr<sph::IsphStep> solver, const Progress& progress);
+    TimeLoop(LoopSetup setup, std::unique_ptr<Simulation> solver, const Progress& progress);
 
     // Collective. Returns ok or stopped; throws SimulationError when the run fails, the last checkpoint and all
     // earlier output intact.
@@ -28,19 +27,19 @@ public:
 private:
     double choose_step() const;
     void take_step(Outputs& outputs);
-    void check_losses(const sph::StepReport& report, Outputs& outputs);
-    void write_due(Outputs& outputs, const sph::StepReport& report);
+    void check_losses(const StepFigures& report, Outputs& outputs);
+    void write_due(Outputs& outputs, const StepFigures& report);
     void save();
-    void report_progress(const sph::StepReport& report);
+    void report_progress(const StepFigures& report);
     void write_summary(const std::string& how_it_ended);
     bool finished() const;
 
     LoopSetup setup_;
-    std::unique_ptr<sph::IsphStep> solver_;
+    std::unique_ptr<Simulation> solver_;
     Progress progress_;
     StopControl stop_;
     Log log_;
-    sph::LiquidTotals totals_;
+    LiquidTotals totals_;
     double next_line_ = 0;        // [s] simulated
     double start_time_ = 0;       // [s] simulated, of this sitting
     double next_wall_save_ = 0;   // [s] of the clock

@@ -67,6 +67,7 @@ public:
     const Comm& comm() const { return comm_; }
     const Decomposition& decomposition() const { return decomposition_; }
     PhaseTimers& timers() { return timers_; }
+    const PhaseTimers& timers() const { return timers_; }
     const PressureSystem& system() const { return system_; }
     const Neighbourhood& neighbours() const { return neighbours_; }
 
