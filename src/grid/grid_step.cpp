@@ -192,6 +192,8 @@ void GridStep::apply_viscosity(StepReport& report, double dt) {
     if (!viscous()) return;
     find_viscosities();
     const bool slides = slip_.any();
+    // Faces in solids that liquid slides along are unknowns too: what gravity made of them would drag the liquid down.
+    if (slides) continue_velocity();
     if (slides) slip_.update(cells_halo_, bodies_, solids_, level_set_, setup_.options.fractions);
     const auto before = bodies_;
     report.viscosity = viscosity_.solve({grid_, cells_halo_, fractions_, slides ? slip_.shares() : shares_, viscosities_,
