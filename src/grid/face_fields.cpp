@@ -8,6 +8,14 @@ void reserve_faces(FaceField& field, const MacGrid& grid, const CellBox& window)
     for (int a = 0; a < grid.dimensions; ++a) reserve(field.axis[a], static_cast<std::size_t>(window.size()));
 }
 
+void copy_faces(const MacGrid& grid, const CellBox& window, const FaceField& from, FaceField& to) {
+    reserve_faces(to, grid, window);
+    const auto n = Kokkos::make_pair(std::size_t(0), static_cast<std::size_t>(window.size()));
+    for (int a = 0; a < grid.dimensions; ++a) {
+        Kokkos::deep_copy(Kokkos::subview(to.axis[a], n), Kokkos::subview(from.axis[a], n));
+    }
+}
+
 void gather_faces(const MacGrid& grid, CellHalo& halo, const FaceField& field) {
     if (grid.dimensions == 2) {
         halo.gather({field.axis[0], field.axis[1]});
@@ -25,17 +33,18 @@ void accelerate(const MacGrid& grid, const CellBox& window, const std::array<dou
     }
 }
 
-void mark_projected(const PressureFaces& faces, FaceMarks& known) {
+void mark_solved(const PressureFaces& faces, const FaceField& wet_share, double least, FaceMarks& known) {
     for (int a = 0; a < faces.dimensions; ++a) {
         reserve(known.axis[a], static_cast<std::size_t>(faces.window.size()));
         const auto mark = known.axis[a];
-        Kokkos::parallel_for("treacle::mark_projected", static_cast<int>(faces.window.size()), KOKKOS_LAMBDA(int i) {
+        const auto share = wet_share.axis[a];
+        Kokkos::parallel_for("treacle::mark_solved", static_cast<int>(faces.window.size()), KOKKOS_LAMBDA(int i) {
             int c[3];
             faces.window.cell(i, c);
             const auto above = static_cast<std::size_t>(i);
             const bool wet = faces.is_liquid(above) ||
                              (c[a] > faces.window.lo[a] && faces.is_liquid(above - static_cast<std::size_t>(faces.stride[a])));
-            mark(i) = wet && faces.open(a, above) > 0 ? 1 : 0;
+            mark(i) = (wet || share(i) >= least) && faces.open(a, above) > 0 ? 1 : 0;
         });
     }
 }
@@ -79,16 +88,45 @@ void turn_along_solids(const MacGrid& grid, CellHalo& halo, const Solids& solids
                        const FaceField& velocity, FaceField& scratch) {
     const CellBox owned = halo.owned();
     if (!owned.empty()) {
-        reserve_faces(scratch, grid, halo.window());
-        const auto n = Kokkos::make_pair(std::size_t(0), static_cast<std::size_t>(halo.window().size()));
-        for (int a = 0; a < grid.dimensions; ++a) {
-            Kokkos::deep_copy(Kokkos::subview(scratch.axis[a], n), Kokkos::subview(velocity.axis[a], n));
-        }
+        copy_faces(grid, halo.window(), velocity, scratch);
         Kokkos::parallel_for("treacle::turn_along_solids", static_cast<int>(owned.size()),
                              TurnLoop{grid, owned, faces, solids.sampler(), solids.number(), solids.motion(),
                                       FaceSampler(grid, halo.window(), scratch), velocity});
     }
     gather_faces(grid, halo, velocity);
+}
+
+namespace {
+void find_changes(int n, const Array<double>& velocity, const Array<double>& start, const Array<double>& change,
+                  const Array<int>& known, const Array<int>& reached) {
+    Kokkos::parallel_for("treacle::find_changes", n, KOKKOS_LAMBDA(int i) {
+        change(i) = known(i) != 0 ? velocity(i) - start(i) : 0.0;
+        reached(i) = known(i);
+    });
+}
+
+void add_changes(int n, const Array<double>& velocity, const Array<double>& start, const Array<double>& mass,
+                 const Array<double>& change, const Array<int>& known, const Array<int>& reached) {
+    Kokkos::parallel_for("treacle::add_changes", n, KOKKOS_LAMBDA(int i) {
+        if (known(i) != 0 || reached(i) == 0 || !(mass(i) > 0)) return;
+        velocity(i) = start(i) + change(i);
+        known(i) = 1;
+    });
+}
+} // namespace
+
+void continue_changes(const MacGrid& grid, CellHalo& halo, const Continued& with, FaceMarks& known, const FaceField& velocity) {
+    const int n = static_cast<int>(halo.window().size());
+    reserve_faces(with.change, grid, halo.window());
+    for (int a = 0; a < grid.dimensions; ++a) {
+        reserve(with.reached.axis[a], static_cast<std::size_t>(n));
+        find_changes(n, velocity.axis[a], with.start.axis[a], with.change.axis[a], known.axis[a], with.reached.axis[a]);
+    }
+    extrapolate(grid, halo, with.change, with.reached, 2);
+    for (int a = 0; a < grid.dimensions; ++a) {
+        add_changes(n, velocity.axis[a], with.start.axis[a], with.mass.axis[a], with.change.axis[a], known.axis[a],
+                    with.reached.axis[a]);
+    }
 }
 
 } // namespace treacle::grid

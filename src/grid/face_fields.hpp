@@ -16,12 +16,25 @@ void gather_faces(const MacGrid& grid, CellHalo& halo, const FaceField& field);
 void accelerate(const MacGrid& grid, const CellBox& window, const std::array<double, 3>& g, double dt,
                 const FaceField& velocity);
 
-// Marks the faces whose velocity a projection found: open ones beside liquid.
-void mark_projected(const PressureFaces& faces, FaceMarks& known);
+// Marks the faces whose velocity the solves found: open ones beside liquid, and those with `wet` shares from `least` on.
+void mark_solved(const PressureFaces& faces, const FaceField& wet, double least, FaceMarks& known);
 
 // (A2) Collective: velocities of closed faces, found by extrapolation, lose what leads into or out of their solid, so that
 // particles near solids move along them. `scratch` takes a copy.
 void turn_along_solids(const MacGrid& grid, CellHalo& halo, const Solids& solids, const PressureFaces& faces,
                        const FaceField& velocity, FaceField& scratch);
+
+// (A6) Collective: what the step has changed since `start` at the faces that are known goes on to faces around them that
+// particles gave a velocity, which have a mass: start + change, and known from then on. A mean of the neighbours'
+// velocities in its place would slow whatever turns.
+struct Continued {
+    const FaceField& start;
+    const FaceField& mass;
+    FaceField& change; // scratch
+    FaceMarks& reached; // scratch
+};
+void continue_changes(const MacGrid& grid, CellHalo& halo, const Continued& with, FaceMarks& known, const FaceField& velocity);
+// Copies the numbers of the window.
+void copy_faces(const MacGrid& grid, const CellBox& window, const FaceField& from, FaceField& to);
 
 } // namespace treacle::grid

@@ -11,6 +11,7 @@ namespace treacle::grid {
 
 namespace {
 constexpr double least_depth = 0.05; // widths, of the centre of a cell with a drop or a sheet thinner than it
+constexpr double least_wet = 1e-3;   // share of a face's cube from which its velocity is that of liquid
 constexpr int layers = 3;  // of halo: what linear interpolation and a step of CFL 3 reach
 
 double size_of(const std::array<double, 3>& v) { return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); }
@@ -107,6 +108,7 @@ void GridStep::particles_to_grid() {
     gather_faces(grid_, cells_halo_, velocity_);
     mark_faces(grid_, cells_halo_.window(), mass_, 0, known_);
     extrapolate(grid_, cells_halo_, velocity_, known_, 2);
+    copy_faces(grid_, cells_halo_.window(), velocity_, start_);
 }
 
 // Distances at the centres of cells. Liquid that no centre sees, drops and sheets thinner than a cell, would have no
@@ -187,7 +189,7 @@ void GridStep::find_viscosities() {
 
 // (V)
 void GridStep::apply_viscosity(StepReport& report, double dt) {
-    if (!setup_.viscosity_varies && setup_.viscosity == 0) return;
+    if (!viscous()) return;
     find_viscosities();
     const bool slides = slip_.any();
     // Faces in solids that liquid slides along are unknowns too: what gravity made of them would drag the liquid down.
@@ -197,7 +199,9 @@ void GridStep::apply_viscosity(StepReport& report, double dt) {
     report.viscosity = viscosity_.solve({grid_, cells_halo_, fractions_, slides ? slip_.shares() : shares_, viscosities_,
                                          setup_.density, slides ? &slip_.slip() : nullptr},
                                         velocity_, bodies_, dt);
-    gather_faces(grid_, cells_halo_, velocity_);
+    // Faces that hardly any liquid reaches have stresses and no mass: what the solve leaves there is arbitrary.
+    mark_faces(grid_, cells_halo_.window(), fractions_.face_wet, least_wet, known_);
+    extrapolate(grid_, cells_halo_, velocity_, known_, 2);
     report.viscous_loads.assign(6 * bodies_.size(), 0.0);
     for (std::size_t b = 0; b < bodies_.size(); ++b) {
         if (!bodies_.dynamic(b)) continue;
@@ -211,7 +215,9 @@ void GridStep::apply_viscosity(StepReport& report, double dt) {
 
 // Velocities beyond the liquid's own faces, as far as particles may come in a step.
 void GridStep::continue_velocity() {
-    mark_projected(pressure_.system().faces(), known_);
+    const double least = viscous() ? least_wet : 2; // a pressure gives velocities to faces beside centres alone
+    mark_solved(pressure_.system().faces(), fractions_.face_wet, least, known_);
+    continue_changes(grid_, cells_halo_, {start_, mass_, scratch_, reached_}, known_, velocity_); // (A6)
     const int reach = static_cast<int>(std::ceil(setup_.options.cfl)) + 1;
     extrapolate(grid_, cells_halo_, velocity_, known_, reach);
     turn_along_solids(grid_, cells_halo_, solids_, pressure_.system().faces(), velocity_, scratch_); // (A2)

@@ -99,6 +99,7 @@ private:
     void find_surface();
     void project(StepReport& report, double dt, Pressure::Surface surface);
     void apply_viscosity(StepReport& report, double dt);
+    bool viscous() const { return setup_.viscosity_varies || setup_.viscosity > 0; }
     void find_viscosities();
     void continue_velocity();
     void move(StepReport& report, double dt);
@@ -124,8 +125,8 @@ private:
     FaceShares shares_;
     SlipGeometry slip_;
     Array<double> distance_{"treacle::centre_distance", 0};
-    FaceField mass_, velocity_, scratch_;
-    FaceMarks known_;
+    FaceField mass_, velocity_, start_, scratch_; // start: of the particles, before the step changes it
+    FaceMarks known_, reached_;
     Viscosities viscosities_;
     Pressure pressure_;
     Viscosity viscosity_;

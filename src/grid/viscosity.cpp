@@ -76,6 +76,7 @@ struct Viscosity::State {
     ViscousBodies bodies;
     std::optional<solve::Matrix> matrix;
     std::vector<double> b, x, scratch;
+    std::vector<double> block; // of the bodies
     Array<double> faces{"treacle::viscous_faces", 0};
     double dx = 0;
     int dimensions = 3, coupled = 0; // coupled: unknowns of the bodies
@@ -89,6 +90,7 @@ struct Viscosity::State {
           solver(group, "viscosity", with_own(krylov_options(given))) {}
 
     solve::KrylovOptions with_own(solve::KrylovOptions out);
+    solve::RigidBorder border() const;
     void describe_rows(const MacGrid& grid);
     void make_matrix(double dt);
     void load_vectors(const FaceField& velocity, std::span<const double> v);
@@ -99,12 +101,22 @@ struct Viscosity::State {
 
 solve::KrylovOptions Viscosity::State::with_own(solve::KrylovOptions out) {
     if (options.preconditioner == Preconditioner::multilevel) {
-        out.user.set_up = [this](solve::Matrix& a) { multilevel.set_up(a, {dimensions, dx, cells, places, axes, aside}); };
+        out.user.set_up = [this](solve::Matrix& a) { multilevel.set_up(a, {dimensions, dx, cells, places, axes, aside}, border()); };
         out.user.apply = [this](std::span<const double> r, std::span<double> z) { multilevel.apply(r, z); };
     } else if (options.preconditioner == Preconditioner::boomeramg) {
         out.user.set_up = [this](solve::Matrix& a) { components.set_up(a, axes, dimensions); };
         out.user.apply = [this](std::span<const double> r, std::span<double> z) { components.apply(r, z); };
     }
+    return out;
+}
+
+solve::RigidBorder Viscosity::State::border() const {
+    solve::RigidBorder out;
+    out.count = coupled;
+    if (coupled == 0) return out;
+    out.add = [this](std::span<const double> q, std::span<double> y) { bodies.add_coupling(q, y); };
+    out.project = [this](std::span<const double> x) { return bodies.project(x); };
+    out.block = block;
     return out;
 }
 
@@ -128,8 +140,8 @@ void Viscosity::State::describe_rows(const MacGrid& grid) {
 }
 
 void Viscosity::State::make_matrix(double dt) {
+    block = coupled > 0 ? bodies.block(dt) : std::vector<double>();
     if (system.extra() > 0) {
-        const auto block = bodies.block(dt);
         for (int r = 0; r < coupled; ++r) {
             for (int c = 0; c < coupled; ++c) system.extra_entry(r, c) = block[static_cast<std::size_t>(r * coupled + c)];
         }

@@ -25,7 +25,7 @@ struct ListLoop {
     BodyShares shares[3];
     BodyMotion motion;
     MacGrid grid;
-    ViscousBodies::List pulled, moved;
+    ViscousBodies::List pulled, slipped, moved;
     bool write;
 
     // W_S R of the bodies at a face: use(body, six numbers).
@@ -65,8 +65,13 @@ struct ListLoop {
                     around += shares[b].first(j + 1) - shares[b].first(j);
                 });
             }
+            int slips = 0;
+            if (feels && faces.slips) {
+                slips = static_cast<int>(faces.slip_body(i) >= 0) + static_cast<int>(faces.slip_body(i - faces.stride[a]) >= 0);
+            }
             moved.first(n) = own;
             pulled.first(n) = around;
+            slipped.first(n) = slips;
             return;
         }
         int count = 0;
@@ -81,6 +86,49 @@ struct ListLoop {
             });
         }
         pulled.last(n) = pulled.first(n) + count;
+        count = 0;
+        if (slipped.first(n + 1) > slipped.first(n)) {
+            faces.each_slip(a, i, [&](std::ptrdiff_t cell, int b, double k) {
+                if (faces.slip_body(cell) < 0) return;
+                int place[3];
+                double x[3], r[3], u[6] = {0, 0, 0, 0, 0, 0};
+                owned.window.cell(static_cast<int>(cell), place);
+                faces.slip_point(grid, b, place, x);
+                motion.arm(faces.slip_body(cell), x, r);
+                add_load(b, r, 1, u);
+                add(slipped, slipped.first(n), count, faces.slip_body(cell), u, -k);
+            });
+        }
+        slipped.last(n) = slipped.first(n) + count;
+    }
+};
+
+// The velocities at the slip surface of a cell, along each axis, that the motions of its body give.
+struct SurfaceLoop {
+    ViscousFaces faces;
+    CellBox owned;
+    BodyMotion motion;
+    MacGrid grid;
+    ViscousBodies::List surface;
+    bool write;
+
+    KOKKOS_INLINE_FUNCTION void operator()(int n) const {
+        int c[3];
+        owned.cell(n, c);
+        const int body = faces.slip_body(faces.window.index(c[0], c[1], c[2]));
+        if (!write) {
+            surface.first(n) = body < 0 ? 0 : faces.dimensions;
+            return;
+        }
+        if (body < 0) return;
+        for (int a = 0; a < faces.dimensions; ++a) {
+            double x[3], r[3], u[6] = {0, 0, 0, 0, 0, 0};
+            faces.slip_point(grid, a, c, x);
+            motion.arm(body, x, r);
+            add_load(a, r, 1, u);
+            surface.body(surface.first(n) + a) = body;
+            for (int l = 0; l < 6; ++l) surface.u(6 * (surface.first(n) + a) + l) = u[l];
+        }
     }
 };
 
@@ -96,23 +144,67 @@ void ViscousBodies::prepare(const rigid::RigidBodies& bodies) {
 void ViscousBodies::list(const ViscousScene& scene, const ViscousFaces& faces, const CellBox& owned, const BodyMotion& motion) {
     const auto& shares = scene.shares;
     const OwnedFaces all{owned, faces.window, faces.dimensions};
-    ListLoop loop{faces, all, {shares[0], shares[1], shares[2]}, motion, scene.grid, {}, {}, false};
-    for (auto* part : {&pulled_, &moved_}) {
+    ListLoop loop{faces, all, {shares[0], shares[1], shares[2]}, motion, scene.grid, {}, {}, {}, false};
+    for (auto* part : {&pulled_, &slipped_, &moved_}) {
         reserve(part->first, static_cast<std::size_t>(all.count()) + 1);
         reserve(part->last, static_cast<std::size_t>(all.count()));
     }
     loop.pulled = pulled_;
+    loop.slipped = slipped_;
     loop.moved = moved_;
     Kokkos::parallel_for("treacle::count_viscous_bodies", all.count(), loop);
-    for (auto* part : {&pulled_, &moved_}) {
+    for (auto* part : {&pulled_, &slipped_, &moved_}) {
         const auto entries = static_cast<std::size_t>(counts_to_offsets(part->first, all.count()));
         reserve(part->body, entries);
         reserve(part->u, 6 * entries);
     }
     loop.pulled = pulled_;
+    loop.slipped = slipped_;
     loop.moved = moved_;
     loop.write = true;
     Kokkos::parallel_for("treacle::list_viscous_bodies", all.count(), loop);
+}
+
+void ViscousBodies::add_stiffness(int b, const double* left, int other, const double* right, double factor) {
+    for (std::size_t k = 0; k < 6; ++k) {
+        for (std::size_t l = 0; l < 6; ++l) stiffness_[(at(b) + k) * size_ + at(other) + l] += factor * left[k] * right[l];
+    }
+}
+
+void ViscousBodies::list_surfaces(const ViscousScene& scene, const ViscousFaces& faces, const CellBox& owned,
+                                  const BodyMotion& motion) {
+    SurfaceLoop loop{faces, owned, motion, scene.grid, {}, false};
+    const int cells = static_cast<int>(owned.size());
+    reserve(surface_.first, static_cast<std::size_t>(cells) + 1);
+    loop.surface = surface_;
+    Kokkos::parallel_for("treacle::count_slip_surfaces", cells, loop);
+    const auto entries = static_cast<std::size_t>(counts_to_offsets(surface_.first, cells));
+    reserve(surface_.body, entries);
+    reserve(surface_.u, 6 * entries);
+    loop.surface = surface_;
+    loop.write = true;
+    Kokkos::parallel_for("treacle::list_slip_surfaces", cells, loop);
+}
+
+// What slip surfaces resist of their own bodies' motion.
+void ViscousBodies::sum_slip(const ViscousFaces& faces, const CellBox& owned) {
+    const auto first = on_host(surface_.first), body = on_host(surface_.body);
+    const auto u = on_host(surface_.u);
+    Array<double>::HostMirror traction[6];
+    for (int k = 0; k < 6; ++k) traction[k] = on_host(faces.traction[k]);
+    for (int n = 0; n < owned.size(); ++n) {
+        const int at = first(n);
+        if (first(n + 1) == at) continue;
+        int c[3];
+        owned.cell(n, c);
+        const int i = faces.window.index(c[0], c[1], c[2]);
+        for (int a = 0; a < faces.dimensions; ++a) {
+            for (int b = 0; b < faces.dimensions; ++b) {
+                const double k = traction[ViscousFaces::component(a, b)](i);
+                add_stiffness(body(at), u.data() + 6 * (at + a), body(at), u.data() + 6 * (at + b), k);
+            }
+        }
+    }
 }
 
 // On the host, where the solver is, in the order of the faces.
@@ -124,33 +216,38 @@ void ViscousBodies::sum_faces(const ViscousFaces& faces, const ViscousSystem& sy
         explicit Host(const List& list) : first(on_host(list.first)), last(on_host(list.last)), body(on_host(list.body)), u(on_host(list.u)) {}
         const double* at(int k) const { return u.data() + 6 * static_cast<std::size_t>(k); }
     };
-    const Host pulled(pulled_), moved(moved_);
-    const auto add = [&](int b, const double* left, int other, const double* right, double factor) {
-        for (std::size_t k = 0; k < 6; ++k) {
-            for (std::size_t l = 0; l < 6; ++l) stiffness_[(at(b) + k) * size_ + at(other) + l] += factor * left[k] * right[l];
-        }
+    const Host pulled(pulled_), slipped(slipped_), moved(moved_);
+    const auto couple = [&](int row, double share, int body, const double* pull) {
+        Entry entry{row, body, {}};
+        for (int l = 0; l < 6; ++l) entry.u[l] = share * pull[l];
+        coupling_.push_back(entry);
     };
     const OwnedFaces all{owned, faces.window, faces.dimensions};
     for (int a = 0; a < faces.dimensions; ++a) {
         const auto role = on_host(faces.role[a]), row = on_host(system.row_of(a));
         const auto share = on_host(faces.share.axis[a]), mass = on_host(faces.mass.axis[a]), u = on_host(velocity.axis[a]);
         for (int n = a; n < all.count(); n += faces.dimensions) {
-            if (pulled.first(n) == pulled.last(n) && moved.first(n) == moved.last(n)) continue;
+            if (pulled.first(n) == pulled.last(n) && moved.first(n) == moved.last(n) && slipped.first(n) == slipped.last(n)) continue;
             int axis, c[3];
             const auto i = all.place(n, axis, c);
+            const int local = row(i) - static_cast<int>(system.first_row());
             for (int k = pulled.first(n); k < pulled.last(n); ++k) {
                 const double* const pull = pulled.at(k);
-                if (role(i) == free_face) {
-                    Entry entry{row(i) - static_cast<int>(system.first_row()), pulled.body(k), {}};
-                    for (int l = 0; l < 6; ++l) entry.u[l] = share(i) * pull[l];
-                    coupling_.push_back(entry);
+                if (role(i) == free_face) couple(local, share(i), pulled.body(k), pull);
+                for (int m = moved.first(n); m < moved.last(n); ++m) add_stiffness(moved.body(m), moved.at(m), pulled.body(k), pull, 1);
+            }
+            for (int k = slipped.first(n); k < slipped.last(n); ++k) {
+                const double* const pull = slipped.at(k);
+                if (role(i) == free_face) couple(local, share(i), slipped.body(k), pull);
+                for (int m = moved.first(n); m < moved.last(n); ++m) {
+                    add_stiffness(moved.body(m), moved.at(m), slipped.body(k), pull, 1);
+                    add_stiffness(slipped.body(k), pull, moved.body(m), moved.at(m), 1);
                 }
-                for (int m = moved.first(n); m < moved.last(n); ++m) add(moved.body(m), moved.at(m), pulled.body(k), pull, 1);
             }
             if (role(i) != held_face) continue;
             for (int m = moved.first(n); m < moved.last(n); ++m) {
                 for (std::size_t l = 0; l < 6; ++l) held_[at(moved.body(m)) + l] += mass(i) * u(i) * moved.at(m)[l];
-                for (int k = moved.first(n); k < moved.last(n); ++k) add(moved.body(m), moved.at(m), moved.body(k), moved.at(k), mass(i));
+                for (int k = moved.first(n); k < moved.last(n); ++k) add_stiffness(moved.body(m), moved.at(m), moved.body(k), moved.at(k), mass(i));
             }
         }
     }
@@ -165,6 +262,10 @@ void ViscousBodies::build(const Comm& comm, const ViscousScene& scene, const Vis
     if (!owned.empty()) {
         list(scene, faces, owned, motion);
         sum_faces(faces, system, owned, velocity);
+        if (faces.slips) {
+            list_surfaces(scene, faces, owned, motion);
+            sum_slip(faces, owned);
+        }
     }
     comm.sum(std::span(stiffness_));
     comm.sum(std::span(held_));
@@ -266,7 +367,7 @@ std::vector<double> ViscousBodies::answer(std::span<const double> loads, double 
 
 std::size_t ViscousBodies::bytes() const {
     std::size_t total = 8 * (stiffness_.capacity() + held_.capacity()) + sizeof(Entry) * coupling_.capacity();
-    for (const auto* part : {&pulled_, &moved_}) {
+    for (const auto* part : {&pulled_, &slipped_, &moved_}) {
         total += 4 * (part->first.span() + part->last.span() + part->body.span()) + 8 * part->u.span();
     }
     return total;

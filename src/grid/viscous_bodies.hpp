@@ -10,7 +10,8 @@ namespace treacle::grid {
 // Dynamic bodies as unknowns beside the faces (V5). Their velocities are V* + L q, with M^-1 = L L^T how the bodies answer
 // impulses with their joints and locked degrees of freedom: what cannot move has no column, and (V - V*) M (V - V*) = q.q.
 // With the strains D W_S R V of the bodies' motions,
-//   C = W_F D^T K D W_S R,   G = (W_S R)^T D^T K D W_S R + the mass of liquid that they hold, over dt,
+//   C = W_F D^T K D W_S R,   G = (W_S R)^T D^T K D W_S R + the mass of liquid that they hold, over dt, and likewise by the
+// tractions of slip surfaces,
 // the rows beside those of the faces are  L^T C^T u + (1/dt + L^T G L) q = -L^T (G V* - h),  h the held momentum over dt.
 // C is kept face by face; G is small and dense. R is taken at the faces, so that common rigid motions strain nothing.
 // Every rank has all of q, V and G and does the same arithmetic on them.
@@ -46,20 +47,25 @@ public:
         Array<int> body{"treacle::viscous_body", 0};
         Array<double> u{"treacle::viscous_body_row", 0}; // [entries][6]
     };
-    // Part of build(); not private, since nvcc takes no kernel in a private function.
+    // Parts of build(); not private, since nvcc takes no kernel in a private function.
     void list(const ViscousScene& scene, const ViscousFaces& faces, const CellBox& owned, const BodyMotion& motion);
+    void list_surfaces(const ViscousScene& scene, const ViscousFaces& faces, const CellBox& owned, const BodyMotion& motion);
 
 private:
     struct Entry {
         int row, body;
         double u[6];
     };
+    void add_stiffness(int b, const double* left, int other, const double* right, double factor);
+    void sum_slip(const ViscousFaces& faces, const CellBox& owned);
     void sum_faces(const ViscousFaces& faces, const ViscousSystem& system, const CellBox& owned, const FaceField& velocity);
 
     std::vector<std::vector<double>> columns_; // of L, 6 numbers a body
     std::size_t size_ = 0;                     // 6 numbers a body
     List pulled_; // (D^T K D W_S R) of a face: what a body's motion pulls at it, per unit of its share
-    List moved_;  // W_S R of a face
+    List slipped_; // the same by slip surfaces, whose bodies have no share in faces
+    List moved_;   // W_S R of a face
+    List surface_; // of slip surfaces, by owned cells: R along each axis
     std::vector<Entry> coupling_; // C
     std::vector<double> stiffness_, held_; // G [size][size], h [size]
 };

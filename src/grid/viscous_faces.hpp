@@ -22,7 +22,9 @@ struct ViscousFaces {
     FaceField solid;        // sum W_S R V of the bodies as they move now [m/s]
     bool slips = false;
     Array<double> traction[6]; // xx, yy, zz, xy, yz, zx of the cell's slip surface: force = -traction (u - V) [kg/s]
-    FaceField lean;            // share that face i has, against face i + stride, in the velocity at a cell's centre
+    FaceField lean;            // share that face i has, against face i + stride, in the velocity at a cell's slip surface
+    Array<int> slip_body;      // whose surface slips in a cell, -1: at rest
+    Array<double> wall[3];     // the velocity of that body there [m/s]
 
     // The stresses beside face i across a: use(where), with where = 0 … 3 (2 in the plane): edges, and the two centres.
     template <class Use>
@@ -61,20 +63,32 @@ struct ViscousFaces {
                 use(b, i + t - s, above);
             }
         }
-        if (!slips) return;
-        slip_entries(a, i, lean.axis[a](i), use);
-        slip_entries(a, i - s, 1 - lean.axis[a](i - s), use);
-    }
-    // Those of the slip surface in a cell, in which the face has a part of the velocity.
-    template <class Use>
-    KOKKOS_INLINE_FUNCTION void slip_entries(int a, std::ptrdiff_t cell, double part, const Use& use) const {
-        for (int b = 0; b < dimensions; ++b) {
-            const double k = traction[a == b ? a : (a + b == 1 ? 3 : (a + b == 3 ? 4 : 5))](cell);
-            if (k == 0) continue;
+        each_slip(a, i, [&](std::ptrdiff_t cell, int b, double k) {
             const double lower = lean.axis[b](cell);
-            use(b, cell, k * (part * lower));
-            use(b, cell + stride[b], k * (part * (1 - lower)));
+            use(b, cell, k * lower);
+            use(b, cell + stride[b], k * (1 - lower));
+        });
+    }
+
+    // Where face i slips: use(cell, b, k) for a force -k (u_b - V_b) along a at the slip surface of the cell.
+    template <class Use>
+    KOKKOS_INLINE_FUNCTION void each_slip(int a, std::ptrdiff_t i, const Use& use) const {
+        if (!slips) return;
+        for (int side = 0; side < 2; ++side) {
+            const std::ptrdiff_t cell = side == 0 ? i : i - stride[a];
+            const double part = side == 0 ? lean.axis[a](cell) : 1 - lean.axis[a](cell);
+            for (int b = 0; b < dimensions; ++b) {
+                const double k = traction[component(a, b)](cell);
+                if (k != 0) use(cell, b, k * part);
+            }
         }
+    }
+    // Of xx, yy, zz, xy, yz, zx.
+    KOKKOS_INLINE_FUNCTION static int component(int a, int b) { return a == b ? a : (a + b == 1 ? 3 : (a + b == 3 ? 4 : 5)); }
+    // Where the velocity along b of the slip surface of cell c is taken.
+    KOKKOS_INLINE_FUNCTION void slip_point(const MacGrid& grid, int b, const int c[3], double x[3]) const {
+        grid.face(b, c, x);
+        x[b] += (1 - lean.axis[b](window.index(c[0], c[1], c[2]))) * grid.dx;
     }
 };
 

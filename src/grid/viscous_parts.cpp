@@ -17,10 +17,10 @@ struct StressLoop {
 // The inner part of a window, where places have all neighbours.
 struct Inner {
     CellBox window, box;
-    explicit Inner(const CellBox& w, int dimensions) : window(w), box(w) {
+    Inner(const CellBox& w, int dimensions, int layers = 1) : window(w), box(w) {
         for (int k = 0; k < dimensions; ++k) {
-            ++box.lo[k];
-            --box.hi[k];
+            box.lo[k] += layers;
+            box.hi[k] -= layers;
         }
     }
     int count() const { return static_cast<int>(box.size()); }
@@ -77,34 +77,75 @@ struct SolidLoop {
     }
 };
 
-// The force of a cell's slip surface: its area by the divergence of the open areas of its faces, all liquid's share.
+struct WallLoop {
+    ViscousFaces faces;
+    Inner inner;
+    BodyMotion motion;
+    MacGrid grid;
+
+    KOKKOS_INLINE_FUNCTION void operator()(int n) const {
+        int c[3];
+        const auto i = inner.place(n, c);
+        const int body = faces.slip_body(i);
+        for (int k = 0; k < faces.dimensions; ++k) {
+            double x[3], r[3];
+            faces.wall[k](i) = 0;
+            if (body < 0) continue;
+            faces.slip_point(grid, k, c, x);
+            motion.arm(body, x, r);
+            faces.wall[k](i) = motion.velocity(body, k, r);
+        }
+    }
+};
+
+// The force of the slip surface that a cell carries: its own one where its centre is not in the solid, and those of cells
+// before it whose centre is. Areas by the divergence of the open areas of a cell's faces, velocities at the cell's centre, a
+// distance from the surface that adds to the slip length.
 struct TractionLoop {
     ViscousFaces faces;
     Inner inner;
     FaceField open, grip;
     Array<double> wet, fluid, viscosity, length;
-    double area, least_wet, normal_layer; // [m2], of a plane scene [m]; normal_layer [m]
+    double area, least_wet, normal_layer, dx; // [m2], of a plane scene [m]; [1]; [m]; [m]
 
-    KOKKOS_INLINE_FUNCTION void operator()(int at) const {
-        int c[3];
-        const auto i = inner.place(at, c);
-        for (int k = 0; k < 6; ++k) faces.traction[k](i) = 0;
-        if (!(wet(i) > least_wet) || !(fluid(i) > 0)) return;
-        double n[3] = {0, 0, 0}, squares = 0;
+    // Out of the solid, in faces' areas.
+    KOKKOS_INLINE_FUNCTION double surface(std::ptrdiff_t i, double n[3]) const {
+        double squares = 0;
         for (int k = 0; k < faces.dimensions; ++k) {
             const auto j = i + faces.stride[k];
             n[k] = (open.axis[k](j) - open.axis[k](i)) - (grip.axis[k](j) - grip.axis[k](i));
             squares += n[k] * n[k];
         }
-        const double size = math::sqrt(squares);
-        if (!(size > 0)) return;
+        return math::sqrt(squares);
+    }
+    KOKKOS_INLINE_FUNCTION void add(std::ptrdiff_t i, const double n[3], double size, double distance) const {
         const double whole = area * size * viscosity(i) * wet(i) / fluid(i);
-        const double across = whole / normal_layer, along = length(i) > normal_layer ? whole / length(i) : across;
+        const double across = whole / normal_layer, along = whole / (math::max(length(i), normal_layer) + distance);
         for (int k = 0; k < faces.dimensions; ++k) {
             for (int l = k; l < faces.dimensions; ++l) {
-                const double nn = n[k] * n[l] / squares;
-                faces.traction[k == l ? k : (k + l == 1 ? 3 : (k + l == 3 ? 4 : 5))](i) =
-                    across * nn + along * ((k == l ? 1.0 : 0.0) - nn);
+                const double nn = n[k] * n[l] / (size * size);
+                faces.traction[ViscousFaces::component(k, l)](i) += across * nn + along * ((k == l ? 1.0 : 0.0) - nn);
+            }
+        }
+    }
+    KOKKOS_INLINE_FUNCTION void operator()(int at) const {
+        int c[3];
+        const auto i = inner.place(at, c);
+        for (int k = 0; k < 6; ++k) faces.traction[k](i) = 0;
+        if (!(wet(i) > least_wet) || fluid(i) < 0.5) return;
+        double n[3] = {0, 0, 0};
+        double size = surface(i, n);
+        if (size > 0) add(i, n, size, (fluid(i) - 0.5) * dx);
+        for (int k = 0; k < faces.dimensions; ++k) {
+            for (int side = -1; side <= 1; side += 2) {
+                const auto j = i - side * faces.stride[k];
+                if (!(fluid(j) < 0.5)) continue;
+                size = surface(j, n);
+                bool here = size > 0 && side * n[k] > 0; // along its largest component, the first of equal ones
+                for (int l = 0; l < faces.dimensions; ++l) {
+                    here = here && (l > k ? n[l] * n[l] <= n[k] * n[k] : l == k || n[l] * n[l] < n[k] * n[k]);
+                }
+                if (here) add(i, n, size, (fluid(j) + 0.5) * dx);
             }
         }
     }
@@ -154,12 +195,15 @@ void ViscousParts::weigh_slip(const ViscousScene& scene, const ViscosityOptions&
     if (!faces_.slips) return;
     const auto& f = scene.fractions;
     const Inner inner(faces_.window, faces_.dimensions);
+    faces_.slip_body = scene.slip->body;
     for (auto& component : faces_.traction) make_room(f.cell_wet, {&component});
+    for (auto& component : faces_.wall) make_room(f.cell_wet, {&component});
     const double dx = scene.grid.dx;
-    Kokkos::parallel_for("treacle::weigh_slip", inner.count(),
-                         TractionLoop{faces_, inner, f.open, scene.slip->grip.open, f.cell_wet, f.cell_fluid,
+    const Inner second(faces_.window, faces_.dimensions, 2); // the neighbours' neighbours are read
+    Kokkos::parallel_for("treacle::weigh_slip", second.count(),
+                         TractionLoop{faces_, second, f.open, scene.slip->grip.open, f.cell_wet, f.cell_fluid,
                                       scene.viscosity.cell, scene.slip->length, faces_.dimensions == 3 ? dx * dx : dx,
-                                      options.least_wet, options.normal_layer * dx});
+                                      options.least_wet, options.normal_layer * dx, dx});
     for (int a = 0; a < faces_.dimensions; ++a) {
         make_room(f.cell_wet, {&faces_.lean.axis[a]});
         Kokkos::parallel_for("treacle::lean_slip", inner.count(),
@@ -186,6 +230,9 @@ void ViscousParts::cast_roles(const ViscousScene& scene, const ViscosityOptions&
 
 void ViscousParts::move_solids(const ViscousScene& scene, const BodyMotion& motion) {
     const Inner inner(faces_.window, faces_.dimensions);
+    if (faces_.slips && motion.bodies > 0) {
+        Kokkos::parallel_for("treacle::move_slip_surfaces", inner.count(), WallLoop{faces_, inner, motion, scene.grid});
+    }
     for (int a = 0; a < faces_.dimensions; ++a) {
         if (motion.bodies == 0) {
             Kokkos::deep_copy(faces_.solid.axis[a], 0.0);
@@ -218,6 +265,7 @@ std::size_t ViscousParts::bytes() const {
         }
     }
     for (const auto& component : faces_.traction) total += component.span();
+    for (const auto& component : faces_.wall) total += component.span();
     return 8 * total + 4 * (faces_.role[0].span() + faces_.role[1].span() + faces_.role[2].span());
 }
 

@@ -7,12 +7,19 @@ namespace {
 constexpr double least_pivot = 1e-12;
 } // namespace
 
-void DenseFactor::factor(const Level& level) {
-    n_ = static_cast<std::size_t>(level.rows);
+void DenseFactor::factor(const Level& level) { factor(level, {}, {}, 0); }
+
+void DenseFactor::factor(const Level& level, std::span<const double> columns, std::span<const double> block, std::size_t m) {
+    const auto rows = static_cast<std::size_t>(level.rows);
+    n_ = rows + m;
     lower_.assign(n_ * n_, 0.0);
     inverse_.assign(n_, 0.0);
+    for (std::size_t k = 0; k < m; ++k) {
+        for (std::size_t i = 0; i < rows; ++i) lower_[(rows + k) * n_ + i] = columns[k * rows + i];
+        for (std::size_t l = 0; l < m; ++l) lower_[(rows + k) * n_ + rows + l] = block[k * m + l];
+    }
     const auto& own = level.own();
-    for (std::size_t i = 0; i < n_; ++i) {
+    for (std::size_t i = 0; i < rows; ++i) {
         for (Index k = own.offsets[i]; k < own.offsets[i + 1]; ++k) {
             lower_[i * n_ + static_cast<std::size_t>(own.columns[k])] = own.values[k];
         }

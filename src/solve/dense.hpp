@@ -10,6 +10,8 @@ class DenseFactor {
 public:
     // The level's rows are all on one rank; other ranks hold none.
     void factor(const Level& level);
+    // With rows behind them: columns [m][rows of the level], block [m][m].
+    void factor(const Level& level, std::span<const double> columns, std::span<const double> block, std::size_t m);
     void solve(std::span<const double> r, std::span<double> z) const;
     std::size_t bytes() const { return 8 * (lower_.capacity() + inverse_.capacity()); }
 

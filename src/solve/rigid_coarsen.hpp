@@ -9,6 +9,28 @@ namespace treacle::solve {
 // Motions of an aggregate: t + w x a, a the arm from its centre; in the plane t_x, t_y, w_z.
 constexpr int rigid_modes(int dimensions) { return dimensions == 3 ? 6 : 3; }
 
+// Splits aggregates whose rows the matrix does not join, such as of a ball above a pool, which move on their own. Rows come
+// in groups of `joined`, of one aggregate below. Of coarse levels, what is joined to nothing at all gets no aggregate any
+// more: the sweeps are all it needs. Local; keeps its arrays.
+class Separation {
+public:
+    void split(Level& level, int joined);
+
+private:
+    struct Piece {
+        CellKey key;
+        Index root, begin, end;
+    };
+    Index root(Index row);
+    void unite(Index a, Index b);
+    void join_rows(const Level& level, int joined);
+    bool alone(const Level& level, Index first, int joined) const;
+
+    std::vector<Index> parent_; // [rows], of smaller numbers
+    std::vector<Piece> pieces_;
+    std::vector<std::pair<Index, Index>> first_met_; // [aggregates] by which row or aggregate below, and the row it met
+};
+
 // From the motions of the aggregates of one level to what is below: the rows of the matrix, one component of a velocity
 // each, or the motions of the aggregates of the level before.
 struct RigidLinks {

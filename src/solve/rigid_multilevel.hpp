@@ -1,6 +1,8 @@
 #pragma once
 #include "solve/multilevel.hpp"
 
+#include <functional>
+
 namespace treacle::solve {
 
 struct RigidMultilevelOptions {
@@ -21,6 +23,16 @@ struct VelocityRows {
     std::span<const unsigned char> aside{};
 };
 
+// Unknowns beside the rows, such as the motions of bodies: the whole system is [A C; C^T G]. Their rows stand behind the
+// others on rank 0, with G as their entries. All levels have them, and the direct solution at the end, so that a body in a
+// stiff liquid moves with it.
+struct RigidBorder {
+    int count = 0;
+    std::function<void(std::span<const double> q, std::span<double> y)> add;      // y += C q on this rank's rows
+    std::function<std::vector<double>(std::span<const double> x)> project;        // C^T x of this rank's rows
+    std::vector<double> block;                                                    // G [count][count], on all ranks
+};
+
 // A multilevel preconditioner of matrices that hardly resist rigid motions, such as those of viscous flow or elasticity:
 // boxes of cells move as rigid bodies, all components together, then boxes of 2 x 2 x 2 of them, and so on. A stiff
 // liquid moves like that wherever it is thick, so that the iterations hardly depend on its viscosity. One cycle with
@@ -34,7 +46,7 @@ public:
     RigidMultilevel& operator=(RigidMultilevel&&) noexcept;
 
     // Collective. The matrix must outlive its use in apply; what the rows are is not asked again.
-    void set_up(const Matrix& matrix, const VelocityRows& rows);
+    void set_up(const Matrix& matrix, const VelocityRows& rows, RigidBorder border = {});
     // z = M r, collective.
     void apply(std::span<const double> r, std::span<double> z);
 

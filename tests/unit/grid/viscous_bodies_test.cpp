@@ -43,8 +43,11 @@ protected:
 };
 
 TEST_F(GridViscousBodies, momentum_of_liquid_and_bodies_is_kept) {
-    for (const double viscosity : {10.0, 1e5}) {
-        ViscousCase run(comm, two_bodies(viscosity));
+    for (const auto& [viscosity, slips] : {std::pair{10.0, false}, {1e5, false}, {1e3, true}}) {
+        auto sample = two_bodies(viscosity);
+        sample.solid_slips = slips;
+        sample.slip_length = 0.1;
+        ViscousCase run(comm, sample);
         run.set_noise();
         const auto total = [&] {
             auto sum = run.liquid_momentum();
@@ -96,6 +99,21 @@ TEST_F(GridViscousBodies, a_stiff_liquid_takes_a_body_along_where_weak_coupling_
     EXPECT_LT(strong, 0.8);
     EXPECT_LT(speed(Coupling::weak), 0.5 * strong);
     EXPECT_EQ(speed(Coupling::one_way), 0);
+}
+
+TEST_F(GridViscousBodies, strong_coupling_takes_few_more_iterations_than_one_way) {
+    for (const double viscosity : {1e3, 1e6}) {
+        const auto iterations = [&](Coupling coupling) {
+            auto sample = two_bodies(viscosity);
+            sample.options.residual = 1e-8;
+            sample.coupling = coupling;
+            ViscousCase run(comm, sample);
+            run.set_noise();
+            return run.solve(0.01).solve.iterations;
+        };
+        const int one_way = iterations(Coupling::one_way), strong = iterations(Coupling::strong);
+        EXPECT_LE(strong, one_way + 4) << viscosity; // 13 and 14, 15 and 15
+    }
 }
 
 TEST_F(GridViscousBodies, locked_degrees_of_freedom_stay) {

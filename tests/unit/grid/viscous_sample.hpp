@@ -21,7 +21,7 @@ struct ViscousSample {
     bool walls = false;          // of the cube, where it is not periodic
     ViscousDistance liquid = [](const Vec3&) { return -1.0; };
     ViscousDistance solid = [](const Vec3&) { return 1.0; };
-    bool solid_slips = false;
+    bool solid_slips = false; // and the bodies
     double slip_length = std::numeric_limits<double>::infinity();
     std::vector<ViscousDistance> body; // by number
     rigid::BodiesSetup bodies;
@@ -207,7 +207,18 @@ private:
         slip.length = Array<double>("length", places_);
         Kokkos::deep_copy(slip.length, sample_.slip_length);
         slip.body = Array<int>("body", places_);
-        Kokkos::deep_copy(slip.body, -1);
+        each(halo.window(), [&](std::size_t at, const int c[3]) {
+            Vec3 x;
+            grid.centre(c, x.data());
+            slip.body(at) = -1;
+            double least = sample_.solid(x);
+            for (std::size_t b = 0; b < sample_.body.size(); ++b) {
+                if (sample_.body[b](x) >= least) continue;
+                least = sample_.body[b](x);
+                slip.body(at) = static_cast<int>(b);
+            }
+        });
+        for (auto& of : shares) Kokkos::deep_copy(of.first, 0); // bodies that slip have none
     }
 };
 
