@@ -33,17 +33,18 @@ void accelerate(const MacGrid& grid, const CellBox& window, const std::array<dou
     }
 }
 
-void mark_projected(const PressureFaces& faces, FaceMarks& known) {
+void mark_solved(const PressureFaces& faces, const FaceField& wet_share, double least, FaceMarks& known) {
     for (int a = 0; a < faces.dimensions; ++a) {
         reserve(known.axis[a], static_cast<std::size_t>(faces.window.size()));
         const auto mark = known.axis[a];
-        Kokkos::parallel_for("treacle::mark_projected", static_cast<int>(faces.window.size()), KOKKOS_LAMBDA(int i) {
+        const auto share = wet_share.axis[a];
+        Kokkos::parallel_for("treacle::mark_solved", static_cast<int>(faces.window.size()), KOKKOS_LAMBDA(int i) {
             int c[3];
             faces.window.cell(i, c);
             const auto above = static_cast<std::size_t>(i);
             const bool wet = faces.is_liquid(above) ||
                              (c[a] > faces.window.lo[a] && faces.is_liquid(above - static_cast<std::size_t>(faces.stride[a])));
-            mark(i) = wet && faces.open(a, above) > 0 ? 1 : 0;
+            mark(i) = (wet || share(i) >= least) && faces.open(a, above) > 0 ? 1 : 0;
         });
     }
 }

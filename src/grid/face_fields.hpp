@@ -16,8 +16,8 @@ void gather_faces(const MacGrid& grid, CellHalo& halo, const FaceField& field);
 void accelerate(const MacGrid& grid, const CellBox& window, const std::array<double, 3>& g, double dt,
                 const FaceField& velocity);
 
-// Marks the faces whose velocity a projection found: open ones beside liquid.
-void mark_projected(const PressureFaces& faces, FaceMarks& known);
+// Marks the faces whose velocity the solves found: open ones beside liquid, and those with `wet` shares from `least` on.
+void mark_solved(const PressureFaces& faces, const FaceField& wet, double least, FaceMarks& known);
 
 // (A2) Collective: velocities of closed faces, found by extrapolation, lose what leads into or out of their solid, so that
 // particles near solids move along them. `scratch` takes a copy.

@@ -189,9 +189,11 @@ void GridStep::find_viscosities() {
 
 // (V)
 void GridStep::apply_viscosity(StepReport& report, double dt) {
-    if (!setup_.viscosity_varies && setup_.viscosity == 0) return;
+    if (!viscous()) return;
     find_viscosities();
     const bool slides = slip_.any();
+    // Faces in solids that liquid slides along are unknowns too: what gravity made of them would drag the liquid down.
+    if (slides) continue_velocity();
     if (slides) slip_.update(cells_halo_, bodies_, solids_, level_set_, setup_.options.fractions);
     const auto before = bodies_;
     report.viscosity = viscosity_.solve({grid_, cells_halo_, fractions_, slides ? slip_.shares() : shares_, viscosities_,
@@ -213,7 +215,8 @@ void GridStep::apply_viscosity(StepReport& report, double dt) {
 
 // Velocities beyond the liquid's own faces, as far as particles may come in a step.
 void GridStep::continue_velocity() {
-    mark_projected(pressure_.system().faces(), known_);
+    const double least = viscous() ? least_wet : 2; // a pressure gives velocities to faces beside centres alone
+    mark_solved(pressure_.system().faces(), fractions_.face_wet, least, known_);
     continue_changes(grid_, cells_halo_, {start_, mass_, scratch_, reached_}, known_, velocity_); // (A6)
     const int reach = static_cast<int>(std::ceil(setup_.options.cfl)) + 1;
     extrapolate(grid_, cells_halo_, velocity_, known_, reach);

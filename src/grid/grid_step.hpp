@@ -100,6 +100,7 @@ private:
     void find_surface();
     void project(StepReport& report, double dt, Pressure::Surface surface);
     void apply_viscosity(StepReport& report, double dt);
+    bool viscous() const { return setup_.viscosity_varies || setup_.viscosity > 0; }
     void find_viscosities();
     void continue_velocity();
     void move(StepReport& report, double dt);

@@ -91,19 +91,19 @@ TEST_F(Steps, LeaveATankAtRest) {
     }
 }
 
-// A ball of liquid that spins in free space, whatever its viscosity.
+// A ball of liquid of six cells radius that spins in free space by 1 rad, whatever its viscosity. What is lost is lost at
+// its surface: 1 to 2 % were measured.
 TEST_F(Steps, KeepTheAngularMomentumOfASpinningBall) {
-    for (const double viscosity : {0.0, 1.0, 1e5}) {
+    for (const double viscosity : {0.0, 1e5}) {
         auto sample = ball_of_liquid(20, 0.3);
         sample.setup.viscosity = viscosity;
         sample.velocity = [](const Vec3& x) { return Vec3{-(x[1] - 0.5), x[0] - 0.5, 0}; };
         auto step = started(comm, sample);
         const auto before = step->totals();
-        for (int k = 0; k < 100; ++k) step->advance(0.02);
+        for (int k = 0; k < 100; ++k) step->advance(0.01);
         const auto after = step->totals();
-        if (comm.is_root()) std::printf("viscosity %g: %.4f of the angular momentum %.4f %.4f\n", viscosity, after.angular_momentum[2] / before.angular_momentum[2], before.kinetic_energy, after.kinetic_energy);
         EXPECT_GT(after.angular_momentum[2], 0.98 * before.angular_momentum[2]) << viscosity;
-        EXPECT_LT(after.angular_momentum[2], 1.02 * before.angular_momentum[2]) << viscosity;
+        EXPECT_LT(after.angular_momentum[2], 1.005 * before.angular_momentum[2]) << viscosity;
         EXPECT_EQ(after.particles, before.particles);
     }
 }
@@ -135,7 +135,8 @@ TEST_F(Steps, AreTheSameOnOneRankAndOnAll) {
     EXPECT_EQ(comm.sum(std::int64_t(together->particles().store.owned())), std::int64_t(all.size()));
 }
 
-// A ball in a blob in free space: what the liquid loses the ball gets.
+// A ball in a blob in free space: what the liquid loses the ball gets, but for half a percent in ten steps, since particles
+// weigh the faces at surfaces otherwise than the solves do, which lose nothing (pressure_bodies_test, viscosity_test).
 TEST_F(Steps, KeepTheMomentumOfLiquidAndBody) {
     auto sample = ball_of_liquid(20, 0.32);
     sample.setup.viscosity = 5;
@@ -153,8 +154,7 @@ TEST_F(Steps, KeepTheMomentumOfLiquidAndBody) {
     const double before = total(0);
     for (int k = 0; k < 10; ++k) step->advance(0.01);
     const double after = total(0);
-    if (comm.is_root()) std::printf("momentum %.6f -> %.6f, ball %.4f m/s\n", before, after, step->bodies().velocity(0)[0]);
-    EXPECT_NEAR(after, before, 0.02 * before);
+    EXPECT_NEAR(after, before, 0.01 * before);
     EXPECT_LT(step->bodies().velocity(0)[0], 0.35);
 }
 
