@@ -158,6 +158,28 @@ TEST_F(Steps, KeepTheMomentumOfLiquidAndBody) {
     EXPECT_LT(step->bodies().velocity(0)[0], 0.35);
 }
 
+// In a periodic plane without air: u decays by exp(-2 nu k^2 t). Of a step the implicit viscosity takes too little by
+// 1.2 %, the transfers too much by 0.8 %.
+TEST_F(Steps, DampATaylorGreenVortexAtItsRate) {
+    auto sample = sample_of(32, 2);
+    for (auto& face : sample.setup.domain.faces) face.kind = scene::FaceKind::periodic;
+    sample.setup.domain.gravity = {0, 0, 0};
+    sample.setup.viscosity = 100;
+    sample.liquid = [](const Vec3&) { return -1.0; };
+    const double k = 2 * math::pi, rate = 2 * 0.1 * k * k; // [1/m], [1/s]
+    sample.velocity = [=](const Vec3& x) {
+        return Vec3{std::sin(k * x[0]) * std::cos(k * x[1]), -std::cos(k * x[0]) * std::sin(k * x[1]), 0};
+    };
+    auto step = started(comm, sample);
+    const double dt = 0.1 / 32;
+    EXPECT_EQ(step->advance(dt).pressure.closed, 1);
+    const double before = step->totals().kinetic_energy;
+    const int steps = 20;
+    for (int n = 0; n < steps; ++n) step->advance(dt);
+    const double found = std::log(before / step->totals().kinetic_energy) / (2 * steps * dt);
+    EXPECT_NEAR(found, rate, 0.02 * rate);
+}
+
 TEST_F(Steps, GoOnFromAStateAsIfTheyHadNotStopped) {
     auto sample = sample_of(24, 2);
     sample.setup.viscosity = 1;
