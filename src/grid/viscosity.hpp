@@ -43,7 +43,7 @@ struct ViscosityReport {
 // One implicit step of viscosity (dissertation 5.3.1, 5.3.2, 5.3.4): the velocities u of the faces and V of the bodies make
 //   sum m/(2 dt) (u - u*)^2 + (V - V*) M (V - V*)/(2 dt) + 1/2 sum w (D v)^2,   v = W_F u + sum_b W_S R V,
 // least: v is the mean velocity of a face's cube, D v/W_F the mean strain of the part of a stress' cube outside of solids,
-// which do not strain, and w = K (wet share)/W_F^2 dx^3, K = {2 eta, 2 eta, 2 eta, eta, eta, eta}. Tags: README.
+// which do not strain, and w = K (wet share)/W_F^2 dx^3, K = {2 eta, 2 eta, 2 eta, eta, eta, eta}. Tags: viscosity.md.
 class Viscosity {
 public:
     Viscosity(const Comm& comm, ViscosityOptions options, Coupling coupling);
