@@ -70,6 +70,9 @@ void declare_correction(Declaration& d, GridOptions& options) {
     d.integer("iterations", c.iterations, range_at_least(1), "Most iterations of a correction.");
     d.number("tolerance", c.tolerance, unit::none, range_above_to(0, 1),
              "Largest density error at which a correction ends, as a share of the rest density.");
+    d.number("slack", c.slack, unit::none, range_between(0, 1),
+             "Density error up to which nothing is pushed apart, as a share of the rest density: what no iteration draws "
+             "together again would swell the liquid.");
     d.number("relaxation", c.relaxation, unit::none, range_above_to(0, 10),
              "Factor on each iteration's moves; 1 to 5 where only own constraints count.");
     d.boolean("neighbour_constraints", c.neighbour_constraints,

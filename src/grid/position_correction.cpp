@@ -58,7 +58,7 @@ struct Pairs {
 
 struct Constraint {
     Kernel kernel;
-    double rest, softness; // softness [1/m2]
+    double rest, softness, slack; // softness [1/m2]
     Array<double> particle_mass;
     Array<int> liquid;
     double mean_mass; // by which masses are measured: heavier particles move less
@@ -89,7 +89,7 @@ struct ConstraintSums {
     }
 };
 
-// lambda_i = -C_i / (sum_k |grad_k C_i|^2 m_0 / m_k + softness), and the density. Returns the largest C.
+// lambda_i = -max(C_i - slack, 0) / (sum_k |grad_k C_i|^2 m_0 / m_k + softness), and the density. Returns the largest C.
 double find_multipliers(const Constraint& constraint, const Pairs& pairs, int n, double volume, const Array<double>& multiplier,
                         const Array<double>& density) {
     double worst = 0;
@@ -107,7 +107,7 @@ double find_multipliers(const Constraint& constraint, const Pairs& pairs, int n,
         const double sum = constraint.kernel.value(0.0) + sum_lanes(lane.density) + fixed.density;
         const double excess = sum / constraint.rest - 1;
         density(i) = (excess + 1) * constraint.mean_mass / mobility / volume;
-        multiplier(i) = -math::max(excess, 0.0) / (squares + constraint.softness);
+        multiplier(i) = -math::max(excess - constraint.slack, 0.0) / (squares + constraint.softness);
         most = math::max(most, excess);
     }, Kokkos::Max<double>(worst));
     return n > 0 ? worst : 0;
@@ -251,7 +251,7 @@ double PositionCorrection::correct(const PositionOptions& options, GridParticles
     const auto multiplier = particles.multiplier();
     Images::find(particles, setting.solids.sampler(), setting.solids.number(), ImagesIn::all_solids, 0.5 * grid_.dx);
     const Pairs pairs{place_, particles.image(), near_, neighbours_.offset, neighbours_.index};
-    const Constraint constraint{{1 / grid_.dx}, rest_, options.softness * rest_gradients_, setting.particle_mass,
+    const Constraint constraint{{1 / grid_.dx}, rest_, options.softness * rest_gradients_, options.slack, setting.particle_mass,
                                 particles.liquid(), on_host(setting.particle_mass)(0)};
     const int total = particles.store.total();
     write_places(x, total, constraint, place_);

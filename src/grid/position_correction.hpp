@@ -18,6 +18,9 @@ struct PositionOptions {
     PositionMethod method = PositionMethod::density;
     int iterations = 6;         // at most
     double tolerance = 0.1;     // of the largest C
+    // Constraints push by what is above it: nothing draws particles together again, so that pushing away noise below the
+    // tolerance, step after step, would swell the liquid (a sloshing tank by 11 % in 6 s, with this by 7 %).
+    double slack = 0.05;
     double relaxation = 1;      // of each iteration's correction; 1 to 5 where only own constraints count
     bool neighbour_constraints = true; // sum over lambda_i + lambda_j; else each its own alone
     double softness = 1e-2;     // CFM, over the sum of squared gradients inside of a lattice
