@@ -108,17 +108,25 @@ TEST_F(Steps, KeepTheAngularMomentumOfASpinningBall) {
     }
 }
 
-TEST_F(Steps, AreTheSameOnOneRankAndOnAll) {
+enum class Contents { viscous_liquid, thin_liquid_and_a_body };
+class StepsOf : public testing::TestWithParam<Contents> {};
+INSTANTIATE_TEST_SUITE_P(all, StepsOf, testing::Values(Contents::viscous_liquid, Contents::thin_liquid_and_a_body));
+
+TEST_P(StepsOf, AreTheSameOnOneRankAndOnAll) {
+    const Comm comm = Comm::world();
     auto sample = sample_of(16, 3);
-    sample.setup.viscosity = 0.5;
     sample.setup.options.pressure.residual = sample.setup.options.viscosity.residual = 1e-12;
     sample.liquid = [](const Vec3& x) { return std::max({x[0] - 0.42, x[2] - 0.55}); };
-    sample.setup.rigid.bodies = {ball_body({0.62, 0.45, 0.25}, 0.13, 600)};
-    sample.setup.slip = {{scene::Slip::no_slip}, {0}};
+    if (GetParam() == Contents::viscous_liquid) {
+        sample.setup.viscosity = 0.5;
+    } else {
+        sample.setup.rigid.bodies = {ball_body({0.62, 0.45, 0.25}, 0.13, 600)};
+        sample.setup.slip = {{scene::Slip::no_slip}, {0}};
+    }
     auto together = started(comm, sample), alone = started(Comm::self(), sample);
     for (int k = 0; k < 6; ++k) {
         const double dt = alone->stable_step(1.5);
-        EXPECT_NEAR(together->stable_step(1.5), dt, 1e-9 * dt);
+        EXPECT_NEAR(together->stable_step(1.5), dt, 1e-7 * dt);
         together->advance(dt);
         alone->advance(dt);
     }
@@ -129,8 +137,10 @@ TEST_F(Steps, AreTheSameOnOneRankAndOnAll) {
         for (std::size_t k = 0; k < 3; ++k) most = std::max(most, std::fabs(state[k] - other[k]));
     }
     EXPECT_LT(comm.max(most), 1e-7); // [m]; residuals over six steps
-    for (std::size_t k = 0; k < 3; ++k) {
-        EXPECT_NEAR(together->bodies().velocity(0)[k], alone->bodies().velocity(0)[k], 1e-7);
+    for (std::size_t b = 0; b < sample.setup.rigid.bodies.size(); ++b) {
+        for (std::size_t k = 0; k < 3; ++k) {
+            EXPECT_NEAR(together->bodies().velocity(b)[k], alone->bodies().velocity(b)[k], 1e-7);
+        }
     }
     EXPECT_EQ(comm.sum(std::int64_t(together->particles().store.owned())), std::int64_t(all.size()));
 }
@@ -156,6 +166,28 @@ TEST_F(Steps, KeepTheMomentumOfLiquidAndBody) {
     const double after = total(0);
     EXPECT_NEAR(after, before, 0.01 * before);
     EXPECT_LT(step->bodies().velocity(0)[0], 0.35);
+}
+
+// In a periodic plane without air: u decays by exp(-2 nu k^2 t). Of a step the implicit viscosity takes too little by
+// 1.2 %, the transfers too much by 0.8 %.
+TEST_F(Steps, DampATaylorGreenVortexAtItsRate) {
+    auto sample = sample_of(32, 2);
+    for (auto& face : sample.setup.domain.faces) face.kind = scene::FaceKind::periodic;
+    sample.setup.domain.gravity = {0, 0, 0};
+    sample.setup.viscosity = 100;
+    sample.liquid = [](const Vec3&) { return -1.0; };
+    const double k = 2 * math::pi, rate = 2 * 0.1 * k * k; // [1/m], [1/s]
+    sample.velocity = [=](const Vec3& x) {
+        return Vec3{std::sin(k * x[0]) * std::cos(k * x[1]), -std::cos(k * x[0]) * std::sin(k * x[1]), 0};
+    };
+    auto step = started(comm, sample);
+    const double dt = 0.1 / 32;
+    EXPECT_EQ(step->advance(dt).pressure.closed, 1);
+    const double before = step->totals().kinetic_energy;
+    const int steps = 20;
+    for (int n = 0; n < steps; ++n) step->advance(dt);
+    const double found = std::log(before / step->totals().kinetic_energy) / (2 * steps * dt);
+    EXPECT_NEAR(found, rate, 0.02 * rate);
 }
 
 TEST_F(Steps, GoOnFromAStateAsIfTheyHadNotStopped) {
