@@ -61,6 +61,26 @@ void check_comparators(const Input& input, std::vector<Diagnostic>& problems) {
     }
 }
 
+// One surface tension for the whole surface, which the colour of all liquids together makes.
+void check_surface_tension(const Input& input, std::vector<Diagnostic>& problems) {
+    const bool modelled = input.method.surface_tension.model != sph::SurfaceTensionModel::none;
+    const auto& first = input.scene.liquids.front();
+    for (const auto& liquid : input.scene.liquids) {
+        const std::string key = "liquids." + liquid.name + ".surface_tension";
+        if (!modelled && liquid.surface_tension > 0 && !is_of_preset(liquid)) {
+            problems.push_back({liquid.where, key + " is not modelled with method.surface_tension.model: none",
+                                "it would be ignored", "write method.surface_tension.model: curvature, or leave it out"});
+        } else if (modelled && liquid.surface_tension == 0) {
+            problems.push_back({liquid.where, key + " = 0: must be > 0 with a method.surface_tension.model",
+                                "the model needs the surface tension against air", "give it, or leave out the model"});
+        } else if (modelled && liquid.surface_tension != first.surface_tension) {
+            problems.push_back({liquid.where, key + " differs from that of liquids." + first.name,
+                                "the models know one surface tension, against air, and none between liquids",
+                                "give the liquids the same one"});
+        }
+    }
+}
+
 // What only the implicit viscosity, or some of its forms, can do.
 void check_viscosity(const Input& input, std::vector<Diagnostic>& problems) {
     const auto& options = input.method.viscosity;
@@ -119,14 +139,8 @@ void check_viscosity(const Input& input, std::vector<Diagnostic>& problems) {
 
 void check_supported(const Input& input) {
     std::vector<Diagnostic> problems;
-    const auto& liquids = input.scene.liquids;
     if (sph::differ(liquid_materials(input))) check_comparators(input, problems);
-    for (const auto& liquid : liquids) {
-        if (liquid.surface_tension > 0 && !is_of_preset(liquid)) {
-            problems.push_back({liquid.where, "liquids." + liquid.name + ".surface_tension is not modelled by method sph",
-                                "it would be ignored", "leave it out"});
-        }
-    }
+    check_surface_tension(input, problems);
     check_viscosity(input, problems);
     if (!problems.empty()) throw InputError(std::move(problems));
 }
@@ -140,10 +154,11 @@ std::vector<std::string> method_notes(const Input& input) {
                         "; what was measured ends at " + short_number(sure_density_ratio) +
                         " times, beyond that take smaller steps and compare");
     }
+    const bool modelled = input.method.surface_tension.model != sph::SurfaceTensionModel::none;
     for (const auto& liquid : input.scene.liquids) {
-        if (liquid.surface_tension == 0) continue;
-        notes.push_back("liquids." + liquid.name + ": method sph does not model the surface tension of " +
-                        liquid.material);
+        if (liquid.surface_tension == 0 || modelled) continue;
+        notes.push_back("liquids." + liquid.name + ": method.surface_tension.model is none, which does not model the surface "
+                        "tension of " + liquid.material);
     }
     return notes;
 }
@@ -184,6 +199,7 @@ std::unique_ptr<sph::IsphStep> make_solver(const Comm& comm, const Input& input,
     setup.grid = sph::make_cell_grid(domain, setup.constants.support);
     setup.forces.gravity = domain.gravity;
     setup.forces.viscosity = limiting_viscosity(input);
+    setup.forces.surface_tension = input.scene.liquids.front().surface_tension;
     const auto materials = liquid_materials(input);
     if (sph::differ(materials)) {
         setup.constants.mixture = sph::make_mixture(materials);

@@ -63,10 +63,12 @@ Estimates estimate_run(const Input& input, const Geometry& geometry, std::uint64
     out.gravity_step = pull > 0 ? cfl * std::sqrt(d / pull) : infinite;
     const bool limited = limiting_viscosity(input) > 0 && viscosity_integration(input) != sph::ViscosityIntegration::implicit;
     out.viscous_step = limited ? viscous_step_limit(input) : infinite;
+    const bool tense = input.method.surface_tension.model != sph::SurfaceTensionModel::none;
+    out.capillary_step = tense ? capillary_step_limit(input) : infinite;
     if (scene.time.rule == scene::StepRule::fixed) {
         out.step = scene.time.step;
     } else {
-        out.step = std::min({out.courant_step, out.gravity_step, out.viscous_step,
+        out.step = std::min({out.courant_step, out.gravity_step, out.viscous_step, out.capillary_step,
                              scene.time.step > 0 ? scene.time.step : infinite});
     }
     out.steps = std::ceil(scene.time.end / out.step);

@@ -14,6 +14,7 @@ struct Estimates {
     double courant_step = 0;  // [s] cfl d / U; infinite at rest
     double gravity_step = 0;  // [s] cfl sqrt(d / g)
     double viscous_step = 0;  // [s] of the explicit viscosity; infinite without
+    double capillary_step = 0; // [s] of the surface tension; infinite without
     double poured = 0;        // particles that flow in by the end
     double step = 0;          // [s] that the run would take by these
     double steps = 0;         // in the whole run

@@ -6,6 +6,7 @@
 #include "base/text.hpp"
 #include "sph/forces.hpp"
 #include "sph/slip_lattice.hpp"
+#include "sph/surface_tension.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -244,6 +245,12 @@ double viscous_step_limit(const Input& input) {
     auto options = input.method.viscosity;
     options.integration = viscosity_integration(input);
     return sph::viscous_step_limit(options, make_constants(input), limiting_viscosity(input));
+}
+
+double capillary_step_limit(const Input& input) {
+    auto constants = make_constants(input);
+    constants.mixture.step_share = sph::step_share(liquid_materials(input));
+    return sph::capillary_step_limit(input.method.surface_tension, constants, input.scene.liquids.front().surface_tension);
 }
 
 sph::Constants make_constants(const Input& input) {

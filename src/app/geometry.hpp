@@ -81,6 +81,9 @@ sph::ViscosityIntegration viscosity_integration(const Input& input);
 // Largest step of the viscosity if that is explicit, else 1e300 [s].
 double viscous_step_limit(const Input& input);
 
+// Largest step of the surface tension if it is modelled, else 1e300 [s].
+double capillary_step_limit(const Input& input);
+
 // Masses, volumes and rest densities of the first liquid from the lattice.
 sph::Constants make_constants(const Input& input);
 

@@ -24,19 +24,29 @@ std::int64_t lost_against_limit(const Progress& progress) {
 }
 } // namespace
 
-void check_time_step(const Input& input) {
-    if (viscosity_integration(input) == sph::ViscosityIntegration::implicit) return;
-    const auto& time = input.scene.time;
-    const double viscosity = limiting_viscosity(input);
-    const double limit = viscous_step_limit(input);
+namespace {
+// A step, or the least step, that the scene asks for and a limit forbids.
+void check_limit(const scene::Time& time, double limit, const std::string& of, const std::string& why,
+                 const std::string& cure) {
     const double step = time.rule == scene::StepRule::fixed ? time.step : 0;
     if (std::max(step, time.min_step) <= limit) return;
     char text[64];
     std::snprintf(text, sizeof text, "%.3g s", limit);
-    throw InputError({time.where, std::string("time.") + (step > 0 ? "step" : "min_step") +
-                              " is above the limit of the explicit viscosity, " + text,
-                      "a viscosity of " + format_number(viscosity) + " Pa s is integrated explicitly",
-                      "take a step below the limit, or leave out method.viscosity.integration: explicit"});
+    throw InputError({time.where, std::string("time.") + (step > 0 ? "step" : "min_step") + " is above the limit of the " + of +
+                              ", " + text, why, cure});
+}
+} // namespace
+
+void check_time_step(const Input& input) {
+    const auto& time = input.scene.time;
+    const double tension = input.scene.liquids.front().surface_tension;
+    check_limit(time, capillary_step_limit(input), "surface tension",
+                "waves as short as a few spacings move by " + format_number(tension) + " N/m",
+                "take a step below the limit, or a larger spacing");
+    if (viscosity_integration(input) == sph::ViscosityIntegration::implicit) return;
+    check_limit(time, viscous_step_limit(input), "explicit viscosity",
+                "a viscosity of " + format_number(limiting_viscosity(input)) + " Pa s is integrated explicitly",
+                "take a step below the limit, or leave out method.viscosity.integration: explicit");
 }
 
 TimeLoop::TimeLoop(LoopSetup setup, std::unique_ptr<Simulation> solver, const Progress& progress)

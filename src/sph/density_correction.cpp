@@ -42,10 +42,10 @@ struct Specific {
     }
 };
 
-Specific specific_of(const IisphParts& step) { return {step.liquid.volume(), 1 / step.constants.mass}; }
+Specific specific_of(const StepParts& step) { return {step.liquid.volume(), 1 / step.constants.mass}; }
 
 // Kernels are functions of their own: device compilers take none in private members.
-void divide(const IisphParts& step, const Array<double>& q) {
+void divide(const StepParts& step, const Array<double>& q) {
     const auto specific = specific_of(step);
     const auto p = step.liquid.pressure();
     Kokkos::parallel_for("treacle::correction_start", step.liquid.store.owned(),
@@ -59,7 +59,7 @@ void write_rows(const LiquidParticles& liquid, const Array<double>& r, int first
     });
 }
 
-void read_rows(const IisphParts& step, const Array<double>& rows, int first, const Array<double>& out) {
+void read_rows(const StepParts& step, const Array<double>& rows, int first, const Array<double>& out) {
     const auto specific = specific_of(step);
     const auto role = step.liquid.role(), row = step.liquid.row();
     Kokkos::parallel_for("treacle::correction_direction", step.liquid.store.owned(), KOKKOS_LAMBDA(int i) {
@@ -67,7 +67,7 @@ void read_rows(const IisphParts& step, const Array<double>& rows, int first, con
     });
 }
 
-void write_pressures(const IisphParts& step, const Array<double>& q) {
+void write_pressures(const StepParts& step, const Array<double>& q) {
     const auto specific = specific_of(step);
     const auto p = step.liquid.pressure();
     const auto role = step.liquid.role();
@@ -77,7 +77,7 @@ void write_pressures(const IisphParts& step, const Array<double>& q) {
 }
 
 // The mean of the positive residuals as compression, over the unknowns.
-double mean_excess(const IisphParts& step, const Array<double>& r, double dt) {
+double mean_excess(const StepParts& step, const Array<double>& r, double dt) {
     const auto role = step.liquid.role();
     std::array<double, 2> sums{};
     Kokkos::parallel_reduce("treacle::correction_measure", step.liquid.store.owned(),

@@ -7,7 +7,7 @@
 namespace treacle::sph {
 
 struct CorrectionParts {
-    const IisphParts& step;
+    const StepParts& step;
     solve::Matrix& matrix;       // of the pressure solve
     solve::KrylovSolver& solver; // whose preconditioner serves
 };

@@ -14,6 +14,7 @@ struct ForceOptions {
     double artificial = 0;         // alpha h c of Monaghan 1992 [m2/s]
     double viscosity = 0;          // dynamic [Pa s]; of several liquids: as of one of the first one's density that limits
                                    // the step as much (largest_kinematic_viscosity)
+    double surface_tension = 0;    // of all liquids against air [N/m]
     std::vector<double> friction;  // per body: 0 free slip, 1 no slip
     std::vector<double> skin_friction; // per body: c_f
     std::vector<double> slip_length;   // per body [m]; 0: as `friction` says

@@ -264,7 +264,7 @@ double iisph_weight(const SphOptions& options, const Constants& constants) {
     return std::min(published_weight, stable_product / largest);
 }
 
-void Iisph::prepare(const IisphParts& parts, double dt, Aim aim) {
+void Iisph::prepare(const StepParts& parts, double dt, Aim aim) {
     auto& liquid = parts.liquid;
     const auto n = static_cast<std::size_t>(liquid.store.owned());
     reserve(q_, n);
@@ -287,7 +287,7 @@ void Iisph::prepare(const IisphParts& parts, double dt, Aim aim) {
     });
 }
 
-void Iisph::multiply(const IisphParts& parts, const Array<double>& q) {
+void Iisph::multiply(const StepParts& parts, const Array<double>& q) {
     auto& liquid = parts.liquid;
     write_loads(liquid, q);
     parts.halo.gather(liquid.store, {liquid.load_field()});
@@ -306,7 +306,7 @@ void Iisph::multiply(const IisphParts& parts, const Array<double>& q) {
 }
 
 // From q, with the sums of start_from_last.
-solve::SolveReport Iisph::iterate(const IisphParts& parts, Aim aim, double dt, const std::array<double, 2>& start) {
+solve::SolveReport Iisph::iterate(const StepParts& parts, Aim aim, double dt, const std::array<double, 2>& start) {
     const auto [square, compressed] = start;
     solve::SolveReport out;
     if (compressed == 0) { // q = 0 is the solution
@@ -332,7 +332,7 @@ solve::SolveReport Iisph::iterate(const IisphParts& parts, Aim aim, double dt, c
     return out;
 }
 
-solve::SolveReport Iisph::solve(const IisphParts& parts, double dt, RoleCounts& roles) {
+solve::SolveReport Iisph::solve(const StepParts& parts, double dt, RoleCounts& roles) {
     const auto start = Clock::now();
     prepare(parts, dt);
     auto& liquid = parts.liquid;
@@ -344,7 +344,7 @@ solve::SolveReport Iisph::solve(const IisphParts& parts, double dt, RoleCounts& 
     return out;
 }
 
-solve::SolveReport Iisph::solve_divergence(const IisphParts& parts, double dt, const Array<double>& last) {
+solve::SolveReport Iisph::solve_divergence(const StepParts& parts, double dt, const Array<double>& last) {
     const auto start = Clock::now();
     prepare(parts, dt, Aim::divergence);
     auto& liquid = parts.liquid;

@@ -1,23 +1,11 @@
 #pragma once
-#include "mpi/halo.hpp"
 #include "sph/bounded_cg.hpp"
-#include "sph/neighbourhood.hpp"
 #include "sph/prediction.hpp"
+#include "sph/step_parts.hpp"
 
 #include <array>
 
 namespace treacle::sph {
-
-// What the pressure solve reads and writes of a step.
-struct IisphParts {
-    const SphOptions& options;
-    const Constants& constants;
-    const Comm& comm;
-    LiquidParticles& liquid;
-    const SolidParticles& solid;
-    const Neighbourhood& neighbours;
-    Halo& halo;
-};
 
 // Implicit incompressible SPH (Ihmsen et al. 2014) without a matrix, in q = p / rho^2:
 //     g_i = sum_j m grad W_ij + rho0 sum_s V_s grad W_is
@@ -33,26 +21,26 @@ public:
     // With Aim::divergence b_i is the density's rate of change over dt, and rows of particles with few neighbours, whose
     // density says little, stay 0 (Bender & Koschier 2017).
     enum class Aim { density, divergence };
-    void prepare(const IisphParts& parts, double dt, Aim aim = Aim::density);
+    void prepare(const StepParts& parts, double dt, Aim aim = Aim::density);
 
     // Collective: product() = A q, on owned rows, with q of the owned particles. Writes the fields load, acceleration,
     // place, motion.
-    void multiply(const IisphParts& parts, const Array<double>& q);
+    void multiply(const StepParts& parts, const Array<double>& q);
 
     // Collective: prepares and solves, starting from half the last pressures, or all of them with DFSPH. Writes pressure and role: Poisson where
     // the pressure is positive, Dirichlet elsewhere.
-    solve::SolveReport solve(const IisphParts& parts, double dt, RoleCounts& roles);
+    solve::SolveReport solve(const StepParts& parts, double dt, RoleCounts& roles);
 
     // Collective: the divergence-free solve of DFSPH. last: the pressures of the last one, in and out [Pa]. Leaves p / rho^2
     // in the field load, ghosts included, for apply_pressure.
-    solve::SolveReport solve_divergence(const IisphParts& parts, double dt, const Array<double>& last);
+    solve::SolveReport solve_divergence(const StepParts& parts, double dt, const Array<double>& last);
 
     const Array<double>& product() const { return product_; }
     const Array<double>& diagonal() const { return diagonal_; }
     std::size_t bytes() const;
 
 private:
-    solve::SolveReport iterate(const IisphParts& parts, Aim aim, double dt, const std::array<double, 2>& start);
+    solve::SolveReport iterate(const StepParts& parts, Aim aim, double dt, const std::array<double, 2>& start);
 
     Array<double> q_{"treacle::iisph_q", 0};
     Array<double> product_{"treacle::iisph_product", 0};

@@ -34,10 +34,17 @@ IsphStep::IsphStep(const Comm& comm, const IsphSetup& setup)
         viscosity_.emplace(comm, liquid_, setup.options.viscosity, setup.grid, forces.friction, forces.slip_length, forces.rheology);
         explicit_forces_.viscosity = 0;
     }
+    if (setup.options.surface_tension.model != SurfaceTensionModel::none) {
+        surface_tension_.emplace(liquid_, setup.options, setup.constants, setup.domain, setup.forces.surface_tension);
+    }
     outlets_ = upload_outlets(setup.inflow.outlets);
     if (!setup.inflow.inlets.empty()) inflow_.emplace(setup.inflow, setup.constants, setup.domain, liquid_);
     if (setup.options.pressure.solver != PressureSolver::dfsph) return;
     divergence_field_ = liquid_.store.add<Array<double>>("divergence_pressure", "Pa", FieldRole::state);
+}
+
+StepParts IsphStep::parts() {
+    return {setup_.options, setup_.constants, comm_, liquid_, solid_, neighbours_, halo_};
 }
 
 ComplementarityParts IsphStep::complementarity_parts() {
@@ -229,8 +236,8 @@ void IsphStep::solve_pressure(solve::Matrix& matrix, const PressureSystem::HostS
 }
 
 void IsphStep::correct_pressures(solve::Matrix& matrix, double dt, StepReport& report) {
-    const IisphParts parts{setup_.options, setup_.constants, comm_, liquid_, solid_, neighbours_, halo_};
-    const auto corrected = correction_.correct({parts, matrix, solver_}, iisph_, dt);
+    const auto step = parts();
+    const auto corrected = correction_.correct({step, matrix, solver_}, iisph_, dt);
     report.pressure.iterations += corrected.iterations;
     report.pressure.products += corrected.products;
     report.pressure.error_measure = corrected.error_measure;
@@ -251,6 +258,7 @@ void IsphStep::accelerate(StepReport& report, double dt) {
                                         bodies_.load_points());
     apply_skin_friction(setup_.options, setup_.constants, liquid_, solid_, neighbours_,
                         {setup_.forces.skin_friction, bodies_.load_points(), dt}, report.viscous_loads);
+    if (surface_tension_) surface_tension_->accelerate(parts(), dt);
     if (inflow_) inflow_->hold(liquid_);
 }
 
@@ -261,8 +269,7 @@ void IsphStep::apply_viscosity(StepReport& report, double dt) {
         bodies_.rigid.fall(dt);
         push_by_viscosity(report.viscous_loads, dt);
     }
-    auto result = viscosity_->solve({setup_.options, setup_.constants, setup_.forces, comm_, liquid_, solid_, neighbours_,
-                                     halo_, &solid_halo_}, bodies_, dt);
+    auto result = viscosity_->solve({parts(), setup_.forces, &solid_halo_}, bodies_, dt);
     report.viscosity = result.solve;
     if (!result.solve.converged()) {
         throw SimulationError({"viscosity solve", result.solve.reason,
@@ -349,8 +356,7 @@ void IsphStep::find_pressures(StepReport& report, double dt) {
 void IsphStep::find_pressures_by_iisph(StepReport& report, double dt) {
     const auto phase = timers_.scope("solve");
     const auto first = report.pressure; // of DFSPH
-    report.pressure = iisph_.solve({setup_.options, setup_.constants, comm_, liquid_, solid_, neighbours_, halo_}, dt,
-                                   report.roles);
+    report.pressure = iisph_.solve(parts(), dt, report.roles);
     report.pressure.iterations += first.iterations;
     report.pressure.products += first.products;
     report.pressure.iteration_seconds += first.iteration_seconds;
@@ -363,8 +369,7 @@ void IsphStep::find_pressures_by_iisph(StepReport& report, double dt) {
 void IsphStep::remove_divergence(StepReport& report, double dt) {
     const auto phase = timers_.scope("solve");
     const auto& last = liquid_.store.get<Array<double>>(divergence_field_);
-    const IisphParts parts{setup_.options, setup_.constants, comm_, liquid_, solid_, neighbours_, halo_};
-    report.pressure = iisph_.solve_divergence(parts, dt, last);
+    report.pressure = iisph_.solve_divergence(parts(), dt, last);
     if (!report.pressure.converged()) {
         const auto particles = comm_.sum(static_cast<std::int64_t>(liquid_.store.owned()));
         fail(report.pressure, particles, "method.pressure.solver: isph");
@@ -505,6 +510,7 @@ double IsphStep::stable_step(double cfl) const {
     const double pull = std::sqrt(g[0] * g[0] + g[1] * g[1] + g[2] * g[2]);
     const double d = setup_.constants.spacing;
     double dt = viscous_step_limit(setup_.options.viscosity, setup_.constants, setup_.forces.viscosity);
+    dt = std::min(dt, capillary_step_limit(setup_.options.surface_tension, setup_.constants, setup_.forces.surface_tension));
     cfl *= setup_.constants.mixture.step_share;
     if (speed > 0) dt = std::min(dt, cfl * d / speed);
     if (pull > 0) dt = std::min(dt, cfl * std::sqrt(d / pull));

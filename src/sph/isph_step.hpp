@@ -14,6 +14,7 @@
 #include "sph/prediction.hpp"
 #include "sph/pressure_hierarchy.hpp"
 #include "sph/pressure_system.hpp"
+#include "sph/surface_tension.hpp"
 
 #include <functional>
 #include <memory>
@@ -94,7 +95,8 @@ public:
     void refresh();
 
     // Largest step in which no particle moves farther than `cfl` spacings at its speed or the reference speed, which
-    // bounds what the pressure must hold up, no body that moves does either, and the limit of the explicit viscosity [s].
+    // bounds what the pressure must hold up, no body that moves does either, and the limits of the explicit viscosity and of
+    // the surface tension [s].
     // With several liquids Mixture::step_share of the first of these.
     double stable_step(double cfl) const;
 
@@ -128,6 +130,7 @@ private:
     void move(StepReport& report, double dt);
     void solve_pressure(solve::Matrix& matrix, const PressureSystem::HostSystem& host, double dt,
                         StepReport& report);
+    StepParts parts();
     ComplementarityParts complementarity_parts();
     void collect(StepReport& report);
 
@@ -148,6 +151,7 @@ private:
     DensityCorrection correction_;
     ForceOptions explicit_forces_; // without the viscosity when that is implicit
     std::optional<ImplicitViscosity> viscosity_;
+    std::optional<SurfaceTension> surface_tension_;
     std::optional<Inflow> inflow_;
     Array<double> outlets_;
     int divergence_field_ = -1; // of the liquid, with DFSPH: the pressures of the last divergence-free solve [Pa]

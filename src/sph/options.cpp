@@ -237,6 +237,16 @@ void ViscosityOptions::declare(Declaration& d) {
              "Share of the neighbours' mean velocity that particles move with (XSPH).");
 }
 
+void SurfaceTensionOptions::declare(Declaration& d) {
+    d.choice("model", model,
+             {{"none", SurfaceTensionModel::none},
+              {"cohesion", SurfaceTensionModel::cohesion},
+              {"curvature", SurfaceTensionModel::curvature}},
+             "How `liquids.*.surface_tension` acts: not at all; by the curvature of the surface, as a force towards its "
+             "inside; or by forces that draw particles together (Becker & Teschner 2007), which stiffen the liquid "
+             "(src/sph/README.md). Both limit the time step.");
+}
+
 void SphOptions::declare(Declaration& d) {
     d.choice("kernel", kernel,
              {{"cubic_spline", KernelKind::cubic_spline},
@@ -248,6 +258,7 @@ void SphOptions::declare(Declaration& d) {
     d.block("density", density, "How densities are measured.");
     d.block("pressure", pressure, "The pressure solve.");
     d.block("viscosity", viscosity, "The viscosity of the liquids, and numerical viscosity that keeps particles in order.");
+    d.block("surface_tension", surface_tension, "The surface tension of the liquids against air.");
     d.number("rebalance_above", rebalance_above, unit::none, range_at_least(1),
              "Largest over mean number of particles of a rank above which the domain is cut anew.");
 }

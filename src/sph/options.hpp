@@ -48,6 +48,11 @@ enum class ViscosityPreconditioner {
 };
 enum class ViscositySolver { conjugate_gradients, bicgstab };
 enum class ViscosityGuess { velocity, last_change };
+enum class SurfaceTensionModel {
+    none,
+    cohesion, // Becker & Teschner 2007
+    curvature // Morris 2000
+};
 enum class MultilevelCycle { v, w };
 enum class MultilevelSmoother { gauss_seidel, jacobi };
 
@@ -124,12 +129,19 @@ struct ViscosityOptions {
     void declare(Declaration& d);
 };
 
+struct SurfaceTensionOptions {
+    SurfaceTensionModel model = SurfaceTensionModel::none;
+
+    void declare(Declaration& d);
+};
+
 struct SphOptions {
     KernelKind kernel = KernelKind::cubic_spline;
     double support_ratio = 2.5;     // h / d
     DensityOptions density;
     PressureOptions pressure;
     ViscosityOptions viscosity;
+    SurfaceTensionOptions surface_tension;
     double rebalance_above = 1.15;  // largest over mean load of the ranks
 
     void declare(Declaration& d);

@@ -1,20 +1,12 @@
 #pragma once
-#include "mpi/halo.hpp"
 #include "sph/forces.hpp"
+#include "sph/step_parts.hpp"
 
 namespace treacle::sph {
 
-// What a step has for the viscous solve. Positions of ghosts must be current, and the neighbours those of the
-// positions.
-struct ViscousScene {
-    const SphOptions& options;
-    const Constants& constants;
+// What a step has for the viscous solve.
+struct ViscousScene : StepParts {
     const ForceOptions& forces;
-    const Comm& comm;
-    LiquidParticles& liquid;
-    const SolidParticles& solid;
-    const Neighbourhood& neighbours;
-    Halo& halo;
     Halo* solid_halo = nullptr; // needed where solids slip
 };
 

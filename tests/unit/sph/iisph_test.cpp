@@ -51,7 +51,7 @@ struct Operator {
         reserve(q, std::size_t(parts.liquid.store.owned()));
         iisph.prepare(views(), dt);
     }
-    IisphParts views() {
+    StepParts views() {
         return {parts.setup.options, parts.setup.constants, parts.comm, parts.liquid, parts.solid, parts.neighbours,
                 parts.halo};
     }

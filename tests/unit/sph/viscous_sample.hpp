@@ -52,8 +52,9 @@ struct ViscousCase {
                                                sample.setup.grid, std::vector<double>(2, 1.0)),
           bodies({}, {}, 0, sample.setup.bodies, sample.setup.domain) {}
     ViscousScene scene() {
-        return {parts.setup.options, parts.setup.constants, parts.setup.forces, parts.comm,
-                parts.liquid,        parts.solid,           parts.neighbours,   parts.halo};
+        return {{parts.setup.options, parts.setup.constants, parts.comm, parts.liquid, parts.solid, parts.neighbours,
+                 parts.halo},
+                parts.setup.forces};
     }
     ImplicitViscosity::Result solve(double dt) { return solver.solve(scene(), bodies, dt); }
 };

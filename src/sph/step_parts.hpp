@@ -1,0 +1,19 @@
+#pragma once
+#include "mpi/halo.hpp"
+#include "sph/neighbourhood.hpp"
+
+namespace treacle::sph {
+
+// What the parts of a step read and write of it. Positions of ghosts must be current, and the neighbours those of the
+// positions.
+struct StepParts {
+    const SphOptions& options;
+    const Constants& constants;
+    const Comm& comm;
+    LiquidParticles& liquid;
+    const SolidParticles& solid;
+    const Neighbourhood& neighbours;
+    Halo& halo;
+};
+
+} // namespace treacle::sph
