@@ -196,7 +196,7 @@ void Report::steps() {
     row("limit by gravity", step_text(estimates_.gravity_step));
     const double share = sph::step_share(liquid_materials(at_.input));
     if (share < 1) row("", "both with " + short_number(share) + " of time.cfl, the root of the ratio of the densities");
-    if (std::isfinite(estimates_.capillary_step)) row("limit by surface tension", step_text(estimates_.capillary_step));
+    if (std::isfinite(estimates_.capillary_step)) row("limit by capillarity", step_text(estimates_.capillary_step));
     row("limit by viscosity", std::isfinite(estimates_.viscous_step) ? step_text(estimates_.viscous_step) : "none, no viscosity or an implicit one");
     const bool fixed = time.rule == scene::StepRule::fixed;
     row("step", (fixed ? "fixed, " : "about ") + step_text(estimates_.step) + ", " +

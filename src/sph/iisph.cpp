@@ -271,7 +271,8 @@ void Iisph::prepare(const StepParts& parts, double dt, Aim aim) {
     reserve(product_, n);
     reserve(diagonal_, n);
     reserve(own_, n);
-    reserve(force_, n);
+    if (parts.constants.wall_push == 1) force_ = own_;
+    else reserve(force_, n);
     write_places(liquid, liquid.volume());
     write_motions(liquid);
     const auto fluid = gather_fluid(parts.constants, liquid, parts.solid, parts.neighbours);
@@ -359,7 +360,8 @@ solve::SolveReport Iisph::solve_divergence(const StepParts& parts, double dt, co
 }
 
 std::size_t Iisph::bytes() const {
-    return 8 * (q_.span() + product_.span() + diagonal_.span() + own_.span() + force_.span()) + cg_.bytes();
+    return 8 * (q_.span() + product_.span() + diagonal_.span() + own_.span() +
+                (force_.data() == own_.data() ? 0 : force_.span())) + cg_.bytes();
 }
 
 } // namespace treacle::sph

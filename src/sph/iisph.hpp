@@ -46,7 +46,7 @@ private:
     Array<double> product_{"treacle::iisph_product", 0};
     Array<double> diagonal_{"treacle::iisph_diagonal", 0};
     Array3 own_{"treacle::iisph_own", 0};     // g
-    Array3 force_{"treacle::iisph_force", 0}; // g of the forces, in which walls may push harder
+    Array3 force_{"treacle::iisph_force", 0}; // g of the forces: the same array unless walls push harder
     BoundedCg cg_;
     double weight_ = 0; // of Jacobi; 0: not known yet
 };

@@ -137,7 +137,9 @@ std::size_t ImplicitViscosity::bytes() const {
     std::size_t out = operator_.bytes();
     if (blocks_) out += blocks_->bytes();
     if (matrix_) out += matrix_->bytes();
-    for (const auto* array : {&residual_, &scaled_, &product_}) out += sizeof(double) * array->span();
+    for (const auto* array : {&residual_, &product_, &before_}) out += sizeof(double) * array->span();
+    out += movers_.bytes() + sizeof(double) * friction_.span();
+    for (const auto* vector : {&body_.q, &body_.residual, &body_.scaled, &body_.direction}) out += sizeof(double) * vector->capacity();
     return out;
 }
 
@@ -198,7 +200,7 @@ bool ImplicitViscosity::Progress::ended(double square) {
 solve::SolveReport ImplicitViscosity::solve_implicitly(const ViscousParts& parts, const Bodies& bodies) {
     auto& liquid = parts.liquid;
     const int n = liquid.store.owned();
-    for (auto* array : {&residual_, &scaled_, &product_}) reserve(*array, static_cast<std::size_t>(n));
+    for (auto* array : {&residual_, &product_}) reserve(*array, static_cast<std::size_t>(n));
     const bool guessing = last_change_ >= 0, rated = rheology_.extent(0) > 0;
     if (guessing || rated) {
         reserve(before_, static_cast<std::size_t>(n));
@@ -320,7 +322,7 @@ void ImplicitViscosity::solve_assembled(Progress& progress) {
     ViscousMatrix::Preconditioner ours;
     if (own) ours = [&](const Array3& r, const Array3& z) { precondition(liquid, r, z); };
     const double start = progress.report.error_measure;
-    auto report = matrix_->solve(liquid, residual_, scaled_, viscosity.residual * progress.norm, ours, product_);
+    auto report = matrix_->solve(liquid, residual_, viscosity.residual * progress.norm, ours, product_);
     turn(1, product_, liquid.store.owned(), liquid.velocity());
     report.iterations += progress.report.iterations;
     report.products += progress.report.products;
@@ -351,12 +353,12 @@ double ImplicitViscosity::multiply(const ViscousParts& parts, std::vector<double
     return parts.comm.sum(dot(p, product_, n)) + dot(body_.direction, body_product);
 }
 
-// z = M r of particles and bodies; returns this rank's r.z of the particles.
+// z = M r of particles and bodies, where C p was, which is in r by now; returns this rank's r.z of the particles.
 double ImplicitViscosity::precondition(const LiquidParticles& liquid) {
-    precondition(liquid, residual_, scaled_);
-    clear_held(liquid, scaled_);
+    precondition(liquid, residual_, product_);
+    clear_held(liquid, product_);
     if (movers_.any()) body_.scaled = movers_.precondition(body_.residual);
-    return dot(residual_, scaled_, liquid.store.owned());
+    return dot(residual_, product_, liquid.store.owned());
 }
 
 // Preconditioned conjugate gradients (Saad 2003, algorithm 9.1).
@@ -368,7 +370,7 @@ void ImplicitViscosity::iterate(Progress& progress) {
     const int n = liquid.store.owned();
     const auto u = liquid.velocity(), p = liquid.store.get<Array3>(direction_);
     double rz = comm.sum(precondition(liquid)) + dot(body_.residual, body_.scaled);
-    turn(0, scaled_, n, p);
+    turn(0, product_, n, p);
     body_.direction = body_.scaled;
     std::vector<double> body_product;
     while (report.iterations < parts.options.viscosity.max_iterations) {
@@ -385,7 +387,7 @@ void ImplicitViscosity::iterate(Progress& progress) {
         next[0] += dot(body_.residual, body_.residual);
         next[1] += dot(body_.residual, body_.scaled);
         if (progress.ended(next[0])) return;
-        turn(next[1] / rz, scaled_, n, p);
+        turn(next[1] / rz, product_, n, p);
         for (std::size_t k = 0; k < body_.q.size(); ++k) body_.direction[k] = body_.scaled[k] + next[1] / rz * body_.direction[k];
         rz = next[1];
     }

@@ -79,8 +79,8 @@ private:
     double dt_ = 0;
     int direction_ = -1;   // field
     int last_change_ = -1; // field, where the guess is made of it [m/s]
-    Array3 residual_{"treacle::viscous_residual", 0}, scaled_{"treacle::viscous_scaled", 0},
-        product_{"treacle::viscous_product", 0}, before_{"treacle::velocity_before", 0};
+    Array3 residual_{"treacle::viscous_residual", 0}, before_{"treacle::velocity_before", 0};
+    Array3 product_{"treacle::viscous_product", 0}; // C p, then z
 };
 
 } // namespace treacle::sph

@@ -1,6 +1,7 @@
 #include "sph/rigid_blocks.hpp"
 
 #include "sph/pair_softening.hpp"
+#include "sph/rigid_motion.hpp"
 
 #include <algorithm>
 #include <array>
@@ -10,7 +11,6 @@ namespace treacle::sph {
 
 namespace {
 constexpr int cells_across = 2; // of a block
-constexpr std::size_t most_neighbours = 26; // blocks at the border of ranks may have more
 // A particle alone in its block has no arm, and the block's rotations no inertia: they get this share of the largest
 // diagonal entry, which changes nothing else.
 constexpr double floor_of_diagonal = 1e-8;
@@ -26,27 +26,23 @@ std::array<double, 6> along(const Vec3& n, const double a[3]) {
 }
 } // namespace
 
-// The blocks that one block of this rank meets.
-struct RigidBlocks::Entry {
-    int block; // global number
-    std::array<double, 36> values{};
-
-    void add(double c, const std::array<double, 6>& left, const std::array<double, 6>& right) {
-        for (std::size_t k = 0; k < 6; ++k) {
-            for (std::size_t l = 0; l < 6; ++l) values[6 * k + l] += c * left[k] * right[l];
-        }
-    }
-};
-
+// The blocks that those of this rank meet, filled in place: what is summed is what the matrix is made of.
 struct RigidBlocks::Rows {
-    std::vector<std::vector<Entry>> blocks; // the first entry of each is its own
+    solve::BlockRows blocks;
 
-    Entry& at(int local, int block) {
-        auto& row = blocks[static_cast<std::size_t>(local)];
-        for (auto& entry : row) {
-            if (entry.block == block) return entry;
+    double* at(int local, int block) {
+        const auto first = blocks.columns.begin() + blocks.offsets[static_cast<std::size_t>(local)];
+        const auto last = blocks.columns.begin() + blocks.offsets[static_cast<std::size_t>(local) + 1];
+        const auto entry = std::lower_bound(first, last, block) - blocks.columns.begin();
+        return &blocks.values[static_cast<std::size_t>(entry) * static_cast<std::size_t>(blocks.size * blocks.size)];
+    }
+    void add(int local, int block, double c, const std::array<double, 6>& left, const std::array<double, 6>& right) {
+        const int m = blocks.size;
+        double* values = at(local, block);
+        for (int k = 0; k < m; ++k) {
+            const double share = c * left[static_cast<std::size_t>(motion_of(k, m))];
+            for (int l = 0; l < m; ++l) values[m * k + l] += share * right[static_cast<std::size_t>(motion_of(l, m))];
         }
-        return row.emplace_back(Entry{block});
     }
 };
 
@@ -108,6 +104,52 @@ void RigidBlocks::number(const ViscousParts& parts) {
     parts.halo.gather(store, {block_field_, arm_field_});
 }
 
+namespace {
+// Particles that an inlet holds do not move with their block.
+struct Held {
+    bool any;
+    Array<int>::HostMirror inlet;
+    explicit Held(const LiquidParticles& liquid)
+        : any(liquid.has_inlets()), inlet(on_host(any ? liquid.inlet() : Array<int>("treacle::no_inlets", 0))) {}
+    bool operator()(int i) const { return any && inlet(i) > 0; }
+};
+} // namespace
+
+// Which blocks meet, their values still 0.
+void RigidBlocks::connect(const ViscousParts& parts) {
+    const auto& store = parts.liquid.store;
+    const auto block = on_host(store.get<Array<int>>(block_field_));
+    const auto offset = on_host(parts.neighbours.liquid.offset);
+    const auto index = on_host(parts.neighbours.liquid.index);
+    const Held held(parts.liquid);
+    std::vector<std::vector<int>> meets(static_cast<std::size_t>(count_));
+    for (int b = 0; b < count_; ++b) meets[static_cast<std::size_t>(b)].push_back(first_ + b);
+    for (int i = 0; i < store.owned(); ++i) {
+        if (held(i)) continue;
+        auto& row = meets[static_cast<std::size_t>(block(i) - first_)];
+        int last = block(i); // neighbours of one block come one after the other
+        for (std::int64_t k = offset(i); k < offset(i + 1); ++k) {
+            const int j = index(k), other = block(j);
+            if (other == last || held(j)) continue;
+            last = other;
+            const auto place = std::lower_bound(row.begin(), row.end(), other);
+            if (place == row.end() || *place != other) row.insert(place, other);
+        }
+    }
+    auto& out = rows_->blocks;
+    out = {};
+    out.size = unknowns_;
+    out.first = first_;
+    std::size_t entries = 0;
+    for (const auto& row : meets) entries += row.size();
+    out.columns.reserve(entries);
+    for (const auto& row : meets) {
+        out.columns.insert(out.columns.end(), row.begin(), row.end());
+        out.offsets.push_back(static_cast<solve::Index>(out.columns.size()));
+    }
+    out.values.assign(entries * static_cast<std::size_t>(unknowns_ * unknowns_), 0.0);
+}
+
 // On the host, as the coarse levels of the pressure system are.
 void RigidBlocks::assemble(const ViscousParts& parts, const ViscousWalls& walls, const Array<double>& device_share,
                            const WallSlip& slip) {
@@ -118,22 +160,13 @@ void RigidBlocks::assemble(const ViscousParts& parts, const ViscousWalls& walls,
     const auto& constants = parts.constants;
     const double soft = pair_softening(constants.support);
     const auto relative = relative_density(constants, parts.liquid);
-    const bool pours = parts.liquid.has_inlets();
-    const auto inlet = on_host(pours ? parts.liquid.inlet() : Array<int>("treacle::no_inlets", 0));
-    const auto held = [&](int i) { return pours && inlet(i) > 0; };
-    rows_->blocks.assign(static_cast<std::size_t>(count_), {});
-    for (int b = 0; b < count_; ++b) {
-        auto& row = rows_->blocks[static_cast<std::size_t>(b)];
-        row.reserve(most_neighbours + 1);
-        row.push_back({first_ + b});
-    }
+    const Held held(parts.liquid);
     const auto arm_of = [&](int i) { return std::array<double, 3>{arm(i, 0), arm(i, 1), arm(i, 2)}; };
     const auto add_all = [&](int local, double c, const double a[3]) { // the same along each axis
-        auto& own = rows_->blocks[static_cast<std::size_t>(local)].front();
         for (std::size_t k = 0; k < static_cast<std::size_t>(constants.dimensions); ++k) {
             Vec3 n{0, 0, 0};
             n[k] = 1;
-            own.add(c, along(n, a), along(n, a));
+            rows_->add(local, first_ + local, c, along(n, a), along(n, a));
         }
     };
     const auto liquid = pairs(parts.neighbours.liquid, store, store);
@@ -142,7 +175,7 @@ void RigidBlocks::assemble(const ViscousParts& parts, const ViscousWalls& walls,
             const int local = block(i) - first_;
             const auto own_arm = arm_of(i);
             add_all(local, relative(i) + (slip.any() ? drag(i) : 0), own_arm.data());
-            if (held(i)) continue; // it does not move with its block
+            if (held(i)) continue;
             liquid.each(i, [&](int j, double dx, double dy, double dz, double r2) {
                 if (block(j) == block(i) && !held(j)) return; // a rigid motion strains no pair
                 const double w = -constants.rest_volume * kernel.gradient(std::sqrt(r2));
@@ -150,8 +183,8 @@ void RigidBlocks::assemble(const ViscousParts& parts, const ViscousWalls& walls,
                 const Vec3 line{dx, dy, dz};
                 const auto other_arm = arm_of(j);
                 const auto left = along(line, own_arm.data()), right = along(line, other_arm.data());
-                rows_->at(local, block(i)).add(c, left, left);
-                if (!held(j)) rows_->at(local, block(j)).add(-c, left, right);
+                rows_->add(local, block(i), c, left, left);
+                if (!held(j)) rows_->add(local, block(j), -c, left, right);
             });
             walls.pairs.each(i, [&](int s, double dx, double dy, double dz, double r2) {
                 if (!walls.grips(s)) return;
@@ -163,38 +196,25 @@ void RigidBlocks::assemble(const ViscousParts& parts, const ViscousWalls& walls,
 }
 
 // The blocks as a matrix of numbers.
-void RigidBlocks::connect() {
+void RigidBlocks::build() {
     const int m = unknowns_;
-    solve::BlockRows out;
-    out.size = m;
-    out.first = first_;
-    std::size_t entries = 0;
-    for (const auto& row : rows_->blocks) entries += row.size();
-    out.columns.reserve(entries);
-    out.values.reserve(entries * static_cast<std::size_t>(m * m));
     for (int b = 0; b < count_; ++b) {
-        auto& row = rows_->blocks[static_cast<std::size_t>(b)];
+        double* own = rows_->at(b, first_ + b);
         double most = 0;
-        for (std::size_t k = 0; k < 6; ++k) most = std::max(most, row.front().values[7 * k]);
-        for (std::size_t k = 0; k < 6; ++k) row.front().values[7 * k] += floor_of_diagonal * most;
-        std::sort(row.begin(), row.end(), [](const Entry& x, const Entry& y) { return x.block < y.block; });
-        for (const auto& entry : row) {
-            out.columns.push_back(entry.block);
-            for (int k = 0; k < m * m; ++k) {
-                const int at = 6 * motion_of(k / m, m) + motion_of(k % m, m);
-                out.values.push_back(entry.values[static_cast<std::size_t>(at)]);
-            }
-        }
-        out.offsets.push_back(static_cast<solve::Index>(out.columns.size()));
+        for (int k = 0; k < m; ++k) most = std::max(most, own[(m + 1) * k]);
+        for (int k = 0; k < m; ++k) own[(m + 1) * k] += floor_of_diagonal * most;
     }
+    matrix_.build(comm_, rows_->blocks);
     rows_->blocks = {}; // before the multigrid takes as much
-    matrix_.build(comm_, out);
 }
 
 void RigidBlocks::set_up(const ViscousParts& parts, const ViscousWalls& walls, const Array<double>& share, const WallSlip& slip) {
+    solver_.release(); // the last step's multigrid and matrix, before the next ones take as much
+    matrix_.clear();
     number(parts);
+    connect(parts);
     assemble(parts, walls, share, slip);
-    connect();
+    build();
     matrix_.matrix()->set_blocks(unknowns_, rigid_motions());
     solver_.set_up(*matrix_.matrix());
     const auto rows = static_cast<std::size_t>(unknowns_ * count_);
@@ -212,13 +232,9 @@ std::vector<std::vector<double>> RigidBlocks::rigid_motions() const {
         auto& values = out[static_cast<std::size_t>(k)];
         for (int b = 0; b < count_; ++b) {
             std::array<double, 6> of{};
-            of[static_cast<std::size_t>(motion)] = motion < 3 ? 1 : width_;
-            if (motion >= 3) { // t = e x X
-                const auto& x = centres_[static_cast<std::size_t>(b)];
-                const std::size_t e = static_cast<std::size_t>(motion - 3), p = (e + 1) % 3, q = (e + 2) % 3;
-                of[p] = -x[q];
-                of[q] = x[p];
-            }
+            const auto u = rigid_motion(motion, centres_[static_cast<std::size_t>(b)]);
+            std::copy(u.begin(), u.end(), of.begin());
+            if (motion >= 3) of[static_cast<std::size_t>(motion)] = width_;
             for (int l = 0; l < m; ++l) values[static_cast<std::size_t>(m * b + l)] = of[static_cast<std::size_t>(motion_of(l, m))];
         }
     }

@@ -28,11 +28,11 @@ public:
     std::size_t bytes() const;
 
 private:
-    struct Entry;
     struct Rows;
     void number(const ViscousParts& parts);
+    void connect(const ViscousParts& parts);
     void assemble(const ViscousParts& parts, const ViscousWalls& walls, const Array<double>& share, const WallSlip& slip);
-    void connect();
+    void build();
     std::vector<std::vector<double>> rigid_motions() const;
 
     Comm comm_;

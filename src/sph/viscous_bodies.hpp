@@ -33,6 +33,10 @@ public:
     void factorise(std::span<const double> held);
     std::vector<double> precondition(std::span<const double> r) const;
 
+    std::size_t bytes() const {
+        return sizeof(double) * (motion_.span() + factor_.capacity() + (columns_.empty() ? 0 : columns_.size() * columns_[0].size()));
+    }
+
 private:
     std::size_t first_ = 0, count_ = 0;        // first body among the solids, solids
     std::vector<std::vector<double>> columns_; // of L, 6 numbers a body

@@ -1,5 +1,6 @@
 #include "sph/viscous_matrix.hpp"
 
+#include "sph/rigid_motion.hpp"
 #include "sph/symmetric.hpp"
 #include "sph/viscous_loops.hpp"
 
@@ -314,11 +315,10 @@ std::vector<std::vector<double>> rigid_motions(const ParticleStore& store, int d
     const auto n = static_cast<std::size_t>(store.owned());
     std::vector<std::vector<double>> out(6, std::vector<double>(3 * n, 0.0));
     for (std::size_t i = 0; i < n; ++i) {
-        for (std::size_t k = 0; k < 3; ++k) {
-            const std::size_t p = (k + 1) % 3, q = (k + 2) % 3;
-            out[k][3 * i + k] = 1;
-            out[3 + k][3 * i + p] = -x(i, q);
-            out[3 + k][3 * i + q] = x(i, p);
+        const Vec3 at{x(i, 0), x(i, 1), x(i, 2)};
+        for (int k = 0; k < 6; ++k) {
+            const auto u = rigid_motion(k, at);
+            std::copy(u.begin(), u.end(), out[static_cast<std::size_t>(k)].begin() + std::ptrdiff_t(3 * i));
         }
     }
     if (dimensions == 2) out = {out[0], out[1], out[5]};
@@ -363,8 +363,8 @@ void ViscousMatrix::assemble(const ViscousParts& parts, const ViscousOperator& o
         matrix.set_blocks(3, rigid_motions(store, parts.constants.dimensions));
 }
 
-solve::SolveReport ViscousMatrix::solve(const LiquidParticles& liquid, const Array3& r, const Array3& z,
-                                        double largest, const Preconditioner& own, const Array3& change) {
+solve::SolveReport ViscousMatrix::solve(const LiquidParticles& liquid, const Array3& r, double largest,
+                                        const Preconditioner& own, const Array3& change) {
     const auto n = 3 * static_cast<std::size_t>(liquid.store.owned());
     right_hand_side_.resize(n);
     solution_.assign(n, 0.0);
@@ -372,8 +372,8 @@ solve::SolveReport ViscousMatrix::solve(const LiquidParticles& liquid, const Arr
     if (own) {
         options_.user.apply = [&](std::span<const double> from, std::span<double> to) {
             to_array(from, r);
-            own(r, z);
-            from_array(z, to);
+            own(r, change);
+            from_array(change, to);
         };
     }
     solve::KrylovSolver solver(comm_, "viscosity", options_);

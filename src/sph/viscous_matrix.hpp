@@ -20,10 +20,10 @@ public:
 
     // z = M r of the operator's own preconditioners, for those that take no matrix.
     using Preconditioner = std::function<void(const Array3& r, const Array3& z)>;
-    // Collective: change = C^-1 r on the owned particles, to a residual of `largest`; r and z are scratch of
+    // Collective: change = C^-1 r on the owned particles, to a residual of `largest`; r and change are scratch of
     // `own`.
-    solve::SolveReport solve(const LiquidParticles& liquid, const Array3& r, const Array3& z, double largest,
-                             const Preconditioner& own, const Array3& change);
+    solve::SolveReport solve(const LiquidParticles& liquid, const Array3& r, double largest, const Preconditioner& own,
+                             const Array3& change);
 
     const solve::Matrix* matrix() { return matrix_.matrix(); }
     std::size_t bytes() const {

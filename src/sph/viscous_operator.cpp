@@ -440,7 +440,8 @@ void ViscousOperator::thin(const ViscousParts& parts, const Array<FlowCurve>& cu
 }
 
 std::size_t ViscousOperator::bytes() const {
-    return sizeof(double) * (correction_.span() + span_.span() + block_.span()) + sizeof(float) * weights_.span();
+    return sizeof(double) * (correction_.span() + span_.span() + block_.span() + rate_.span()) +
+           sizeof(float) * weights_.span() + slip_.bytes();
 }
 
 } // namespace treacle::sph

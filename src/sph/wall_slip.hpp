@@ -21,6 +21,7 @@ public:
 
     bool any() const { return any_; }
     // dt/m times the drag coefficient of each owned particle; when there is any.
+    std::size_t bytes() const { return sizeof(double) * (slip_.span() + share_.span() + drag_.span()); }
     const Array<double>& drag() const { return drag_; }
 
     // product += drag (u - u_w) of the owned particles, beside walls that rest, or that move. u:

@@ -53,7 +53,7 @@ BAD_SCENES = {
     "surface_tension": ["liquids.water.surface_tension", "not modelled"],
     "unlike_surface_tensions": ["liquids.oil.surface_tension differs from that of liquids.water", "none between liquids"],
     "no_surface_tension": ["liquids.water.surface_tension = 0", "must be > 0"],
-    "capillary_step": ["time.step is above the limit of the surface tension, 0.00298 s"],
+    "capillary_step": ["time.step is above the limit of the surface tension, 0.00297 s"],
     "slip_length": ["domain.boundaries.y_min.slip", "needs a viscosity", "free_slip or no_slip"],
     "no_slip_length": ["domain.boundaries.y_min.slip_length", "has no effect", "slip is not slip_length"],
     "slip_of_the_laplacian": ["domain.boundaries.y_min.slip", "form: corrected"],
