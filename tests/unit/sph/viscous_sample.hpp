@@ -41,6 +41,11 @@ inline Sample turning_blob(const BlobSetup& blob) {
     return sample;
 }
 
+inline ViscousScene viscous_scene(Parts& parts) {
+    return {{parts.setup.options, parts.setup.constants, parts.comm, parts.liquid, parts.solid, parts.neighbours, parts.halo},
+            parts.setup.forces};
+}
+
 // Parts of a step with the implicit viscosity.
 struct ViscousCase {
     Parts parts;
@@ -52,9 +57,7 @@ struct ViscousCase {
                                                sample.setup.grid, std::vector<double>(2, 1.0)),
           bodies({}, {}, 0, sample.setup.bodies, sample.setup.domain) {}
     ViscousScene scene() {
-        return {{parts.setup.options, parts.setup.constants, parts.comm, parts.liquid, parts.solid, parts.neighbours,
-                 parts.halo},
-                parts.setup.forces};
+        return viscous_scene(parts);
     }
     ImplicitViscosity::Result solve(double dt) { return solver.solve(scene(), bodies, dt); }
 };
@@ -88,11 +91,7 @@ struct ViscousTest {
 
     explicit ViscousTest(const Sample& sample) : parts(Comm::world(), sample) {}
     ViscousParts all() {
-        return {{parts.setup.options, parts.setup.constants, parts.setup.forces, parts.comm, parts.liquid,
-                 parts.solid, parts.neighbours, parts.halo},
-                points,
-                friction,
-                motion};
+        return {viscous_scene(parts), points, friction, motion};
     }
 };
 

@@ -24,8 +24,10 @@ struct ViscousCase {
     // The loads of all ranks.
     ImplicitViscosity::Result solve(double dt) {
         auto result =
-            solver.solve({parts.setup.options, parts.setup.constants, parts.setup.forces, parts.comm,
-                          parts.liquid, parts.solid, parts.neighbours, parts.halo, &parts.solid_halo},
+            solver.solve({{parts.setup.options, parts.setup.constants, parts.comm, parts.liquid, parts.solid, parts.neighbours,
+                           parts.halo},
+                          parts.setup.forces,
+                          &parts.solid_halo},
                          bodies, dt);
         EXPECT_TRUE(result.solve.converged()) << result.solve.reason;
         parts.comm.sum(std::span(result.loads));
