@@ -22,9 +22,7 @@ std::int64_t lost_against_limit(const Progress& progress) {
     return progress.lost[static_cast<std::size_t>(LossCause::leak) - 1] +
            progress.lost[static_cast<std::size_t>(LossCause::non_finite) - 1];
 }
-} // namespace
 
-namespace {
 // A step, or the least step, that the scene asks for and a limit forbids.
 void check_limit(const scene::Time& time, double limit, const std::string& of, const std::string& why,
                  const std::string& cure) {

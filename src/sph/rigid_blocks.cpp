@@ -57,7 +57,7 @@ solve::KrylovOptions coarse_options() {
 RigidBlocks::RigidBlocks(const Comm& comm, LiquidParticles& liquid, const CellGrid& grid)
     : comm_(comm), grid_(grid), width_(cells_across / grid.inverse_width[0]), unknowns_(grid.dimensions == 3 ? 6 : 3),
       block_field_(liquid.store.add<Array<int>>("rigid_block", "", FieldRole::work)),
-      arm_field_(liquid.store.add<Array3>("rigid_arm", "", FieldRole::work)), rows_(std::make_unique<Rows>()),
+      arm_field_(liquid.acceleration_field()), rows_(std::make_unique<Rows>()),
       solver_(comm, "viscosity_coarse", coarse_options()) {}
 
 RigidBlocks::~RigidBlocks() = default;

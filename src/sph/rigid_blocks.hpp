@@ -39,7 +39,8 @@ private:
     CellGrid grid_;
     double width_;            // of a block [m]
     int unknowns_;            // of a block
-    int block_field_, arm_field_;
+    int block_field_;
+    int arm_field_; // that of the accelerations, which have been added to the velocities by now
     int first_ = 0, count_ = 0; // of this rank's blocks
     std::vector<Vec3> centres_;
     std::unique_ptr<Rows> rows_;
