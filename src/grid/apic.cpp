@@ -174,4 +174,27 @@ void faces_to_particles(const MacGrid& grid, const CellBox& window, const FaceFi
     });
 }
 
+void pressures_to_particles(const MacGrid& grid, const CellBox& window, const Array<double>& pressure,
+                            const GridParticles& particles) {
+    const auto x = particles.position();
+    const auto out = particles.pressure();
+    const MacGrid places = grid;
+    Kokkos::parallel_for("treacle::pressures_to_particles", particles.store.owned(), KOKKOS_LAMBDA(int k) {
+        int base[3] = {0, 0, window.lo[2]};
+        double s[3] = {0, 0, 0};
+        for (int a = 0; a < places.dimensions; ++a) {
+            const double p = (x(k, a) - places.lower[a]) / places.dx - 0.5;
+            base[a] = static_cast<int>(math::floor(p));
+            s[a] = p - base[a];
+        }
+        double sum = 0;
+        for (int n = 0; n < (places.dimensions == 2 ? 4 : 8); ++n) {
+            const int i = n & 1, j = n >> 1 & 1, l = n >> 2;
+            const double weight = (i ? s[0] : 1 - s[0]) * (j ? s[1] : 1 - s[1]) * (l ? s[2] : 1 - s[2]);
+            sum += weight * pressure(window.index(base[0] + i, base[1] + j, base[2] + l));
+        }
+        out(k) = sum;
+    });
+}
+
 } // namespace treacle::grid

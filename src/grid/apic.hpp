@@ -19,6 +19,11 @@ void particles_to_faces(const MacGrid& grid, const GridParticles& particles, con
 void faces_to_particles(const MacGrid& grid, const CellBox& window, const FaceField& velocity,
                         const GridParticles& particles);
 
+// Pressures [Pa] of the owned particles from those of the centres of the window's cells, one cell around the owned ones
+// included: linear in between.
+void pressures_to_particles(const MacGrid& grid, const CellBox& window, const Array<double>& pressure,
+                            const GridParticles& particles);
+
 // Mass-weighted mean viscosities [Pa s] of the particles around each centre and edge; where there are none, 0. As
 // particles_to_faces(), with the ghosts' viscosity and liquid gathered.
 void mean_viscosities(const MacGrid& grid, const GridParticles& particles, const CellList& cells,

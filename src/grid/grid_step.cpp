@@ -225,6 +225,8 @@ void GridStep::continue_velocity() {
 
 void GridStep::move(StepReport& report, double dt) {
     faces_to_particles(grid_, cells_halo_.window(), velocity_, particles_); // (A4)
+    cells_halo_.gather({pressure_.pressures()});
+    pressures_to_particles(grid_, cells_halo_.window(), pressure_.pressures(), particles_);
     if (bodies_.any_moves()) {
         bodies_.move(dt);
         solids_.update(cells_halo_, bodies_);

@@ -14,6 +14,7 @@ public:
                   store.add<Array3>("gradient_of_w", "1/s", FieldRole::state)},
           liquid_(store.add<Array<int>>("liquid", "", FieldRole::state, true)),
           viscosity_(store.add<Array<double>>("viscosity", "Pa s", FieldRole::state, true)),
+          pressure_(store.add<Array<double>>("pressure", "Pa", FieldRole::state, true)),
           density_(store.add<Array<double>>("density", "kg/m3", FieldRole::work, true)),
           image_(store.add<Array3>("image", "m", FieldRole::work)),
           correction_(store.add<Array3>("correction", "m", FieldRole::work)),
@@ -27,6 +28,7 @@ public:
     const Array3& affine(int axis) const { return store.get<Array3>(affine_[axis]); } // gradient of one component
     const Array<int>& liquid() const { return store.get<Array<int>>(liquid_); }
     const Array<double>& viscosity() const { return store.get<Array<double>>(viscosity_); }
+    const Array<double>& pressure() const { return store.get<Array<double>>(pressure_); } // of the last step, for frames
     const Array<double>& density() const { return store.get<Array<double>>(density_); } // position_correction.hpp
     const Array3& image() const { return store.get<Array3>(image_); }                   // level_set.hpp
     const Array3& correction() const { return store.get<Array3>(correction_); }
@@ -42,7 +44,7 @@ public:
     int multiplier_field() const { return multiplier_; }
 
 private:
-    int velocity_, affine_[3], liquid_, viscosity_, density_, image_, correction_, multiplier_, cause_;
+    int velocity_, affine_[3], liquid_, viscosity_, pressure_, density_, image_, correction_, multiplier_, cause_;
 };
 
 } // namespace treacle::grid

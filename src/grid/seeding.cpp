@@ -97,6 +97,9 @@ void seed(const Seeding& seeding, const MacGrid& grid, const Decomposition& deco
     Kokkos::deep_copy(particles.id(), id);
     Kokkos::deep_copy(particles.liquid(), liquid);
     Kokkos::deep_copy(particles.viscosity(), viscosity);
+    const auto pressure = on_host(particles.pressure());
+    for (std::size_t i = before; i < before + made.size(); ++i) pressure(i) = 0;
+    Kokkos::deep_copy(particles.pressure(), pressure);
     for (int a = 0; a < 3; ++a) {
         const auto affine = on_host(particles.affine(a));
         for (std::size_t i = before; i < before + made.size(); ++i) {
