@@ -33,6 +33,11 @@ struct FineNodes {
         for (int k = 0; k < 3; ++k) x[k] = lower[k] + width * (2 * c[k] + (corner >> k & 1));
         if (dimensions == 2) x[2] = 0;
     }
+    // Nearer than this to a solid's surface [m] a node lies in it but for round-off, whose sign differs with the ranks.
+    // Nodes do lie there: on walls, and on bodies after a fall of cfl dx.
+    KOKKOS_INLINE_FUNCTION double surface() const { return 1e-9 * width; }
+    // Of a node at this distance from the solids [m]; those in the surface are outside.
+    KOKKOS_INLINE_FUNCTION bool is_inside(double solid) const { return solid <= -surface(); }
     KOKKOS_INLINE_FUNCTION int used() const { return dimensions == 2 ? 4 : 8; } // corners of a cell that count
 };
 

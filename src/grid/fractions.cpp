@@ -190,7 +190,7 @@ KOKKOS_INLINE_FUNCTION double open_share(const Places& places, const Array<doubl
                 f[v] += j + (k >> 1);
                 if (!places.up[2]) f[2] = 0;
                 s[k] = solid(places.nodes.index(f[0], f[1], f[2]));
-                in_surface = in_surface && math::fabs(s[k]) < 1e-9 * places.nodes.width;
+                in_surface = in_surface && math::fabs(s[k]) < places.nodes.surface();
             }
             if (!in_surface) sum += square_open_share(s, (1 - i) + 2 * (1 - j));
         }

@@ -107,7 +107,7 @@ struct Builder {
     KOKKOS_INLINE_FUNCTION bool is_solid(const int c[3]) const {
         const int base = FineNodes::per_cell * nodes.window.index(c[0], c[1], c[2]);
         bool inside = true;
-        for (int k = 0; k < nodes.used(); ++k) inside = inside && solid(base + k) < 0;
+        for (int k = 0; k < nodes.used(); ++k) inside = inside && nodes.is_inside(solid(base + k));
         return inside;
     }
     // The fewest and the most particles in the cells around c, itself included, but for those within solids.
@@ -200,7 +200,7 @@ int sum_particles(const Builder& build) {
             build.nodes.place(c, k, place);
             // Within solids the liquid is continued afterwards.
             const double solid = build.solid(base + k);
-            build.out(base + k) = solid < 0 ? build.reach : build.at_node(c, k, place, solid);
+            build.out(base + k) = build.nodes.is_inside(solid) ? build.reach : build.at_node(c, k, place, solid);
         }
     }, surface);
     return surface;
@@ -223,8 +223,8 @@ int list_nodes(const FineNodes& nodes, const Array<double>& solid, double depth,
     Kokkos::parallel_scan("treacle::nodes_in_solids", static_cast<int>(nodes.window.size()),
         KOKKOS_LAMBDA(int i, int& row, bool last) {
             for (int at = FineNodes::per_cell * i; at < FineNodes::per_cell * i + nodes.used(); ++at) {
-                if (last && !write) found(at) = solid(at) < 0 ? continued_layers + 1 : 0;
-                if (solid(at) >= 0 || solid(at) < -depth) continue;
+                if (last && !write) found(at) = nodes.is_inside(solid(at)) ? continued_layers + 1 : 0;
+                if (!nodes.is_inside(solid(at)) || solid(at) < -depth) continue;
                 if (last && write) list(row) = at;
                 ++row;
             }

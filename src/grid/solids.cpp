@@ -168,8 +168,9 @@ private:
     }
     void lower(int at, double d) {
         if (d >= distance_(at)) return;
+        // Of two that are as near but for round-off the first one counts, on all ranks.
+        if (numbers_(at) == Solids::nothing || d < distance_(at) - nodes_.surface()) numbers_(at) = number_;
         distance_(at) = d;
-        numbers_(at) = number_;
     }
 
     const PlacedBody& body_;

@@ -85,6 +85,43 @@ TEST_P(LevelSetCase, TheDistanceIsThatOfOneRank) {
     }
 }
 
+// Nodes in the surface of a ball, and nodes as far from it as from the floor: which side they are on and to whom they belong
+// is no matter of round-off.
+TEST_P(LevelSetCase, TheDistanceFollowsRoundOffOfABodyByAsMuch) {
+    const int dimensions = GetParam();
+    const double dx = 1.0 / 16;
+    const auto domain = test::make_domain(dimensions, {1, 1, 1}, dx);
+    Vec3 centre{0.5, 0.5, 0};
+    centre[std::size_t(dimensions - 1)] = 3 * dx;
+    const auto world = [&](double radius) {
+        rigid::BodySetup body;
+        body.centre = centre;
+        body.region = {test::ball(centre, radius, dimensions)};
+        rigid::BodiesSetup out;
+        out.dimensions = dimensions;
+        out.bodies = {body};
+        return out;
+    };
+    Liquid smaller(Comm::world(), domain, world(2 * dx * (1 - 1e-14))), larger(Comm::world(), domain, world(2 * dx * (1 + 1e-14)));
+    Seeding seeding;
+    Vec3 top{2, 2, 2};
+    top[std::size_t(dimensions - 1)] = 0.26;
+    seeding.liquids = {{test::box({-1, -1, -1}, top, dimensions)}};
+    seeding.solid_distance = [&](const Vec3& x) { return smaller.solids.distance_at(x, smaller.bodies); };
+    smaller.fill(seeding);
+    larger.fill(seeding);
+    const auto a = on_host(smaller.surface.distance()), b = on_host(larger.surface.distance());
+    const auto of = on_host(smaller.solids.number()), to = on_host(larger.solids.number());
+    const auto n = static_cast<std::size_t>(8 * smaller.faces.window().size());
+    for (std::size_t i = 0; i < n; ++i) {
+        if (static_cast<int>(i % 8) >= smaller.solids.nodes().used()) continue;
+        if (of(i) != Solids::nothing && to(i) != Solids::nothing) { // nothing: beyond the band
+            ASSERT_EQ(of(i), to(i));
+        }
+        ASSERT_NEAR(a(i), b(i), 1e-10 * dx);
+    }
+}
+
 TEST_P(LevelSetCase, LiquidThatTouchesAWallGoesOnInIt) {
     const int dimensions = GetParam();
     const double dx = 1.0 / 16;

@@ -108,18 +108,20 @@ TEST_F(Steps, KeepTheAngularMomentumOfASpinningBall) {
     }
 }
 
-enum class Contents { viscous_liquid, thin_liquid_and_a_body };
+enum class Contents { viscous_liquid, thin_liquid_and_a_body, viscous_liquid_and_a_body };
 class StepsOf : public testing::TestWithParam<Contents> {};
-INSTANTIATE_TEST_SUITE_P(all, StepsOf, testing::Values(Contents::viscous_liquid, Contents::thin_liquid_and_a_body));
+INSTANTIATE_TEST_SUITE_P(all, StepsOf, testing::Values(Contents::viscous_liquid, Contents::thin_liquid_and_a_body,
+                                                         Contents::viscous_liquid_and_a_body));
 
+// After the first step, in which it falls by 1.5 cells, the body has a node in its surface and one as far from it as from the
+// floor, but for round-off.
 TEST_P(StepsOf, AreTheSameOnOneRankAndOnAll) {
     const Comm comm = Comm::world();
     auto sample = sample_of(16, 3);
     sample.setup.options.pressure.residual = sample.setup.options.viscosity.residual = 1e-12;
     sample.liquid = [](const Vec3& x) { return std::max({x[0] - 0.42, x[2] - 0.55}); };
-    if (GetParam() == Contents::viscous_liquid) {
-        sample.setup.viscosity = 0.5;
-    } else {
+    if (GetParam() != Contents::thin_liquid_and_a_body) sample.setup.viscosity = 0.5;
+    if (GetParam() != Contents::viscous_liquid) {
         sample.setup.rigid.bodies = {ball_body({0.62, 0.45, 0.25}, 0.13, 600)};
         sample.setup.slip = {{scene::Slip::no_slip}, {0}};
     }
