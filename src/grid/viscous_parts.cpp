@@ -5,7 +5,7 @@ namespace treacle::grid {
 namespace {
 // Of its stresses: how faces without liquid hold on to their velocity. Pairs of them on one shear stress cost nothing, and a
 // preconditioner would answer the round-off in them by round-off's inverse; momentum is broken by less than is measured.
-constexpr double hold = 1e-11;
+constexpr double hold = 1e-13;
 
 // w = K wet / W_F^2 dx^3 / dx^2 of one stress; 0 where there is no liquid, or no room for it to slide.
 struct StressLoop {
