@@ -3,10 +3,6 @@
 namespace treacle::grid {
 
 namespace {
-// Of its stresses: how faces without liquid hold on to their velocity. Pairs of them on one shear stress cost nothing, and a
-// preconditioner would answer the round-off in them by round-off's inverse; momentum is broken by less than is measured.
-constexpr double hold = 1e-13;
-
 // w = K wet / W_F^2 dx^3 / dx^2 of one stress; 0 where there is no liquid, or no room for it to slide.
 struct StressLoop {
     Array<double> viscosity, wet, fluid, out;
@@ -45,10 +41,8 @@ struct RoleLoop {
     KOKKOS_INLINE_FUNCTION void operator()(int n) const {
         int c[3];
         const auto i = inner.place(n, c);
-        bool tight = false;
-        double stress = 0;
-        faces.each_stress(axis, i, faces.normal, faces.shear, [&](double w) { stress += w; });
-        const bool stressed = stress > 0;
+        bool stressed = false, tight = false;
+        faces.each_stress(axis, i, faces.normal, faces.shear, [&](double w) { stressed = stressed || w > 0; });
         faces.each_stress(axis, i, cell_fluid, edge_fluid, [&](double f) { tight = tight || f < least_gap; });
         const bool has_liquid = wet(i) > least_wet;
         int role = idle_face;
@@ -57,7 +51,7 @@ struct RoleLoop {
         faces.role[axis](i) = role;
         faces.share.axis[axis](i) = role == free_face ? fluid(i) : 0.0;
         faces.scale.axis[axis](i) = role == free_face || !(solid > least_wet) ? 1.0 : 1 / solid;
-        faces.mass.axis[axis](i) = mass * wet(i) + (has_liquid ? 0.0 : hold * stress);
+        faces.mass.axis[axis](i) = mass * wet(i);
     }
 };
 

@@ -9,6 +9,10 @@ namespace {
 // about itself, get rows and columns of zeros, which the sweeps pass over.
 constexpr double least_arm = 1e-9;
 
+// Of the diagonal, added to it in coarse matrices: motions that cost nothing, as semidefinite matrices have, would have nothing
+// but round-off there, of either sign, and its inverse in the cycle. Far below the mass of free pieces that are stiff.
+constexpr double least_cost = 1e-10;
+
 // How a row of the matrix feels the motions of its aggregate: entries that are not zero.
 template <int D>
 struct Felt {
@@ -283,7 +287,8 @@ void RigidCoarsener::add_row(const Level& level, const RigidLinks& links, Index 
     const auto& own = level.own();
     for (Index e = own.offsets[row]; e < own.offsets[row + 1]; ++e) {
         const auto j = static_cast<std::size_t>(own.columns[e]);
-        if (level.aggregate[j] >= 0) add(level.aggregate[j], Felt<D>(links.axes[j], &links.arms[3 * j]), own.values[e]);
+        const double value = static_cast<Index>(j) == row ? (1 + least_cost) * own.values[e] : own.values[e];
+        if (level.aggregate[j] >= 0) add(level.aggregate[j], Felt<D>(links.axes[j], &links.arms[3 * j]), value);
     }
     const auto& other = level.other();
     for (Index e = other.offsets[row]; e < other.offsets[row + 1]; ++e) {
