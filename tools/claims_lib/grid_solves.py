@@ -2,7 +2,7 @@
 
 import json
 
-from .gtest import gtest_on_ranks, run_gtest
+from .gtest import run_gtest
 from .run import scratch, treacle
 from .table import Figure, Unmeasured
 
@@ -37,7 +37,14 @@ def viscosity_solve(context):
 
 
 def pressure_solve(context):
-    return gtest_on_ranks(context, "grid_pressure_test", "Pressures.TakeFewIterationsWhateverTheSize", at_least=1)
+    """The test holds 24^3 and 48^3 to what was measured; what was asked is less."""
+    parts, ok = [], True
+    for ranks in (1, 4):
+        report = run_gtest(context, "grid_pressure_test", "Pressures.TakeFewIterationsWhateverTheSize", ranks=ranks)
+        found = {key.removeprefix("iterations_"): int(value) for key, value in report.properties.items()}
+        ok = ok and report.ok and max(found.values()) <= 12
+        parts.append(f"{ranks} ranks: " + ", ".join(f"{count} at {cells}^3" for cells, count in found.items()))
+    return Figure("; ".join(parts), ok)
 
 
 def position_correction(context):
