@@ -1,6 +1,7 @@
 #include "grid/viscous_system.hpp"
 
 #include "kokkos/scan.hpp"
+#include "solve/host_blocks.hpp"
 
 #include <algorithm>
 
@@ -221,18 +222,7 @@ double& ViscousSystem::extra_entry(int row, int column) {
 }
 
 solve::CsrBlocks ViscousSystem::blocks() {
-    solve::CsrBlocks blocks;
-    blocks.diagonal_offsets = host_own_.offset.data();
-    blocks.diagonal_columns = host_own_.column.data();
-    blocks.diagonal_values = host_own_.value.data();
-    blocks.off_offsets = host_other_.offset.data();
-    blocks.off_columns = host_other_.column.data();
-    blocks.off_values = host_other_.value.data();
-    blocks.halo = &halo_;
-    blocks.first_row = static_cast<int>(first_row_);
-    blocks.rows = rows();
-    blocks.global_rows = static_cast<int>(global_rows_);
-    return blocks;
+    return solve::csr_blocks(host_own_, host_other_, halo_, {first_row_, rows(), global_rows_});
 }
 
 void ViscousSystem::right_hand_side(const ViscousFaces& faces, const FaceField& velocity, const Array<double>& b) const {

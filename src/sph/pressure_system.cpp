@@ -1,6 +1,7 @@
 #include "sph/pressure_system.hpp"
 
 #include "kokkos/scan.hpp"
+#include "solve/host_blocks.hpp"
 #include "sph/laplacian.hpp"
 #include "sph/row_writer.hpp"
 
@@ -181,18 +182,7 @@ PressureSystem::HostSystem PressureSystem::to_host() const {
 }
 
 solve::CsrBlocks PressureSystem::blocks(const HostSystem& host) {
-    solve::CsrBlocks blocks;
-    blocks.diagonal_offsets = host.own.offset.data();
-    blocks.diagonal_columns = host.own.column.data();
-    blocks.diagonal_values = host.own.value.data();
-    blocks.off_offsets = host.other.offset.data();
-    blocks.off_columns = host.other.column.data();
-    blocks.off_values = host.other.value.data();
-    blocks.halo = &halo_;
-    blocks.first_row = static_cast<int>(first_row_);
-    blocks.rows = rows_;
-    blocks.global_rows = static_cast<int>(global_rows_);
-    return blocks;
+    return solve::csr_blocks(host.own, host.other, halo_, {first_row_, rows_, global_rows_});
 }
 
 void PressureSystem::take_solution(const HostSystem& host) const { Kokkos::deep_copy(solution_, host.solution); }
