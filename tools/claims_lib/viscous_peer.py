@@ -10,6 +10,8 @@ STEPS = 20
 CASES = ((37, 1e-3), (37, 4e-3), (58, 1e-3), (58, 4e-3))  # particles an edge, step [s]
 QUICK_CASES = ((20, 4e-3),)
 METHODS = {"Takahashi et al. 2015 (improved)": 5, "Weiler et al. 2018": 6}  # its numbers
+# Its Takahashi 2015 takes minutes a step; each is compared over the steps that it made.
+LENGTHS = {"Takahashi et al. 2015 (improved)": 5, "Weiler et al. 2018": STEPS}
 WANTED = {"Takahashi et al. 2015 (improved)": 10, "Weiler et al. 2018": 1}
 
 
@@ -22,7 +24,7 @@ def scene_of_peer(cube, method, box):
     return {
         "Configuration": {
             "particleRadius": 0.5 * d, "simulationMethod": 4, "gravitation": [0, -9.81, 0], "timeStepSize": cube.step,
-            "cflMethod": 0, "boundaryHandlingMethod": 2, "stopAt": (STEPS - 0.5) * cube.step, "enableVTKExport": False,
+            "cflMethod": 0, "boundaryHandlingMethod": 2, "stopAt": (LENGTHS[method] - 0.5) * cube.step, "enableVTKExport": False,
             "enablePartioExport": False, "DFSPH": {"minIterations": 2, "maxIterations": 1000, "maxError": 0.01}},
         "Materials": [{"id": "Fluid", "density0": viscous_solve.DENSITY, "viscosityMethod": METHODS[method], method: solve}],
         "RigidBodies": [{"geometryFile": str(box), "translation": [a, 0.75 * a, a], "scale": [2 * a, 1.5 * a, 2 * a],
@@ -50,12 +52,14 @@ def compare(context, count, step):
         peers = {method: run_peer(context, cube, method, folder) for method in METHODS}
         steps = viscous_solve.run_cube(context, cube, folder / "ours", ranks=peer.THREADS,
                                        set={"method.viscosity.residual": RESIDUAL}).steps()
-    ours = float(steps["viscosity"].mean())
-    text = f"{count**3} particles, {1e3 * step:g} ms: {steps['viscosity iterations'].mean():.0f} iterations, {ours:.3f} s a step"
+    text = (f"{count**3} particles, {1e3 * step:g} ms: {steps['viscosity iterations'].mean():.0f} iterations, "
+            f"{float(steps['viscosity'].mean()):.3f} s a step")
     ok = True
     for method, (seconds, iterations) in peers.items():
+        ours = float(steps["viscosity"][:LENGTHS[method]].mean())
         ok = ok and seconds >= WANTED[method] * ours
-        text += f", {method.split()[0]} {iterations:.0f} iterations, {seconds:.2f} s, {seconds / ours:.1f} times"
+        text += (f", {method.split()[0]} over {LENGTHS[method]} steps {iterations:.0f} iterations, {seconds:.2f} s, "
+                 f"{seconds / ours:.1f} times")
     return text, ok
 
 
@@ -66,6 +70,6 @@ def against_peer(context):
 
 
 def add_rows(table):
-    table.row("against SPlisHSPlasH", claim=f"2.16, a cube of 1000 Pa s on a floor, residual {RESIDUAL:g}, {STEPS} steps, 2 ranks "
+    table.row("against SPlisHSPlasH", claim=f"2.16, a cube of 1000 Pa s on a floor, residual {RESIDUAL:g}, 2 ranks "
               "against 2 threads, 51k and 195k particles, 1 and 4 ms",
               asked=">= 10 times faster than its Takahashi 2015, not slower than its Weiler 2018")(against_peer)
