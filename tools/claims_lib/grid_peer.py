@@ -39,10 +39,7 @@ liquids:
     shapes: [{{mesh: {{file: "{bunny}"}}}}]
 bodies:
   - {{name: sphere, shape: {{sphere: {{centre: [0.5, 0.5, 0.5], radius: 0.45, inverted: true}}}}, slip: no_slip}}
-method:
-  kind: grid
-  pressure: {{residual: {residual}}}
-  viscosity: {{residual: {residual}}}
+method: {{kind: grid, grid: {{pressure: {{residual: {residual}}}, viscosity: {{residual: {residual}}}}}}}
 time: {{end: {end}, step: {step}}}
 output: {{interval: 0}}
 """
@@ -58,8 +55,9 @@ def meshes(context):
 def build_peer(context, folder):
     source = pathlib.Path(context.peer(NAME)).resolve() / "src"
     program = folder / NAME
+    windows = ["-Derrno_t=int", "-Dfopen_s(file,name,mode)=((*(file)=fopen(name,mode))==nullptr)"]  # its loadOBJ knows no other
     files = [path for path in sorted(source.glob("*.cpp")) if path.name != "main.cpp"]
-    execute(context, ["c++", "-O3", "-std=c++11", f"-I{source}", pathlib.Path(__file__).with_name("flipviscosity3d.cpp"),
+    execute(context, ["c++", "-O3", "-std=c++11", *windows, f"-I{source}", pathlib.Path(__file__).with_name("flipviscosity3d.cpp"),
                       *files, "-o", program])
     return program
 
