@@ -63,7 +63,7 @@ CellBox grown(const CellBox& box, int by, int dimensions) {
 } // namespace
 
 Pressure::Pressure(const Comm& comm, const PressureOptions& options, Coupling coupling, int dimensions)
-    : comm_(comm), options_(options), coupling_kind_(coupling), multilevel_(comm, {}),
+    : comm_(comm), options_(options), coupling_kind_(coupling), multilevel_(comm, {.relaxation = 1.2}),
       solver_(comm, "pressure", krylov(dimensions)) {}
 
 solve::KrylovOptions Pressure::krylov(int dimensions) {

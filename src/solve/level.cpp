@@ -76,10 +76,11 @@ void Level::find_diagonals() {
     }
 }
 
-void Level::secure_sweeps() {
+void Level::secure_sweeps(double relaxation) {
     secured_.resize(static_cast<std::size_t>(rows));
     for (Index i = 0; i < rows; ++i) secured_[static_cast<std::size_t>(i)] = diagonal(i);
     const auto around = halo().gather(secured_);
+    const double beside = 1.5 * (1 - 1 / relaxation);
     for (Index i = 0; i < rows; ++i) {
         double& own = secured_[static_cast<std::size_t>(i)];
         const double given = own;
@@ -88,7 +89,7 @@ void Level::secure_sweeps() {
             const double there = around[static_cast<std::size_t>(other_.columns[k])];
             if (there > 0) sum += std::fabs(other_.values[k]) * std::sqrt(given / there);
         }
-        own = std::max(given, 0.5 * (given + sum));
+        own = std::max(given / relaxation + beside * sum, 0.5 * (given + sum));
     }
 }
 

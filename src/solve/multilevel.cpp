@@ -157,6 +157,7 @@ void Multilevel::State::cycle(std::size_t depth, std::span<const double> r, std:
 namespace {
 MultilevelOptions checked(const MultilevelOptions& options) {
     if (options.overcorrection < 1 || options.overcorrection >= 2) throw std::logic_error("multilevel: overcorrection");
+    if (options.relaxation < 1 || options.relaxation >= 2) throw std::logic_error("multilevel: relaxation");
     if (options.jacobi_weight <= 0 || options.jacobi_weight > 1) throw std::logic_error("multilevel: jacobi_weight");
     if (options.coarse == CoarseMatrices::grids && options.cycle == Cycle::w) {
         throw std::logic_error("multilevel: a W-cycle on grids may be indefinite");
@@ -202,6 +203,9 @@ void Multilevel::set_up(Matrix& matrix, const MultilevelCells& cells) {
         auto& last = state.stages[state.used - 1].level;
         state.direct = last.global_rows <= options_.dense_rows;
         if (state.direct) state.dense.factor(last);
+    }
+    for (std::size_t k = 0; k < state.used && options_.relaxation > 1; ++k) {
+        state.stages[k].level.secure_sweeps(options_.relaxation);
     }
 }
 

@@ -29,6 +29,7 @@ struct MultilevelOptions {
     double overcorrection = 1.6;                // galerkin: coarse matrices are divided by it, from 1 to below 2
     Cycle cycle = Cycle::w;
     int coarse_sweeps = 1;                      // each way on coarse levels
+    double relaxation = 1;                      // of Gauss-Seidel sweeps, on all levels; from 1 to below 2
     double grid_coupling = 1; // grids: n / (lambda H^2), n the rows of a full cell of width H [1/m2]
     int dense_rows = 200;     // most unknowns that are solved for directly
     int rows_per_rank = 500;  // levels with fewer on the mean are gathered onto every eighth rank

