@@ -156,10 +156,6 @@ void check_grid(const Input& input, std::vector<Diagnostic>& problems) {
             refuse(liquid.where, "liquids." + liquid.name + ": another density than that of the first liquid",
                    "give all the same, or take method.kind: sph");
         }
-        if (liquid.surface_tension != input.scene.liquids.front().surface_tension) {
-            refuse(liquid.where, "liquids." + liquid.name + ": another surface tension than that of the first liquid",
-                   "give all the same");
-        }
     }
     if (input.scene.time.cfl > largest_grid_cfl) {
         problems.push_back({input.scene.time.where, "time.cfl is above 3", "the arrays of method grid reach three cells beyond a rank's own",

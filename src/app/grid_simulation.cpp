@@ -18,8 +18,8 @@ grid::GridSetup make_setup(const Input& input, const Geometry& geometry) {
     out.domain = scene.domain;
     out.density = scene.liquids.front().density;
     out.liquids = static_cast<int>(scene.liquids.size());
-    out.surface_tension = scene.liquids.front().surface_tension;
     for (const auto& liquid : scene.liquids) {
+        out.surface_tension.push_back(liquid.surface_tension);
         out.viscosity = std::max(out.viscosity, largest_viscosity(liquid));
         out.viscosity_varies = out.viscosity_varies || liquid.varies() || liquid.viscosity != scene.liquids.front().viscosity;
     }

@@ -28,7 +28,7 @@ GridStep::GridStep(const Comm& comm, const GridSetup& setup)
     : comm_(comm), setup_(setup), grid_(make_mac_grid(setup.domain)), bodies_(setup.rigid),
       decomposition_(comm, grid_.cells), source_(make_layer_source(setup.inflow, grid_)),
       outlets_(flow::make_outlets(setup.inflow.outlets, grid_.dimensions)), solids_(grid_, setup.domain),
-      slip_(grid_, setup.domain, setup.slip), rheology_(setup.rheology),
+      slip_(grid_, setup.domain, setup.slip), rheology_(setup.rheology), tensions_(setup.surface_tension),
       pressure_(comm, setup.options.pressure, setup.options.coupling, grid_.dimensions),
       viscosity_(comm, setup.options.viscosity, setup.options.coupling), correction_(grid_) {
     particle_mass_ = Array<double>("treacle::particle_mass", static_cast<std::size_t>(setup.liquids));
@@ -292,7 +292,9 @@ StepReport GridStep::advance(double dt) {
     accelerate(grid_, cells_halo_.window(), setup_.domain.gravity, dt, velocity_); // (A1)
     {
         const auto phase = timers_.scope("pressure");
-        pressure_.build({grid_, cells_halo_, distance_, fractions_, shares_, bodies_, setup_.density, setup_.surface_tension});
+        if (tensions_.differ()) tensions_.find(grid_, cells_halo_, particles_, cells_, particle_mass_);
+        pressure_.build({grid_, cells_halo_, distance_, fractions_, shares_, bodies_, setup_.density, tensions_.largest(),
+                         tensions_.differ() ? &tensions_.at_centres() : nullptr});
         project(report, dt, Pressure::Surface::tense); // (P)
     }
     {
@@ -339,8 +341,8 @@ double GridStep::stable_step(double cfl) const {
     double dt = std::numeric_limits<double>::infinity();
     // (speed + pull dt) dt = way.
     if (pull > 0 || speed > 0) dt = 2 * way / (speed + std::sqrt(speed * speed + 4 * pull * way));
-    if (setup_.surface_tension > 0) {
-        dt = std::min(dt, std::sqrt(setup_.density * std::pow(grid_.dx, 3) / (4 * math::pi * setup_.surface_tension)));
+    if (tensions_.largest() > 0) {
+        dt = std::min(dt, std::sqrt(setup_.density * std::pow(grid_.dx, 3) / (4 * math::pi * tensions_.largest())));
     }
     return dt;
 }
@@ -358,7 +360,8 @@ std::size_t GridStep::bytes() const {
     }
     numbers += fractions_.cell_fluid.span() + fractions_.cell_liquid.span() + fractions_.cell_wet.span();
     numbers += level_set_.distance().span() + 2 * solids_.distance().span();
-    return 8 * numbers + particles_.store.bytes() + pressure_.bytes() + viscosity_.bytes() + rheology_.bytes();
+    return 8 * numbers + particles_.store.bytes() + pressure_.bytes() + viscosity_.bytes() + rheology_.bytes() +
+           tensions_.bytes();
 }
 
 } // namespace treacle::grid

@@ -9,6 +9,7 @@
 #include "grid/pressure.hpp"
 #include "grid/rheology.hpp"
 #include "grid/slip_geometry.hpp"
+#include "grid/tension.hpp"
 #include "grid/viscosity.hpp"
 #include "mpi/halo.hpp"
 #include "mpi/migration.hpp"
@@ -25,7 +26,7 @@ struct GridSetup {
     scene::Domain domain;
     double density = 1000;          // [kg/m3] of all liquids
     int liquids = 1;
-    double surface_tension = 0;     // [N/m]
+    std::vector<double> surface_tension; // [liquids] against air [N/m]; none: no liquid has any
     double viscosity = 0;           // [Pa s] of all liquid, unless it varies; 0: without a viscous solve
     bool viscosity_varies = false;  // then each particle has its own
     std::vector<flow::FlowCurve> rheology; // [liquids]; empty: no viscosity depends on the shear rate
@@ -141,6 +142,7 @@ private:
     FaceMarks known_, reached_;
     Rheology rheology_;
     Viscosities viscosities_;
+    SurfaceTensions tensions_;
     Pressure pressure_;
     Viscosity viscosity_;
     PositionCorrection correction_;
