@@ -94,7 +94,7 @@ TEST_F(Steps, LeaveATankAtRest) {
 // Two drops apart: each has the pressure that it has where both have its surface tension.
 TEST_F(Steps, GiveEachLiquidItsSurfaceTension) {
     const Vec3 places[2] = {{0.25, 0.5, 0.5}, {0.73, 0.47, 0.52}};
-    const double radius = 0.2;
+    const double radius = 0.17; // four cells, and as many between the drops
     auto sample = ball_of_liquid(24, 0);
     sample.liquid = [&](const Vec3& x) { return std::min(from(places[0], x), from(places[1], x)) - radius; };
     sample.setup.liquids = 2;
