@@ -25,15 +25,6 @@ constexpr const char* side_names[domain_sides] = {"x_min", "x_max", "y_min", "y_
 
 double friction_of(scene::Slip slip) { return slip == scene::Slip::no_slip ? 1.0 : 0.0; }
 
-// The shape of each liquid's viscosity, where one depends on the shear rate.
-std::vector<sph::FlowCurve> flow_curves(const Input& input) {
-    const auto thins = [](const scene::Liquid& liquid) { return liquid.rheology.law != scene::ShearLaw::newtonian; };
-    std::vector<sph::FlowCurve> out;
-    if (std::ranges::none_of(input.scene.liquids, thins)) return out;
-    for (const auto& liquid : input.scene.liquids) out.push_back(sph::make_flow_curve(liquid));
-    return out;
-}
-
 // Whether the surface tension is that of the liquid's material, rather than one that the user gave.
 bool is_of_preset(const scene::Liquid& liquid) {
     const auto* preset = scene::find_material(liquid.material);
@@ -161,24 +152,15 @@ void check_grid(const Input& input, std::vector<Diagnostic>& problems) {
         problems.push_back({where, what + " cannot go with method.kind: grid", "it would be ignored", cure});
     };
     for (const auto& liquid : input.scene.liquids) {
-        if (liquid.rheology.law != scene::ShearLaw::newtonian) {
-            refuse(liquid.where, "liquids." + liquid.name + ".rheology", "leave it out, or take method.kind: sph");
-        }
         if (liquid.density != input.scene.liquids.front().density) {
             refuse(liquid.where, "liquids." + liquid.name + ": another density than that of the first liquid",
                    "give all the same, or take method.kind: sph");
-        }
-        if (liquid.surface_tension != input.scene.liquids.front().surface_tension) {
-            refuse(liquid.where, "liquids." + liquid.name + ": another surface tension than that of the first liquid",
-                   "give all the same");
         }
     }
     if (input.scene.time.cfl > largest_grid_cfl) {
         problems.push_back({input.scene.time.where, "time.cfl is above 3", "the arrays of method grid reach three cells beyond a rank's own",
                             "take 3 or less"});
     }
-    if (!input.scene.inlets.empty()) refuse(input.scene.inlets.front().where, "inlets", "take method.kind: sph");
-    if (!input.scene.outlets.empty()) refuse(input.scene.outlets.front().where, "outlets", "take method.kind: sph");
     for (std::size_t k = 0; k < domain_sides; ++k) {
         const auto& face = input.scene.domain.faces[k];
         if (face.skin_friction > 0) {

@@ -189,7 +189,7 @@ void validate_geometry(const Input& input, const Geometry& geometry, const Comm&
 
 double largest_viscosity(const scene::Liquid& liquid) {
     if (liquid.rheology.law != scene::ShearLaw::newtonian) {
-        const auto curve = sph::make_flow_curve(liquid);
+        const auto curve = flow::make_flow_curve(liquid);
         constexpr double fast = 1e6; // [1/s] beyond what any scene has, for liquids that thicken
         return std::max(curve(0), curve(fast));
     }
@@ -201,7 +201,7 @@ double largest_viscosity(const scene::Liquid& liquid) {
 }
 
 double poured_viscosity(const scene::Liquid& liquid, const Vec3& x) {
-    if (liquid.rheology.law != scene::ShearLaw::newtonian) return sph::make_flow_curve(liquid)(0);
+    if (liquid.rheology.law != scene::ShearLaw::newtonian) return flow::make_flow_curve(liquid)(0);
     const auto& profile = liquid.viscosity_profile;
     return profile.points.empty() ? liquid.viscosity : profile.at(x[static_cast<std::size_t>(profile.axis)]);
 }
@@ -213,6 +213,14 @@ double initial_viscosity(const Input& input, const Geometry& geometry, std::size
         if (geometry.viscosity_regions[which][k].distance(x) <= 0) viscosity = liquid.viscosity_regions[k].viscosity;
     }
     return viscosity;
+}
+
+std::vector<flow::FlowCurve> flow_curves(const Input& input) {
+    const auto thins = [](const scene::Liquid& liquid) { return liquid.rheology.law != scene::ShearLaw::newtonian; };
+    std::vector<flow::FlowCurve> out;
+    if (std::ranges::none_of(input.scene.liquids, thins)) return out;
+    for (const auto& liquid : input.scene.liquids) out.push_back(flow::make_flow_curve(liquid));
+    return out;
 }
 
 bool viscosities_vary(const Input& input) { return std::ranges::any_of(input.scene.liquids, &scene::Liquid::varies); }

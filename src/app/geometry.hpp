@@ -1,5 +1,6 @@
 #pragma once
 #include "app/input.hpp"
+#include "flow/flow_curve.hpp"
 #include "mpi/comm.hpp"
 #include "scene/sampling.hpp"
 #include "sph/domain.hpp"
@@ -66,6 +67,9 @@ double poured_viscosity(const scene::Liquid& liquid, const Vec3& x);
 double initial_viscosity(const Input& input, const Geometry& geometry, std::size_t which, const Vec3& x);
 
 // Whether any liquid's particles differ in viscosity, or any viscosity depends on the shear rate.
+// How the viscosity of each liquid depends on the shear rate; none where that of no liquid does.
+std::vector<flow::FlowCurve> flow_curves(const Input& input);
+
 bool viscosities_vary(const Input& input);
 
 // What the scene's liquids are made of, with their largest viscosities.

@@ -1,6 +1,8 @@
 #include "app/grid_simulation.hpp"
 
 #include "app/bodies.hpp"
+#include "app/inflow.hpp"
+#include "grid/inflow.hpp"
 #include "grid/seeding.hpp"
 
 #include <cmath>
@@ -16,12 +18,23 @@ grid::GridSetup make_setup(const Input& input, const Geometry& geometry) {
     out.domain = scene.domain;
     out.density = scene.liquids.front().density;
     out.liquids = static_cast<int>(scene.liquids.size());
-    out.surface_tension = scene.liquids.front().surface_tension;
     for (const auto& liquid : scene.liquids) {
+        out.surface_tension.push_back(liquid.surface_tension);
         out.viscosity = std::max(out.viscosity, largest_viscosity(liquid));
         out.viscosity_varies = out.viscosity_varies || liquid.varies() || liquid.viscosity != scene.liquids.front().viscosity;
     }
+    out.rheology = flow_curves(input);
     out.rigid = make_bodies(input, geometry);
+    for (const auto& body : scene.bodies) {
+        out.slip.slip.push_back(body.slip);
+        out.slip.slip_length.push_back(body.slip_length);
+    }
+    out.inflow = make_inflow(input);
+    for (auto& plug : grid::make_plugs(out.inflow, grid::make_mac_grid(scene.domain))) {
+        out.rigid.bodies.push_back(std::move(plug));
+        out.slip.slip.push_back(scene::Slip::no_slip);
+        out.slip.slip_length.push_back(0);
+    }
     return out;
 }
 
@@ -54,6 +67,7 @@ std::vector<std::string> GridSimulation::fill(const Geometry& geometry) {
     solver_.start();
     auto notes = geometry.notes;
     for (auto& note : body_notes(input_, geometry)) notes.push_back(std::move(note));
+    for (auto& note : inflow_notes(input_)) notes.push_back(std::move(note));
     return notes;
 }
 
@@ -79,6 +93,8 @@ StepFigures GridSimulation::advance(double dt) {
                   double(pressure.closed), double(viscosity.solve.iterations), viscosity.solve.relative_residual,
                   double(viscosity.unknowns), double(report.correction.iterations), report.correction.density_before,
                   report.correction.density_after, report.correction.energy, double(report.pushed), report.imbalance};
+    // Those of the scene's bodies, which stand before the plugs of inlets.
+    for (auto* loads : {&report.loads, &report.viscous_loads}) loads->resize(6 * input_.scene.bodies.size());
     out.loads = std::move(report.loads);
     out.viscous_loads = std::move(report.viscous_loads);
     out.lost = std::move(report.lost);

@@ -26,7 +26,7 @@ public:
     const ParticleStore& solid_points() override;
     LiquidView view() const override;
     const rigid::RigidBodies& bodies() const override { return solver_.bodies(); }
-    std::int64_t emitted() const override { return 0; }
+    std::int64_t emitted() const override { return solver_.emitted(); }
     const PhaseTimers& timers() const override { return solver_.timers(); }
     std::size_t bytes() const override { return solver_.bytes(); }
     std::vector<std::string> load_names() const override;

@@ -1,6 +1,9 @@
 #include "app/inflow.hpp"
 
 #include "app/table_text.hpp"
+#include "grid/inflow.hpp"
+#include "grid/seeding.hpp"
+#include "sph/inflow.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -83,64 +86,95 @@ std::vector<std::array<double, 2>> disc(double radius, double spacing) {
     return best;
 }
 
-sph::InletSetup make_inlet(const Input& input, const scene::Inlet& inlet, const sph::Constants& constants) {
+// What the layers of an inlet are made of.
+struct Pouring {
+    flow::Layers layers;
+    double volume = 0;    // of a particle [m3], in the plane [m2]
+    double clearance = 0; // least distance of particles from solids [m]
+    std::int64_t first_id = 0;
+    std::string behind; // what is behind the opening
+};
+
+Pouring pouring_of(const Input& input) {
     const auto& domain = input.scene.domain;
-    sph::InletSetup out;
+    Pouring out;
+    if (input.on_grid()) {
+        const auto grid = grid::make_mac_grid(domain);
+        const auto particles = grid::seeded_ids(grid);
+        out.layers = grid::layers_of(grid);
+        out.layers.held = grid::plug_layers;
+        out.volume = std::pow(out.layers.spacing, domain.dimensions);
+        out.first_id = static_cast<std::int64_t>(input.scene.liquids.size()) * particles;
+        out.behind = "a plug that pushes its liquid stands in " + std::to_string(out.layers.held) + " particle spacings behind the opening";
+        return out;
+    }
+    const auto constants = make_constants(input);
+    out.layers = sph::layers_of(constants);
+    out.volume = constants.rest_volume;
+    out.clearance = 0.5 * domain.spacing;
+    const scene::Lattice lattice{domain.spacing, domain.min, domain.max, domain.dimensions};
+    out.first_id = static_cast<std::int64_t>(input.scene.liquids.size() * lattice.points());
+    out.behind = "its liquid waits in " + std::to_string(out.layers.held) + " spacings behind the opening";
+    return out;
+}
+
+flow::InletSetup make_inlet(const Input& input, const scene::Inlet& inlet, const Pouring& pouring) {
+    const auto& domain = input.scene.domain;
+    const double spacing = pouring.layers.spacing;
+    flow::InletSetup out;
     const auto liquid = std::ranges::find(input.scene.liquids, inlet.liquid, &scene::Liquid::name);
     out.liquid = static_cast<int>(liquid - input.scene.liquids.begin());
     out.viscosity = poured_viscosity(*liquid, inlet.centre);
     out.centre = inlet.centre;
     out.direction = unit(inlet.direction);
-    const bool round = inlet.shape == scene::InletShape::disc && domain.dimensions == 3;
-    const auto places =
-        round ? disc(inlet.radius, domain.spacing) : rectangle(inlet, domain.spacing, domain.dimensions);
-    const Vec3 first = width_of(inlet, out.direction, domain.dimensions),
-               second = cross(out.direction, first);
+    out.round = inlet.shape == scene::InletShape::disc && domain.dimensions == 3;
+    const auto places = out.round ? disc(inlet.radius, spacing) : rectangle(inlet, spacing, domain.dimensions);
+    out.along = width_of(inlet, out.direction, domain.dimensions);
+    const Vec3& first = out.along;
+    const Vec3 second = cross(out.direction, first);
     for (const auto& [a, b] : places) {
         Vec3 point;
         for (std::size_t k = 0; k < 3; ++k) point[k] = a * first[k] + b * second[k];
         out.points.push_back(point);
     }
-    const double layer = double(out.points.size()) * constants.rest_volume;
-    out.speed = inlet.velocity > 0 ? inlet.velocity : inlet.flow_rate * domain.spacing / layer;
+    const double layer = double(out.points.size()) * pouring.volume;
+    out.speed = inlet.velocity > 0 ? inlet.velocity : inlet.flow_rate * spacing / layer;
     out.start = inlet.start;
     out.end = inlet.end;
     return out;
 }
 } // namespace
 
-sph::InflowSetup make_inflow(const Input& input) {
-    const auto constants = make_constants(input);
-    sph::InflowSetup out;
-    for (const auto& inlet : input.scene.inlets) out.inlets.push_back(make_inlet(input, inlet, constants));
+flow::InflowSetup make_inflow(const Input& input) {
+    flow::InflowSetup out;
+    if (input.scene.inlets.empty() && input.scene.outlets.empty()) return out;
+    const auto pouring = pouring_of(input);
+    for (const auto& inlet : input.scene.inlets) out.inlets.push_back(make_inlet(input, inlet, pouring));
     for (const auto& outlet : input.scene.outlets) {
         const Vec3 normal = unit(outlet.normal);
         out.outlets.push_back(
             {outlet.shape == scene::OutletShape::box, outlet.min, outlet.max, outlet.point, normal});
     }
-    const auto& domain = input.scene.domain;
-    const scene::Lattice lattice{domain.spacing, domain.min, domain.max, domain.dimensions};
-    out.first_id = static_cast<std::int64_t>(input.scene.liquids.size() * lattice.points());
+    out.first_id = pouring.first_id;
     return out;
 }
 
 namespace {
-// Where the particles of an inlet are until they have passed it.
-std::vector<Vec3> held_places(const sph::InletSetup& inlet, const sph::Constants& constants) {
+// Where the particles of an inlet are until they have passed it, or its plug.
+std::vector<Vec3> held_places(const flow::InletSetup& inlet, const flow::Layers& layers) {
     std::vector<Vec3> out;
-    for (int layer = 0; layer < sph::held_layers(constants); ++layer) {
+    for (int layer = 0; layer < layers.held; ++layer) {
         for (const auto& point : inlet.points) {
             Vec3 x = inlet.centre;
             for (std::size_t k = 0; k < 3; ++k)
-                x[k] += point[k] - (layer + 0.5) * constants.spacing * inlet.direction[k];
+                x[k] += point[k] - (layer + 0.5) * layers.spacing * inlet.direction[k];
             out.push_back(x);
         }
     }
     return out;
 }
 
-bool in_domain(const scene::Domain& domain, const Vec3& x) {
-    const double clearance = 0.5 * domain.spacing * (1 - 1e-6);
+bool in_domain(const scene::Domain& domain, double clearance, const Vec3& x) {
     for (std::size_t k = 0; k < static_cast<std::size_t>(domain.dimensions); ++k) {
         const auto gap = [&](std::size_t side) {
             return domain.faces[side].kind == scene::FaceKind::wall ? clearance : 0;
@@ -150,7 +184,7 @@ bool in_domain(const scene::Domain& domain, const Vec3& x) {
     return true;
 }
 
-bool in_outlet(const sph::OutletSetup& outlet, const Vec3& x, int dimensions) {
+bool in_outlet(const flow::OutletSetup& outlet, const Vec3& x, int dimensions) {
     if (!outlet.box)
         return dot({x[0] - outlet.point[0], x[1] - outlet.point[1], x[2] - outlet.point[2]}, outlet.normal) <
                0;
@@ -172,28 +206,27 @@ bool touch(const std::vector<Vec3>& one, const std::vector<Vec3>& other, double 
 class InletCheck {
 public:
     InletCheck(const Input& input, const Geometry& geometry, std::vector<Diagnostic>& problems)
-        : input_(input), geometry_(geometry), problems_(problems), constants_(make_constants(input)),
+        : input_(input), geometry_(geometry), problems_(problems), pouring_(pouring_of(input)),
           setup_(make_inflow(input)) {
-        for (const auto& inlet : setup_.inlets) places_.push_back(held_places(inlet, constants_));
+        for (const auto& inlet : setup_.inlets) places_.push_back(held_places(inlet, pouring_.layers));
     }
 
     void check(std::size_t q) {
         const auto& scene = input_.scene;
-        const double d = constants_.spacing;
-        const std::string behind = "its liquid waits in " + std::to_string(sph::held_layers(constants_)) +
-                                   " spacings behind the opening";
+        const double d = pouring_.layers.spacing, clearance = pouring_.clearance * (1 - 1e-6);
+        const auto& behind = pouring_.behind;
         if (setup_.inlets[q].points.empty()) {
             complain(q, "is smaller than a particle", "nothing would flow in",
                      "make it larger, or refine domain.spacing");
             return;
         }
-        if (any(q, [&](const Vec3& x) { return !in_domain(scene.domain, x); })) {
+        if (any(q, [&](const Vec3& x) { return !in_domain(scene.domain, clearance, x); })) {
             complain(q, "reaches outside of the domain", behind,
                      "move it, or enlarge domain.min and domain.max");
         }
         for (std::size_t b = 0; b < geometry_.bodies.size(); ++b) {
             const auto& body = geometry_.bodies[b];
-            if (any(q, [&](const Vec3& x) { return body.distance(x) < 0.5 * d * (1 - 1e-6); })) {
+            if (any(q, [&](const Vec3& x) { return body.distance(x) < clearance; })) {
                 complain(q, "is inside bodies." + scene.bodies[b].name, behind,
                          "move one of the two, or make the body hollow");
             }
@@ -210,7 +243,7 @@ public:
         }
         for (std::size_t o = 0; o < setup_.outlets.size(); ++o) {
             if (any(q,
-                    [&](const Vec3& x) { return in_outlet(setup_.outlets[o], x, constants_.dimensions); })) {
+                    [&](const Vec3& x) { return in_outlet(setup_.outlets[o], x, scene.domain.dimensions); })) {
                 complain(q, "is inside outlets." + scene.outlets[o].name, behind, "move one of the two");
             }
         }
@@ -234,8 +267,8 @@ private:
     const Input& input_;
     const Geometry& geometry_;
     std::vector<Diagnostic>& problems_;
-    sph::Constants constants_;
-    sph::InflowSetup setup_;
+    Pouring pouring_;
+    flow::InflowSetup setup_;
     std::vector<std::vector<Vec3>> places_;
 };
 } // namespace
@@ -257,14 +290,15 @@ void check_inflow(const Input& input, const Geometry& geometry, std::vector<Diag
             return;
         }
     }
+    if (inlets.empty()) return;
     InletCheck check(input, geometry, problems);
     for (std::size_t q = 0; q < inlets.size(); ++q) check.check(q);
-    if (!inlets.empty() && input.method.pressure.solver != sph::PressureSolver::isph) {
+    if (input.method.pressure.solver != sph::PressureSolver::isph) {
         problems.push_back({inlets.front().where,
                             "inlets cannot go with method.pressure.solver other than isph",
                             "it is there to compare with and does not know them", "write solver: isph"});
     }
-    if (!inlets.empty() && input.method.pressure.corrections > 0) {
+    if (input.method.pressure.corrections > 0) {
         problems.push_back({inlets.front().where, "inlets cannot go with method.pressure.corrections",
                             "they would press what waits behind an opening", "leave the corrections out"});
     }
@@ -272,7 +306,7 @@ void check_inflow(const Input& input, const Geometry& geometry, std::vector<Diag
 
 std::vector<std::string> inflow_notes(const Input& input) {
     std::vector<std::string> notes;
-    const double d = input.scene.domain.spacing;
+    const double d = particle_spacing(input);
     for (const auto& inlet : input.scene.inlets) {
         double extent = 2 * inlet.radius;
         if (inlet.shape == scene::InletShape::rectangle) {
@@ -280,20 +314,21 @@ std::vector<std::string> inflow_notes(const Input& input) {
         }
         if (extent >= fine_opening * d) continue;
         notes.push_back("inlets." + inlet.name + ": its opening is " + short_number(extent / d) +
-                        " spacings wide; what flows through fewer than " + short_number(fine_opening) +
+                        " particles wide; what flows through fewer than " + short_number(fine_opening) +
                         " is not resolved: refine domain.spacing");
     }
     return notes;
 }
 
-double flow_of(const Input& input, const sph::InletSetup& inlet) {
-    const auto constants = make_constants(input);
-    return inlet.speed * double(inlet.points.size()) * constants.rest_volume / constants.spacing;
+double flow_of(const Input& input, const flow::InletSetup& inlet) {
+    const auto pouring = pouring_of(input);
+    return inlet.speed * double(inlet.points.size()) * pouring.volume / pouring.layers.spacing;
 }
 
-std::uint64_t poured_particles(const Input& input, const sph::InletSetup& inlet) {
-    const auto layers = sph::layers_until(inlet, make_constants(input), input.scene.time.end);
-    return static_cast<std::uint64_t>(layers) * inlet.points.size();
+std::uint64_t poured_particles(const Input& input, const flow::InletSetup& inlet) {
+    auto layers = pouring_of(input).layers;
+    if (input.on_grid()) layers.held = 0; // behind the opening there are none
+    return static_cast<std::uint64_t>(flow::layers_until(inlet, layers, input.scene.time.end)) * inlet.points.size();
 }
 
 std::uint64_t poured_particles(const Input& input) {

@@ -131,8 +131,8 @@ void Outputs::write_frame(const Progress& progress) {
 }
 
 void Outputs::write_solids(const Progress& progress) {
-    if (progress.step > 0 && !simulation_.bodies().any_moves()) return;
-    if (!simulation_.solid() && simulation_.bodies().size() == 0) return; // nothing to show
+    if (progress.step > 0 && !any_moves(input_)) return;
+    if (!simulation_.solid() && input_.scene.bodies.empty()) return; // nothing to show
     const auto& store = simulation_.solid_points();
     const auto positions = host_rows(store.position(), store.owned());
     const auto fields = collect_fields(store, {"id", "body"});
@@ -178,7 +178,8 @@ void Outputs::write_bodies(const Progress& progress, const StepFigures& report) 
     std::vector<double> row{double(progress.step), progress.time};
     row.insert(row.end(), report.loads.begin(), report.loads.end());
     row.insert(row.end(), report.viscous_loads.begin(), report.viscous_loads.end());
-    for (std::size_t b = 0; b < bodies.size(); ++b) {
+    const std::size_t count = input_.scene.bodies.size(); // the method may have bodies of its own behind them
+    for (std::size_t b = 0; b < count && b < bodies.size(); ++b) {
         if (!bodies.moves(b)) continue;
         for (const auto& values : {bodies.pose(b).centre, rigid::rotation_vector(bodies.pose(b).turn),
                                    bodies.velocity(b), bodies.spin(b)}) {
@@ -187,7 +188,7 @@ void Outputs::write_bodies(const Progress& progress, const StepFigures& report) 
     }
     if (bodies.any_dynamic()) {
         for (const auto& loads : {bodies.contact_loads(), bodies.joint_loads()}) {
-            row.insert(row.end(), loads.begin(), loads.end());
+            row.insert(row.end(), loads.begin(), loads.begin() + static_cast<std::ptrdiff_t>(6 * count));
         }
     }
     bodies_->append(row);

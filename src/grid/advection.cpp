@@ -52,6 +52,7 @@ KOKKOS_INLINE_FUNCTION LossCause loss_of(const Advection& how, double leak_depth
             if (!how.domain.open[2 * k + s] && beyond[s] > leak_depth) return LossCause::leak;
         }
     }
+    if (how.outlets.take(x)) return LossCause::outflow;
     return how.solid.at(x) < -leak_depth ? LossCause::leak : LossCause::none;
 }
 } // namespace
@@ -86,25 +87,37 @@ Departures advect(const Advection& how, const GridParticles& particles, double d
     return out;
 }
 
-std::vector<LostParticle> remove_lost(GridParticles& particles) {
+namespace {
+// Losses are rare and each one is reported: the host looks at all particles of this rank.
+std::vector<LostParticle> list_lost(const GridParticles& particles) {
     std::vector<LostParticle> lost;
-    // Losses are rare and each one is reported: the host looks at all particles of this rank.
     const auto x = on_host(particles.position()), u = on_host(particles.velocity());
     const auto id = on_host(particles.id());
     const auto cause = on_host(particles.cause());
-    const int n = particles.store.owned();
-    const Array<int> keep("treacle::keep", static_cast<std::size_t>(n));
-    auto host_keep = Kokkos::create_mirror_view(keep);
-    int kept = 0;
-    for (int i = 0; i < n; ++i) {
-        if (cause(i) == static_cast<int>(LossCause::none)) {
-            host_keep(kept++) = i;
-        } else {
-            lost.push_back({id(i), {x(i, 0), x(i, 1), x(i, 2)}, {u(i, 0), u(i, 1), u(i, 2)}, LossCause(cause(i))});
-        }
+    for (int i = 0; i < particles.store.owned(); ++i) {
+        const auto why = LossCause(cause(i));
+        if (why == LossCause::none || why == LossCause::outflow) continue;
+        lost.push_back({id(i), {x(i, 0), x(i, 1), x(i, 2)}, {u(i, 0), u(i, 1), u(i, 2)}, why});
     }
-    if (lost.empty()) return lost;
-    Kokkos::deep_copy(keep, host_keep);
+    return lost;
+}
+} // namespace
+
+std::vector<LostParticle> remove_departed(GridParticles& particles) {
+    const int n = particles.store.owned();
+    const auto cause = particles.cause();
+    const Array<int> keep("treacle::keep", static_cast<std::size_t>(n));
+    int kept = 0, outflow = 0;
+    Kokkos::parallel_scan("treacle::remove_departed", n, KOKKOS_LAMBDA(int i, int& sum, bool last) {
+        const bool stays = cause(i) == static_cast<int>(LossCause::none);
+        if (last && stays) keep(sum) = i;
+        sum += static_cast<int>(stays);
+    }, kept);
+    Kokkos::parallel_reduce("treacle::count_outflow", n, KOKKOS_LAMBDA(int i, int& sum) {
+        sum += static_cast<int>(cause(i) == static_cast<int>(LossCause::outflow));
+    }, outflow);
+    std::vector<LostParticle> lost;
+    if (kept + outflow < n) lost = list_lost(particles);
     particles.store.permute(keep, kept);
     return lost;
 }

@@ -1,5 +1,6 @@
 #pragma once
 #include "base/losses.hpp"
+#include "flow/outlets.hpp"
 #include "grid/apic.hpp"
 #include "grid/fine_nodes.hpp"
 
@@ -35,7 +36,7 @@ DomainSides make_domain_sides(const MacGrid& grid, const scene::Domain& domain);
 
 // Of this rank's particles.
 struct Departures {
-    int lost = 0, outflow = 0; // for remove_lost to take out
+    int lost = 0, outflow = 0; // for remove_departed to take out
     int pushed = 0;            // moved out of solids
 };
 
@@ -47,6 +48,7 @@ struct Advection {
     DistanceSampler solid; // with the bodies where they will be
     DomainSides domain;
     AdvectionOptions options;
+    flow::Outlets outlets;
 };
 Departures advect(const Advection& how, const GridParticles& particles, double dt);
 
@@ -67,7 +69,7 @@ KOKKOS_INLINE_FUNCTION bool push_out(const DistanceSampler& solid, double cleara
     return moved;
 }
 
-// Takes the particles that advect() marked out of the store and returns them.
-std::vector<LostParticle> remove_lost(GridParticles& particles);
+// Takes the particles that advect() marked out of the store and returns those that are lost; others have flowed out.
+std::vector<LostParticle> remove_departed(GridParticles& particles);
 
 } // namespace treacle::grid

@@ -142,16 +142,22 @@ void particles_to_faces(const MacGrid& grid, const GridParticles& particles, con
     for (int a = 0; a < grid.dimensions; ++a) divide(velocity.axis[a], mass.axis[a], n);
 }
 
+void viscosity_sums(const MacGrid& grid, const GridParticles& particles, const CellList& cells, const Array<double>& particle_mass,
+                    const CellBox& window, int node, Array<double>& mass, Array<double>& sums) {
+    const auto n = static_cast<std::size_t>(window.size());
+    clear(mass, n);
+    clear(sums, n);
+    for (int colour = 0; colour < Rows::colours(grid.dimensions) && n > 0; ++colour) {
+        spread_viscosities(Rows(grid, cells, window, colour), particles, particle_mass, node, mass, sums);
+    }
+}
+
 void mean_viscosities(const MacGrid& grid, const GridParticles& particles, const CellList& cells,
                       const Array<double>& particle_mass, const CellBox& window, Array<double>& centres, EdgeField& edges) {
     const auto n = static_cast<std::size_t>(window.size());
     Array<double> mass("treacle::viscosity_mass", n);
     const auto mean = [&](int node, Array<double>& out) {
-        clear(mass, n);
-        clear(out, n);
-        for (int colour = 0; colour < Rows::colours(grid.dimensions) && n > 0; ++colour) {
-            spread_viscosities(Rows(grid, cells, window, colour), particles, particle_mass, node, mass, out);
-        }
+        viscosity_sums(grid, particles, cells, particle_mass, window, node, mass, out);
         divide(out, mass, n);
     };
     mean(0, centres);

@@ -29,6 +29,11 @@ void pressures_to_particles(const MacGrid& grid, const CellBox& window, const Ar
 void mean_viscosities(const MacGrid& grid, const GridParticles& particles, const CellList& cells,
                       const Array<double>& particle_mass, const CellBox& window, Array<double>& centres, EdgeField& edges);
 
+// The sums that mean_viscosities() divides, for places that stand alike in their cells: sum w m and sum w m mu over the
+// particles around. Bit k of `node`: the places are at the lower end of their cell along axis k, else in its middle.
+void viscosity_sums(const MacGrid& grid, const GridParticles& particles, const CellList& cells, const Array<double>& particle_mass,
+                    const CellBox& window, int node, Array<double>& mass, Array<double>& sums);
+
 // The velocity anywhere among the faces of a window.
 struct FaceSampler {
     CellBox window;

@@ -1,6 +1,7 @@
 #include "grid/grid_step.hpp"
 
 #include "grid/active_block.hpp"
+#include "grid/inflow.hpp"
 #include "grid/seeding.hpp"
 
 #include <algorithm>
@@ -25,8 +26,9 @@ double load_imbalance(const Comm& comm, int particles) {
 
 GridStep::GridStep(const Comm& comm, const GridSetup& setup)
     : comm_(comm), setup_(setup), grid_(make_mac_grid(setup.domain)), bodies_(setup.rigid),
-      decomposition_(comm, grid_.cells), solids_(grid_, setup.domain),
-      slip_(grid_, setup.domain, setup.slip),
+      decomposition_(comm, grid_.cells), source_(make_layer_source(setup.inflow, grid_)),
+      outlets_(flow::make_outlets(setup.inflow.outlets, grid_.dimensions)), solids_(grid_, setup.domain),
+      slip_(grid_, setup.domain, setup.slip), rheology_(setup.rheology), tensions_(setup.surface_tension),
       pressure_(comm, setup.options.pressure, setup.options.coupling, grid_.dimensions),
       viscosity_(comm, setup.options.viscosity, setup.options.coupling), correction_(grid_) {
     particle_mass_ = Array<double>("treacle::particle_mass", static_cast<std::size_t>(setup.liquids));
@@ -166,7 +168,22 @@ void GridStep::project(StepReport& report, double dt, Pressure::Surface surface)
     for (std::size_t k = 0; k < report.loads.size(); ++k) report.loads[k] += found.loads[k];
 }
 
+// (R1), (R2): by what the particles brought along, which gravity and pressure have not changed yet.
+void GridStep::find_viscosities_by_rate() {
+    const bool slides = slip_.any();
+    const StrainScene scene{grid_, cells_halo_, fractions_, slides ? slip_.slip().grip : fractions_,
+                            slides ? slip_.shares() : shares_, solids_.motion(), setup_.options.viscosity};
+    halo_.gather(particles_.store, {particles_.viscosity_field()});
+    rheology_.find_rates(scene, start_);
+    rheology_.find_viscosities(scene, {particles_, cells_, particle_mass_}, viscosities_);
+    rheology_.to_particles(scene, particles_);
+}
+
 void GridStep::find_viscosities() {
+    if (rheology_.any()) {
+        find_viscosities_by_rate();
+        return;
+    }
     const auto& window = cells_halo_.window();
     const auto n = static_cast<std::size_t>(window.size());
     if (setup_.viscosity_varies) {
@@ -190,11 +207,11 @@ void GridStep::find_viscosities() {
 // (V)
 void GridStep::apply_viscosity(StepReport& report, double dt) {
     if (!viscous()) return;
-    find_viscosities();
     const bool slides = slip_.any();
     // Faces in solids that liquid slides along are unknowns too: what gravity made of them would drag the liquid down.
     if (slides) continue_velocity();
     if (slides) slip_.update(cells_halo_, bodies_, solids_, level_set_, setup_.options.fractions);
+    find_viscosities();
     const auto before = bodies_;
     report.viscosity = viscosity_.solve({grid_, cells_halo_, fractions_, slides ? slip_.shares() : shares_, viscosities_,
                                          setup_.density, slides ? &slip_.slip() : nullptr},
@@ -226,17 +243,18 @@ void GridStep::continue_velocity() {
 void GridStep::move(StepReport& report, double dt) {
     faces_to_particles(grid_, cells_halo_.window(), velocity_, particles_); // (A4)
     cells_halo_.gather({pressure_.pressures()});
+    const double before = bodies_.time();
     pressures_to_particles(grid_, cells_halo_.window(), pressure_.pressures(), particles_);
-    if (bodies_.any_moves()) {
-        bodies_.move(dt);
-        solids_.update(cells_halo_, bodies_);
-    }
+    bodies_.move(dt);
+    if (bodies_.any_moves()) solids_.update(cells_halo_, bodies_);
     const Advection how{FaceSampler(grid_, cells_halo_.window(), velocity_), solids_.sampler(),
-                        make_domain_sides(grid_, setup_.domain), setup_.options.advection};
+                        make_domain_sides(grid_, setup_.domain), setup_.options.advection, outlets_};
     const auto gone = advect(how, particles_, dt); // (A5)
     report.pushed = gone.pushed;
     report.imbalance = load_imbalance(comm_, particles_.store.owned());
-    if (gone.lost + gone.outflow > 0) report.lost = remove_lost(particles_);
+    if (gone.lost + gone.outflow > 0) report.lost = remove_departed(particles_);
+    report.lost_by_cause[static_cast<std::size_t>(LossCause::outflow) - 1] = gone.outflow;
+    emit_layers(source_, {before, before + dt}, decomposition_, particles_); // (I)
     collect(report);
 }
 
@@ -274,7 +292,9 @@ StepReport GridStep::advance(double dt) {
     accelerate(grid_, cells_halo_.window(), setup_.domain.gravity, dt, velocity_); // (A1)
     {
         const auto phase = timers_.scope("pressure");
-        pressure_.build({grid_, cells_halo_, distance_, fractions_, shares_, bodies_, setup_.density, setup_.surface_tension});
+        if (tensions_.differ()) tensions_.find(grid_, cells_halo_, particles_, cells_, particle_mass_);
+        pressure_.build({grid_, cells_halo_, distance_, fractions_, shares_, bodies_, setup_.density, tensions_.largest(),
+                         tensions_.differ() ? &tensions_.at_centres() : nullptr});
         project(report, dt, Pressure::Surface::tense); // (P)
     }
     {
@@ -300,6 +320,7 @@ StepReport GridStep::advance(double dt) {
 // Sums the counts over the ranks.
 void GridStep::collect(StepReport& report) {
     std::array<std::int64_t, loss_causes + 1> counts{};
+    std::copy_n(report.lost_by_cause.begin(), loss_causes, counts.begin());
     for (const auto& particle : report.lost) ++counts[static_cast<std::size_t>(particle.cause) - 1];
     counts[loss_causes] = report.pushed;
     comm_.sum(std::span<std::int64_t>(counts));
@@ -320,8 +341,8 @@ double GridStep::stable_step(double cfl) const {
     double dt = std::numeric_limits<double>::infinity();
     // (speed + pull dt) dt = way.
     if (pull > 0 || speed > 0) dt = 2 * way / (speed + std::sqrt(speed * speed + 4 * pull * way));
-    if (setup_.surface_tension > 0) {
-        dt = std::min(dt, std::sqrt(setup_.density * std::pow(grid_.dx, 3) / (4 * math::pi * setup_.surface_tension)));
+    if (tensions_.largest() > 0) {
+        dt = std::min(dt, std::sqrt(setup_.density * std::pow(grid_.dx, 3) / (4 * math::pi * tensions_.largest())));
     }
     return dt;
 }
@@ -339,7 +360,8 @@ std::size_t GridStep::bytes() const {
     }
     numbers += fractions_.cell_fluid.span() + fractions_.cell_liquid.span() + fractions_.cell_wet.span();
     numbers += level_set_.distance().span() + 2 * solids_.distance().span();
-    return 8 * numbers + particles_.store.bytes() + pressure_.bytes() + viscosity_.bytes();
+    return 8 * numbers + particles_.store.bytes() + pressure_.bytes() + viscosity_.bytes() + rheology_.bytes() +
+           tensions_.bytes();
 }
 
 } // namespace treacle::grid

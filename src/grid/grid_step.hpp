@@ -1,11 +1,15 @@
 #pragma once
 #include "base/liquid_totals.hpp"
 #include "base/timers.hpp"
+#include "flow/inflow.hpp"
+#include "flow/outlets.hpp"
 #include "grid/face_fields.hpp"
 #include "grid/level_set.hpp"
 #include "grid/options.hpp"
 #include "grid/pressure.hpp"
+#include "grid/rheology.hpp"
 #include "grid/slip_geometry.hpp"
+#include "grid/tension.hpp"
 #include "grid/viscosity.hpp"
 #include "mpi/halo.hpp"
 #include "mpi/migration.hpp"
@@ -22,11 +26,13 @@ struct GridSetup {
     scene::Domain domain;
     double density = 1000;          // [kg/m3] of all liquids
     int liquids = 1;
-    double surface_tension = 0;     // [N/m]
+    std::vector<double> surface_tension; // [liquids] against air [N/m]; none: no liquid has any
     double viscosity = 0;           // [Pa s] of all liquid, unless it varies; 0: without a viscous solve
     bool viscosity_varies = false;  // then each particle has its own
+    std::vector<flow::FlowCurve> rheology; // [liquids]; empty: no viscosity depends on the shear rate
     rigid::BodiesSetup rigid;       // all bodies, those at rest as well
     SlipSetup slip;                 // of all of them
+    flow::InflowSetup inflow;       // the plugs of its inlets are among the bodies (inflow.hpp)
 };
 
 struct StepReport {
@@ -75,6 +81,9 @@ public:
     // gravity adds to it, and the limit of the surface tension [s].
     double stable_step(double cfl) const;
 
+    // Particles that have flowed in since the start of the run, over all ranks.
+    std::int64_t emitted() const { return flow::particles_until(source_.setup(), source_.layers(), bodies_.time()); }
+
     // Collective: sums over the particles.
     LiquidTotals totals() const;
 
@@ -100,7 +109,8 @@ private:
     void find_surface();
     void project(StepReport& report, double dt, Pressure::Surface surface);
     void apply_viscosity(StepReport& report, double dt);
-    bool viscous() const { return setup_.viscosity_varies || setup_.viscosity > 0; }
+    bool viscous() const { return setup_.viscosity_varies || setup_.viscosity > 0 || rheology_.any(); }
+    void find_viscosities_by_rate();
     void find_viscosities();
     void continue_velocity();
     void move(StepReport& report, double dt);
@@ -119,6 +129,8 @@ private:
     Halo halo_;
     CellList cells_;
     CellHalo cells_halo_;
+    flow::LayerSource source_;
+    flow::Outlets outlets_;
     Solids solids_;
     LevelSet level_set_;
     FractionBuilder fraction_builder_;
@@ -128,7 +140,9 @@ private:
     Array<double> distance_{"treacle::centre_distance", 0};
     FaceField mass_, velocity_, start_, scratch_; // start: of the particles, before the step changes it
     FaceMarks known_, reached_;
+    Rheology rheology_;
     Viscosities viscosities_;
+    SurfaceTensions tensions_;
     Pressure pressure_;
     Viscosity viscosity_;
     PositionCorrection correction_;

@@ -23,6 +23,7 @@ struct JumpLoop {
     PressureFaces faces;
     CellBox cells;
     double dx, tension;
+    Array<double> tensions; // in its place, where there are any
     Array<double> jump;
 
     KOKKOS_INLINE_FUNCTION void operator()(int i) const {
@@ -48,7 +49,7 @@ struct JumpLoop {
         const double least = 1e-12;
         const double curvature = sum / math::max(slope2 * math::sqrt(slope2), least);
         const double most = (faces.dimensions - 1) / dx;
-        jump(at) = tension * math::max(-most, math::min(curvature, most));
+        jump(at) = (tensions.extent(0) > 0 ? tensions(at) : tension) * math::max(-most, math::min(curvature, most));
     }
 };
 
@@ -90,7 +91,8 @@ void Pressure::find_jumps(const PressureScene& scene) {
     faces.distance = scene.distance;
     const CellBox cells = grown(scene.halo.owned(), 1, scene.grid.dimensions);
     Kokkos::parallel_for("treacle::surface_tension", static_cast<int>(cells.size()),
-                         JumpLoop{faces, cells, scene.grid.dx, scene.surface_tension, jump_});
+                         JumpLoop{faces, cells, scene.grid.dx, scene.surface_tension,
+                                  scene.tensions ? *scene.tensions : Array<double>(), jump_});
 }
 
 // (P1)-(P3)

@@ -18,6 +18,7 @@ struct PressureScene {
     const rigid::RigidBodies& bodies;
     double density = 0;            // [kg/m3]
     double surface_tension = 0;    // [N/m]
+    const Array<double>* tensions = nullptr; // [window] at centres [N/m], where liquids differ in theirs
 };
 
 struct PressureReport {

@@ -6,6 +6,8 @@ namespace treacle::grid {
 
 double particle_volume(const MacGrid& grid) { return std::pow(grid.dx, 3) / (grid.dimensions == 2 ? 4 : 8); }
 
+std::int64_t seeded_ids(const MacGrid& grid) { return (grid.dimensions == 2 ? 4 : 8) * grid.cells.all().size(); }
+
 namespace {
 // A counter-based random number in [-1, 1): the finaliser of SplitMix64 (Steele, Lea and Flood 2014) of a key.
 double random_number(std::uint64_t key) {
@@ -48,7 +50,7 @@ void seed_cell(const Seeding& seeding, const MacGrid& grid, const int c[3], std:
     const std::uint64_t cell = grid.cells.all().empty() ? 0
         : static_cast<std::uint64_t>(c[0]) + static_cast<std::uint64_t>(grid.cells.count[0]) *
               (static_cast<std::uint64_t>(c[1]) + static_cast<std::uint64_t>(grid.cells.count[1]) * static_cast<std::uint64_t>(c[2]));
-    const std::uint64_t all = static_cast<std::uint64_t>(shares) * static_cast<std::uint64_t>(grid.cells.all().size());
+    const auto all = static_cast<std::uint64_t>(seeded_ids(grid));
     for (int s = 0; s < shares; ++s) {
         const std::uint64_t number = static_cast<std::uint64_t>(shares) * cell + static_cast<std::uint64_t>(s);
         Vec3 x{0, 0, 0};

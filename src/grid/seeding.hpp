@@ -26,6 +26,9 @@ struct Seeding {
 // Volume that a particle stands for [m3], in the plane [m2] times dx.
 double particle_volume(const MacGrid& grid);
 
+// Bound of the ids of one liquid.
+std::int64_t seeded_ids(const MacGrid& grid);
+
 // Adds the particles in this rank's cells. Ids: liquid * shares of the grid + number of the share.
 void seed(const Seeding& seeding, const MacGrid& grid, const Decomposition& decomposition, GridParticles& particles);
 

@@ -224,7 +224,7 @@ void Solids::add_bodies(const rigid::RigidBodies& bodies, bool moving, const Cel
     auto numbers = Kokkos::create_mirror_view(to_number);
     bool fetched = false;
     for (std::size_t b = 0; b < bodies.size(); ++b) {
-        if (bodies.moves(b) != moving || (!counted_.empty() && counted_[b] == 0)) continue;
+        if (bodies.moves(b) != moving || !bodies.present(b) || (!counted_.empty() && counted_[b] == 0)) continue;
         for_images(bodies, b, grid_, cells, [&](const Vec3& shift, const CellBox& reached) {
             if (!fetched) {
                 Kokkos::deep_copy(distance, to);
@@ -293,6 +293,7 @@ double Solids::distance_at(const Vec3& x, const rigid::RigidBodies& bodies) cons
     }
     const CellBox all = grid_.cells.all();
     for (std::size_t b = 0; b < bodies.size(); ++b) {
+        if (!bodies.present(b)) continue;
         for_images(bodies, b, grid_, all, [&](const Vec3& shift, const CellBox&) {
             least = std::min(least, PlacedBody(bodies, b, shift).distance(x));
         });

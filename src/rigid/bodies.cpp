@@ -64,6 +64,7 @@ Response RigidBodies::response(std::size_t body) const {
 
 Pose RigidBodies::pose_at(std::size_t body, double time) const {
     const auto& setup = setup_.bodies[body];
+    if (setup.conveys) return {setup.centre, {}};
     if (setup.keyframes.empty()) {
         return {setup.centre + time * setup.velocity, rotation_by(time * setup.angular_velocity)};
     }

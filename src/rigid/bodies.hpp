@@ -3,6 +3,7 @@
 #include "scene/signed_distance.hpp"
 
 #include <array>
+#include <limits>
 #include <span>
 #include <string>
 #include <vector>
@@ -26,6 +27,10 @@ struct BodySetup {
     Vec3 angular_velocity{0, 0, 0}; // [rad/s]
     std::vector<scene::Keyframe> keyframes;
     std::array<bool, 6> locked{};
+    // Kinematic: its surface moves with the velocity while the body stays in its place, as that of a conveyor. It touches no
+    // other body, and is there from `from` until `until` only.
+    bool conveys = false;
+    double from = 0, until = std::numeric_limits<double>::infinity(); // [s]
     double restitution = 0, friction = 0;
     std::vector<scene::SolidRegion> region; // one: the solid at the start
     std::vector<Probe> probes;              // that touch other bodies and walls
@@ -64,6 +69,11 @@ public:
     bool moves(std::size_t body) const { return setup_.bodies[body].kind != scene::BodyKind::fixed; }
     bool dynamic(std::size_t body) const { return setup_.bodies[body].kind == scene::BodyKind::dynamic; }
     bool any_moves() const { return any_moves_; }
+    // Whether a body is there now, as all are but those that convey out of their time.
+    bool present(std::size_t body) const {
+        const auto& setup = setup_.bodies[body];
+        return !setup.conveys || (time_ >= setup.from && time_ < setup.until);
+    }
     bool any_dynamic() const { return any_dynamic_; }
 
     // Kinematic bodies take the velocity that carries them along their motion in the next step of dt [s].

@@ -34,7 +34,7 @@ public:
             if (!bodies_.dynamic(a)) continue;
             for (const auto& wall : setup_.walls) meet_wall(a, wall);
             for (std::size_t b = 0; b < bodies_.size(); ++b) {
-                if (b == a || (bodies_.dynamic(b) && b < a) || setup_.joined(a, b)) continue;
+                if (b == a || (bodies_.dynamic(b) && b < a) || setup_.joined(a, b) || setup_.bodies[b].conveys) continue;
                 if (close(a, b)) meet_body(a, b);
             }
         }

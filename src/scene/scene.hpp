@@ -46,7 +46,7 @@ struct Domain {
 
 enum class ShearLaw { newtonian, power_law, carreau, cross, herschel_bulkley };
 
-// How a liquid's viscosity depends on the shear rate; its `viscosity` is the law's own (sph/rheology.hpp).
+// How a liquid's viscosity depends on the shear rate; its `viscosity` is the law's own (flow/flow_curve.hpp).
 struct Rheology {
     ShearLaw law = ShearLaw::newtonian;
     double exponent = 1;

@@ -2,7 +2,7 @@
 #include "base/vec3.hpp"
 #include "sph/load_points.hpp"
 #include "sph/neighbourhood.hpp"
-#include "sph/rheology.hpp"
+#include "flow/flow_curve.hpp"
 
 #include <vector>
 
@@ -19,7 +19,7 @@ struct ForceOptions {
     std::vector<double> skin_friction; // per body: c_f
     std::vector<double> slip_length;   // per body [m]; 0: as `friction` says
     bool by_particle = false;          // viscosities are those of the particles, not of their liquids
-    std::vector<FlowCurve> rheology;   // per liquid; empty: no viscosity depends on the shear rate
+    std::vector<flow::FlowCurve> rheology;   // per liquid; empty: no viscosity depends on the shear rate
 };
 
 // Force [N] and torque [N m] on each body, 6 numbers a body; the torque about the body's load point.

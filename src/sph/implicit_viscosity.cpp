@@ -112,7 +112,7 @@ bool breaks_down(double product, solve::Outcome indefinite, solve::SolveReport& 
 
 ImplicitViscosity::ImplicitViscosity(const Comm& comm, LiquidParticles& liquid, const ViscosityOptions& options,
                                      const CellGrid& grid, const std::vector<double>& friction,
-                                     const std::vector<double>& slip_lengths, const std::vector<FlowCurve>& rheology)
+                                     const std::vector<double>& slip_lengths, const std::vector<flow::FlowCurve>& rheology)
     : operator_(liquid, slip_lengths), friction_(upload(friction)), rheology_("treacle::flow_curves", rheology.size()),
       direction_(liquid.store.add<Array3>("viscous_direction", "m/s", FieldRole::work)) {
     auto host = Kokkos::create_mirror_view(rheology_);

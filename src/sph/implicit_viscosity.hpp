@@ -20,7 +20,7 @@ public:
     // Friction and slip length per solid and flow curves per liquid, as in ForceOptions.
     ImplicitViscosity(const Comm& comm, LiquidParticles& liquid, const ViscosityOptions& options, const CellGrid& grid,
                       const std::vector<double>& friction, const std::vector<double>& slip_lengths = {},
-                      const std::vector<FlowCurve>& rheology = {});
+                      const std::vector<flow::FlowCurve>& rheology = {});
 
     // No particle has been through a step: what the last solve changed is nothing. Before the first step of a run.
     void start(const LiquidParticles& liquid);
@@ -75,7 +75,7 @@ private:
     ViscousBodies movers_;
     BodyVectors body_;
     Array<double> friction_;
-    Array<FlowCurve> rheology_{"treacle::flow_curves", 0};
+    Array<flow::FlowCurve> rheology_{"treacle::flow_curves", 0};
     double dt_ = 0;
     int direction_ = -1;   // field
     int last_change_ = -1; // field, where the guess is made of it [m/s]

@@ -37,7 +37,7 @@ IsphStep::IsphStep(const Comm& comm, const IsphSetup& setup)
     if (setup.options.surface_tension.model != SurfaceTensionModel::none) {
         surface_tension_.emplace(liquid_, setup.options, setup.constants, setup.domain, setup.forces.surface_tension);
     }
-    outlets_ = upload_outlets(setup.inflow.outlets);
+    outlets_ = flow::make_outlets(setup.inflow.outlets, setup.domain.dimensions);
     if (!setup.inflow.inlets.empty()) inflow_.emplace(setup.inflow, setup.constants, setup.domain, liquid_);
     if (setup.options.pressure.solver != PressureSolver::dfsph) return;
     divergence_field_ = liquid_.store.add<Array<double>>("divergence_pressure", "Pa", FieldRole::state);
@@ -411,7 +411,7 @@ void IsphStep::move(StepReport& report, double dt) {
     }
     if (inflow_) inflow_->pass(liquid_, dt);
     report.imbalance = load_imbalance(comm_, liquid_.store.owned());
-    if (gone.outflow > 0 || outlets_.extent(0) > 0) {
+    if (gone.outflow > 0 || outlets_.count > 0) {
         report.lost_by_cause[0] = remove_outflow(setup_.domain, outlets_, liquid_);
     }
     if (gone.lost > 0) report.lost = remove_lost(setup_.domain, liquid_);

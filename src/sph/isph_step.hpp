@@ -33,7 +33,7 @@ struct IsphSetup {
     int bodies = 1; // solids that carry loads; 0 is the domain's walls
     rigid::BodiesSetup rigid; // may be empty: then all solids rest
     std::vector<double> solid_scale; // per body of `rigid`, or empty: factor on its particles' volumes
-    InflowSetup inflow;
+    flow::InflowSetup inflow;
     int first_body = 0;       // number, among the solids that carry loads, of the first of these bodies
 };
 
@@ -153,7 +153,7 @@ private:
     std::optional<ImplicitViscosity> viscosity_;
     std::optional<SurfaceTension> surface_tension_;
     std::optional<Inflow> inflow_;
-    Array<double> outlets_;
+    flow::Outlets outlets_;
     int divergence_field_ = -1; // of the liquid, with DFSPH: the pressures of the last divergence-free solve [Pa]
     Bodies bodies_;
     BodyResponse response_;

@@ -67,6 +67,7 @@ public:
     // Field numbers, for the halo.
     int velocity_field() const { return velocity_; }
     int liquid_field() const { return liquid_; }
+    int viscosity_field() const { return viscosity_; }
     int pressure_field() const { return pressure_; }
     int volume_field() const { return volume_; }
     int load_field() const { return load_; }

@@ -430,11 +430,11 @@ void ViscousOperator::precondition(const LiquidParticles& liquid, const Array3& 
     });
 }
 
-void ViscousOperator::thin(const ViscousParts& parts, const Array<FlowCurve>& curves) const {
+void ViscousOperator::thin(const ViscousParts& parts, const Array<flow::FlowCurve>& curves) const {
     const auto rate = rate_, viscosity = parts.liquid.viscosity();
     const auto liquid = parts.liquid.liquid();
     Kokkos::parallel_for("treacle::thin_by_shear", parts.liquid.store.owned(), KOKKOS_LAMBDA(int i) {
-        const FlowCurve& curve = curves(liquid(i));
+        const flow::FlowCurve& curve = curves(liquid(i));
         if (curve.law != scene::ShearLaw::newtonian) viscosity(i) = curve(rate(i));
     });
 }

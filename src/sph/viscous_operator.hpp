@@ -31,7 +31,7 @@ public:
     std::vector<double> stiffness(const ViscousParts& parts) const;
 
     // Viscosities of the particles at the shear rates of the last multiply; forms with gradients only.
-    void thin(const ViscousParts& parts, const Array<FlowCurve>& curves) const;
+    void thin(const ViscousParts& parts, const Array<flow::FlowCurve>& curves) const;
 
     // After prepare(): B_i^+ of the owned particles and the projector on its range, whose elements are those of
     // sph::Symmetric; dt/m V mu of owned and ghost particles [m2]; and the solids.

@@ -11,13 +11,14 @@ import tempfile
 import numpy
 
 import harness
-from harness import SCENES, TIGHT, Workplace
+from harness import SCENES, TIGHT, TIGHT_ON_GRID, Workplace
 
 DAM = os.path.join(SCENES, "dam.yaml")
 RAFT = os.path.join(SCENES, "raft.yaml")
 FLAP = os.path.join(SCENES, "flap.yaml")
 POUR = os.path.join(SCENES, "pour.yaml")
 LAYERS = os.path.join(SCENES, "layers.yaml")
+SQUEEZE = os.path.join(SCENES, "squeeze.yaml")
 THINNING = os.path.join(SCENES, "thinning.yaml")
 SPACING = 0.02
 # On the same ranks nothing but the checkpoint lies between the two; on others sums are in another order.
@@ -160,6 +161,26 @@ class Resume(Workplace):
                 self.assertGreater(other["flowed in"][-1], other["flowed in"][20], "they flow in after the checkpoint")
                 started = other["particles"] - other["flowed in"] + other["flowed out"]
                 self.assertEqual(len(set(started)), 1, "none is lost and none is made otherwise")
+                shutil.rmtree(self.path("run"))
+                shutil.rmtree(self.path("straight"))
+
+    def test_with_inlets_an_outlet_and_shear_rates_on_the_grid(self):
+        for written, read, tolerance in [(2, 2, SAME_RANKS), (3, 1, OTHER_RANKS)]:
+            with self.subTest(written=written, read=read):
+                self.run_scene(SQUEEZE, "run", written, TIGHT_ON_GRID)
+                shutil.copytree(self.path("run"), self.path("straight"))
+                self.remove_newest(2)
+                self.treacle("resume", "run", ranks=read)
+                self.expect_the_same_end(tolerance)
+                one, other = self.steps("straight"), self.steps("run")
+                for title in ["particles", "flowed in", "flowed out", "lost by leak"]:
+                    self.assertEqual(list(one[title]), list(other[title]), title)
+                self.assertEqual(other["lost by leak"][-1], 0)
+                self.assertGreater(other["flowed out"][-1], 0)
+                self.assertGreater(other["flowed in"][-1], other["flowed in"][20], "they flow in after the checkpoint")
+                started = other["particles"] - other["flowed in"] + other["flowed out"]
+                self.assertEqual(len(set(started)), 1, "none is lost and none is made otherwise")
+                self.assertGreater(len(set(self.frame("run")["viscosity"])), 50)
                 shutil.rmtree(self.path("run"))
                 shutil.rmtree(self.path("straight"))
 

@@ -91,6 +91,43 @@ TEST_F(Steps, LeaveATankAtRest) {
     }
 }
 
+// Two drops apart: each has the pressure that it has where both have its surface tension.
+TEST_F(Steps, GiveEachLiquidItsSurfaceTension) {
+    const Vec3 places[2] = {{0.25, 0.5, 0.5}, {0.73, 0.47, 0.52}};
+    const double radius = 0.17; // four cells, and as many between the drops
+    auto sample = ball_of_liquid(24, 0);
+    sample.liquid = [&](const Vec3& x) { return std::min(from(places[0], x), from(places[1], x)) - radius; };
+    sample.setup.liquids = 2;
+    sample.setup.options.pressure.residual = 1e-12;
+    const auto mean_pressures = [&](std::vector<double> tensions) {
+        sample.setup.surface_tension = std::move(tensions);
+        auto step = started(comm, sample);
+        auto& particles = step->particles();
+        for (int i = 0; i < particles.store.owned(); ++i) particles.liquid()(i) = particles.position()(i, 0) > 0.49 ? 1 : 0;
+        step->advance(1e-4);
+        const auto pressure = on_host(step->pressure().pressures());
+        const CellBox owned = step->halo().owned();
+        std::array<double, 4> sums{};
+        for (int n = 0; n < owned.size(); ++n) {
+            int c[3];
+            Vec3 x;
+            owned.cell(n, c);
+            step->grid().centre(c, x.data());
+            for (std::size_t l = 0; l < 2; ++l) {
+                if (from(places[l], x) > radius / 2) continue;
+                sums[l] += pressure(std::size_t(step->halo().window().index(c[0], c[1], c[2])));
+                sums[2 + l] += 1;
+            }
+        }
+        comm.sum(std::span<double>(sums));
+        return std::array{sums[0] / sums[2], sums[1] / sums[3]};
+    };
+    const auto strong = mean_pressures({0.07, 0.07}), weak = mean_pressures({0.02, 0.02}), both = mean_pressures({0.07, 0.02});
+    EXPECT_NEAR(both[0], strong[0], 1e-8 * strong[0]);
+    EXPECT_NEAR(both[1], weak[1], 1e-8 * strong[0]);
+    EXPECT_GT(strong[0], 2 * weak[0]);
+}
+
 // A ball of liquid of six cells radius that spins in free space by 1 rad, whatever its viscosity. What is lost is lost at
 // its surface: 1 to 2 % were measured.
 TEST_F(Steps, KeepTheAngularMomentumOfASpinningBall) {

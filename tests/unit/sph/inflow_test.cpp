@@ -9,8 +9,8 @@ namespace {
 constexpr double dt = 0.01;   // [s]
 constexpr double speed = 2.5; // [m/s]: 0.4 spacings a step
 
-InletSetup square_inlet(const Vec3& centre, const Vec3& direction, int across, int dimensions) {
-    InletSetup inlet;
+flow::InletSetup square_inlet(const Vec3& centre, const Vec3& direction, int across, int dimensions) {
+    flow::InletSetup inlet;
     inlet.centre = centre;
     inlet.direction = direction;
     const Vec3 first{direction[2], direction[0], direction[1]},
@@ -56,14 +56,14 @@ TEST(Inflow, LayersFollowFromTheTimeAlone) {
     const auto passed = [&](double layers) {
         return inlet.start + layers * spacing / speed;
     }; // half of them and a half
-    EXPECT_EQ(layers_until(inlet, setup.constants, 0.99), 0);
-    EXPECT_EQ(layers_until(inlet, setup.constants, 1), held);
-    EXPECT_EQ(layers_until(inlet, setup.constants, passed(0.49)), held);
-    EXPECT_EQ(layers_until(inlet, setup.constants, passed(0.51)), held + 1);
+    EXPECT_EQ(layers_until(inlet, layers_of(setup.constants), 0.99), 0);
+    EXPECT_EQ(layers_until(inlet, layers_of(setup.constants), 1), held);
+    EXPECT_EQ(layers_until(inlet, layers_of(setup.constants), passed(0.49)), held);
+    EXPECT_EQ(layers_until(inlet, layers_of(setup.constants), passed(0.51)), held + 1);
     inlet.end = passed(40);
-    EXPECT_EQ(layers_until(inlet, setup.constants, passed(39)),
+    EXPECT_EQ(layers_until(inlet, layers_of(setup.constants), passed(39)),
               40); // those that have yet to pass it are there already
-    EXPECT_EQ(layers_until(inlet, setup.constants, passed(1e6)), 40);
+    EXPECT_EQ(layers_until(inlet, layers_of(setup.constants), passed(1e6)), 40);
 }
 
 TEST(Inflow, AJetWithoutForcesStaysTheLatticeAtItsSpeed) {
@@ -79,7 +79,7 @@ TEST(Inflow, AJetWithoutForcesStaysTheLatticeAtItsSpeed) {
     }
     const auto& setup = sample.setup;
     const auto layers =
-        layers_until(setup.inflow.inlets[0], setup.constants, time - dt); // made when the last step began
+        layers_until(setup.inflow.inlets[0], layers_of(setup.constants), time - dt); // made when the last step began
     EXPECT_EQ(step->emitted(), 16 * layers);
     EXPECT_EQ(particles(*step), 16 * layers);
     for (const auto& [id, state] : all_states(comm, step->liquid())) {
@@ -102,7 +102,7 @@ TEST(Inflow, ItsVolumeInTheLongRunIsTheFlowRate) {
     const double rate = inlet.speed * double(inlet.points.size()) * c.rest_volume / c.spacing;
     const double time = 1234.567;
     const double passed =
-        double(layers_until(inlet, c, time) - held_layers(c)) * double(inlet.points.size()) * c.rest_volume;
+        double(layers_until(inlet, layers_of(c), time) - held_layers(c)) * double(inlet.points.size()) * c.rest_volume;
     // Half a layer at each end.
     EXPECT_NEAR(passed, rate * time, double(inlet.points.size()) * c.rest_volume);
 }

@@ -2,7 +2,7 @@
 #include "kokkos/types.hpp"
 #include "scene/scene.hpp"
 
-namespace treacle::sph {
+namespace treacle::flow {
 
 // Viscosity by shear rate of one liquid (Bird, Armstrong & Hassager 1987; the yield stress regularised as
 // Papanastasiou 1987 does). At rates below `least_rate` a power law changes no more, smoothly.
@@ -47,4 +47,4 @@ private:
 
 FlowCurve make_flow_curve(const scene::Liquid& liquid);
 
-} // namespace treacle::sph
+} // namespace treacle::flow

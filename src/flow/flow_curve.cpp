@@ -1,6 +1,6 @@
-#include "sph/rheology.hpp"
+#include "flow/flow_curve.hpp"
 
-namespace treacle::sph {
+namespace treacle::flow {
 
 FlowCurve make_flow_curve(const scene::Liquid& liquid) {
     const auto& r = liquid.rheology;
@@ -8,4 +8,4 @@ FlowCurve make_flow_curve(const scene::Liquid& liquid) {
             r.yield_stress, r.regularisation_time, r.least_shear_rate};
 }
 
-} // namespace treacle::sph
+} // namespace treacle::flow

@@ -1,9 +1,9 @@
-#include "sph/rheology.hpp"
+#include "flow/flow_curve.hpp"
 
 #include <cmath>
 #include <gtest/gtest.h>
 
-namespace treacle::sph {
+namespace treacle::flow {
 namespace {
 FlowCurve curve(scene::ShearLaw law) {
     scene::Liquid liquid;
@@ -68,4 +68,4 @@ TEST(ViscosityProfile, GoesThroughItsPointsAndStaysBeyondThem) {
     EXPECT_NEAR(profile.at(2), 100, 1e-10);
 }
 
-} // namespace treacle::sph
+} // namespace treacle::flow
