@@ -21,6 +21,10 @@ grid::GridSetup make_setup(const Input& input, const Geometry& geometry) {
         out.viscosity = std::max(out.viscosity, largest_viscosity(liquid));
         out.viscosity_varies = out.viscosity_varies || liquid.varies() || liquid.viscosity != scene.liquids.front().viscosity;
     }
+    for (const auto& body : scene.bodies) {
+        out.slip.slip.push_back(body.slip);
+        out.slip.slip_length.push_back(body.slip_length);
+    }
     out.rigid = make_bodies(input, geometry);
     return out;
 }
