@@ -146,7 +146,7 @@ void GridStep::find_surface() {
     level_set_.build(grid_, cells_halo_, particles_, cells_, solids_);
     take_centres();
     fraction_builder_.build(solids_.nodes(), solids_.distance(), level_set_.distance(), setup_.options.fractions, fractions_);
-    if (!bodies_.any_moves()) return;
+    if (bodies_.size() == 0) return;
     fraction_builder_.build_body_shares(solids_.nodes(), solids_.distance(), solids_.number(), solids_.moves(), shares_.data());
 }
 
