@@ -59,22 +59,24 @@ video::View view_of(const scene::Camera& camera, const scene::Domain& domain, co
     return view;
 }
 
-void SolidPoints::add(const Vec3& position, int body) {
-    auto& points = body < domain_sides ? walls : bodies;
+void DrawnSolids::add(const Vec3& position, SolidKind kind) {
+    auto& points = kind == SolidKind::wall ? walls : kind == SolidKind::body ? bodies : hollows;
     points.insert(points.end(), position.begin(), position.end());
 }
 
-void add_solid_layers(const SolidPoints& points, double spacing, std::vector<video::ParticleLayer>& layers) {
-    const auto add = [&](video::LayerKind kind, const char* name, const std::vector<double>& positions) {
+void add_solid_layers(const DrawnSolids& points, double spacing, std::vector<video::ParticleLayer>& layers) {
+    const auto add = [&](video::LayerKind kind, const char* name, const std::vector<double>& positions, double opacity) {
         if (positions.empty()) return;
         auto& layer = layers.emplace_back();
         layer.kind = kind;
         layer.name = name;
         layer.positions = positions;
         layer.radius = spacing / 2;
+        layer.opacity = opacity;
     };
-    add(video::LayerKind::wall, "walls", points.walls);
-    add(video::LayerKind::body, "bodies", points.bodies);
+    add(video::LayerKind::wall, "walls", points.walls, 1);
+    add(video::LayerKind::body, "bodies", points.bodies, 1);
+    add(video::LayerKind::body, "hollow bodies", points.hollows, 0.12);
 }
 
 } // namespace treacle::app

@@ -23,13 +23,19 @@ PictureSize read_picture_size(const std::string& text);
 scene::Camera find_camera(const scene::Scene& scene, const std::string& name);
 video::View view_of(const scene::Camera& camera, const scene::Domain& domain, const PictureSize& size);
 
-// The particles of solids, parted into the walls of the domain and bodies.
-struct SolidPoints {
-    std::vector<double> walls, bodies; // [n][3] [m]
-
-    void add(const Vec3& position, int body); // body: as in a frame of solids
+enum class SolidKind {
+    wall,   // of the domain
+    body,
+    hollow, // fills all space but what it holds (`inverted`)
 };
-// Layers over the points, which must stay.
-void add_solid_layers(const SolidPoints& points, double spacing, std::vector<video::ParticleLayer>& layers);
+// The particles of solids, parted by what they hide.
+struct DrawnSolids {
+    std::vector<double> walls, bodies, hollows; // [n][3] [m]
+
+    void add(const Vec3& position, SolidKind kind);
+    std::size_t count() const { return (walls.size() + bodies.size() + hollows.size()) / 3; }
+};
+// Layers over the points, which must stay. Hollow bodies shine through: one looks at what is in them.
+void add_solid_layers(const DrawnSolids& points, double spacing, std::vector<video::ParticleLayer>& layers);
 
 } // namespace treacle::app

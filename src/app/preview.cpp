@@ -82,13 +82,14 @@ void add_solids(const Geometry& geometry, double spacing, Preview& preview) {
     }
     const auto samples = scene::sample_domain_walls(walls);
     for (std::size_t i = 0; i < samples.positions.size(); ++i)
-        preview.solids.add(samples.positions[i], samples.faces[i]);
+        preview.solids.add(samples.positions[i], SolidKind::wall);
     for (std::size_t b = 0; b < geometry.bodies.size(); ++b) {
         auto sampling = body_sampling(geometry, b);
         sampling.spacing = spacing;
         const auto surface = scene::sample_surface(geometry.bodies[b], sampling);
         preview.thin_solid += surface.thin;
-        for (const auto& x : surface.positions) preview.solids.add(x, domain_sides);
+        const auto kind = geometry.bodies[b].inverted() ? SolidKind::hollow : SolidKind::body;
+        for (const auto& x : surface.positions) preview.solids.add(x, kind);
     }
 }
 
@@ -111,7 +112,7 @@ Preview make_preview(const Input& input, const Geometry& geometry) {
     const bool exact = preview.coarsening == 1;
     preview.liquid_count = exact ? preview.liquid.positions.size() : counts.liquid;
     preview.solid_count =
-        exact ? (preview.solids.walls.size() + preview.solids.bodies.size()) / 3 : counts.solid;
+        exact ? preview.solids.count() : counts.solid;
     return preview;
 }
 

@@ -10,7 +10,7 @@ struct Preview {
     scene::Lattice lattice; // that the particles lie on
     double coarsening = 1;  // its spacing over the scene's
     scene::VolumeSamples liquid;
-    SolidPoints solids;
+    DrawnSolids solids;
     std::uint64_t liquid_count = 0, solid_count = 0; // of the run: counted unless coarser, else estimated
     std::size_t thin_solid = 0;                      // samples of bodies thinner than the layer lies deep
 };

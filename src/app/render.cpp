@@ -2,6 +2,7 @@
 
 #include "app/frame_field.hpp"
 #include "app/frame_set.hpp"
+#include "app/geometry.hpp"
 #include "base/log.hpp"
 #include "base/text.hpp"
 #include "video/movie.hpp"
@@ -25,15 +26,20 @@ struct Job {
     std::string stem; // of the files' names
 };
 
-SolidPoints read_solids(const RunView& run, std::size_t frame_index) {
-    SolidPoints points;
+SolidKind kind_of(const scene::Scene& scene, int number) {
+    if (number < domain_sides) return SolidKind::wall;
+    return scene.bodies[static_cast<std::size_t>(number - domain_sides)].shape.inverted ? SolidKind::hollow : SolidKind::body;
+}
+
+DrawnSolids read_solids(const RunView& run, std::size_t frame_index) {
+    DrawnSolids points;
     const auto path = run.solids_of(frame_index);
     if (!path) return points;
     const auto frame = io::read_frame(*path);
     const auto body = scalar_field(frame, "body").values;
     for (std::size_t i = 0; i < body.size(); ++i) {
         const auto* x = frame.positions.data() + 3 * i;
-        points.add({x[0], x[1], x[2]}, static_cast<int>(body[i]));
+        points.add({x[0], x[1], x[2]}, kind_of(run.input.scene, static_cast<int>(body[i])));
     }
     return points;
 }

@@ -63,7 +63,7 @@ void SlipGeometry::update(const CellHalo& halo, const rigid::RigidBodies& bodies
                           const LevelSet& liquid, FractionMethod method) {
     gripping_.update(halo, bodies);
     builder_.build(gripping_.nodes(), gripping_.distance(), liquid.distance(), method, slip_.grip);
-    if (bodies.any_moves()) {
+    if (bodies.size() > 0) {
         builder_.build_body_shares(gripping_.nodes(), gripping_.distance(), gripping_.number(), gripping_.moves(),
                                    shares_.data());
     }

@@ -90,6 +90,15 @@ private:
     rigid::Matrix3 back_{};
 };
 
+// Where the bodies that move are.
+std::vector<rigid::Pose> moving_poses(const rigid::RigidBodies& bodies) {
+    std::vector<rigid::Pose> out;
+    for (std::size_t b = 0; b < bodies.size(); ++b) {
+        if (bodies.moves(b)) out.push_back(bodies.pose(b));
+    }
+    return out;
+}
+
 // Cells that a body's surface and the band around it may reach; all of them for what has no end.
 CellBox reach_of(const rigid::RigidBodies& bodies, std::size_t body, const Vec3& shift, const MacGrid& grid,
                  const CellBox& cells) {
@@ -268,6 +277,9 @@ bool Solids::update(const CellHalo& halo, const rigid::RigidBodies& bodies) {
     const bool anew = !same_cells(nodes_.window, halo.window());
     if (anew) follow_window(halo.window(), bodies);
     upload_motion(bodies);
+    auto poses = moving_poses(bodies);
+    if (!anew && poses == poses_) return false;
+    poses_ = std::move(poses);
     if (!bodies.any_moves()) return anew;
     const bool before = !touched_.empty();
     for (const auto& cells : touched_) {

@@ -1,6 +1,7 @@
 #include "grid/viscosity.hpp"
 
 #include "base/error.hpp"
+#include "base/text.hpp"
 #include "grid/viscous_bodies.hpp"
 #include "solve/component_split.hpp"
 #include "solve/rigid_multilevel.hpp"
@@ -218,7 +219,9 @@ ViscosityReport Viscosity::solve(const ViscousScene& scene, const FaceField& vel
     report.solve = s.solver.solve(*s.matrix, s.b, s.x, solve::ConvergenceTest::residual(options_.residual));
     if (!report.solve.converged()) {
         throw SimulationError({"method.viscosity", report.solve.reason,
-                               "the viscous system of " + std::to_string(report.unknowns) + " faces has not been solved",
+                               "the viscous system of " + std::to_string(report.unknowns) + " faces has not been solved: relative residual " +
+                                   format_number(report.solve.relative_residual) + " after " +
+                                   std::to_string(report.solve.iterations) + " iterations",
                                "take a smaller time step, another preconditioner, or a larger residual"});
     }
     const auto n = static_cast<std::size_t>(s.system.faces());

@@ -38,8 +38,16 @@ SHORTENED = {
     "falling_ball": {"domain.spacing": "0.04", "time.end": "0.1"},
     "gravity_current": {"time.end": "0.3"},
     "honey_dipper": {"domain.spacing": "0.01", "time.end": "0.1"},
+    "bunny_pool": {"domain.spacing": "0.06", "time.end": "0.3"},
+    "dragon_ball": {"domain.spacing": "0.03", "time.end": "0.3"},
+    "gears": {"domain.spacing": "0.02", "time.end": "0.15"},
+    "perforated_plates": {"domain.spacing": "0.05", "time.end": "0.6"},
+    "pile_up": {"domain.spacing": "0.04", "time.end": "0.2"},
+    "rotating_drum": {"domain.spacing": "0.05", "time.end": "0.2"},
+    "smoothie_glass": {"domain.spacing": "0.04", "time.end": "0.25"},
 }
-ON_GRID = {"falling_ball", "gravity_current", "honey_dipper"}
+ON_GRID = {"bunny_pool", "dragon_ball", "falling_ball", "gears", "gravity_current", "honey_dipper", "perforated_plates", "pile_up",
+           "rotating_drum", "smoothie_glass"}
 
 # Of the spacing, after at most 50 steps: the solver's 1e-10, amplified by the motion.
 TOLERANCE = 1e-6

@@ -72,6 +72,7 @@ TEST_P(CorrectionCase, ACompressedBlockIsSpreadInAFewIterationsAndItsCentreStays
     EXPECT_GT(out.report.density_before, 0.1);
     EXPECT_LT(out.report.density_after, 0.1);
     EXPECT_LE(out.report.iterations, 6);
+    RecordProperty("iterations_" + std::to_string(dimensions) + "D", out.report.iterations);
     for (const double m : out.moment) EXPECT_NEAR(m, 0, 1e-13); // round-off: thousands of moves of 1e-4 kg m
     EXPECT_NEAR(out.report.energy, 10 * out.moment[1], 1e-12);
 }
@@ -154,6 +155,7 @@ TEST_P(CorrectionCase, APoolInATankKeepsItsVolumeAndItsPotentialEnergy) {
     }
     // Half a per cent of the volume, and as much of the energy of raising the pool by its height.
     EXPECT_NEAR(volume() / before, 1, 0.005);
+    RecordProperty("volume_" + std::to_string(dimensions) + "D", std::to_string(volume() / before));
     const double count = double(liquid.decomposition.comm().sum(std::int64_t(liquid.particles.store.owned())));
     EXPECT_NEAR(energy, 0, 0.005 * 10 * 0.5 * 1000 * particle_volume(liquid.grid) * count);
 }

@@ -186,6 +186,27 @@ TEST_P(StepsOf, AreTheSameOnOneRankAndOnAll) {
 
 // A ball in a blob in free space: what the liquid loses the ball gets, but for half a percent in ten steps, since particles
 // weigh the faces at surfaces otherwise than the solves do, which lose nothing (pressure_bodies_test, viscosity_test).
+// Liquid falls around a ball that grips, or that it slides along.
+TEST_F(Steps, TreatAStaticBodyAsOneThatIsMovedNowhere) {
+    for (const auto slip : {scene::Slip::no_slip, scene::Slip::free_slip}) {
+        std::vector<double> energies;
+        for (const auto kind : {scene::BodyKind::fixed, scene::BodyKind::kinematic}) {
+            auto sample = sample_of(12, 3);
+            sample.setup.viscosity = 10;
+            sample.liquid = [](const Vec3& x) { return from({0.5, 0.5, 0.6}, x) - 0.3; };
+            auto ball = ball_body({0.5, 0.5, 0.35}, 0.2, 1000);
+            ball.kind = kind;
+            sample.setup.rigid.bodies = {ball};
+            sample.setup.slip = {{slip}, {0}};
+            auto step = started(comm, sample);
+            for (int k = 0; k < 3; ++k) step->advance(0.02);
+            energies.push_back(step->totals().kinetic_energy);
+        }
+        EXPECT_GT(energies[0], 0);
+        EXPECT_NEAR(energies[0], energies[1], 1e-12 * energies[0]); // the same numbers but for the order of a few
+    }
+}
+
 TEST_F(Steps, KeepTheMomentumOfLiquidAndBody) {
     auto sample = ball_of_liquid(20, 0.32);
     sample.setup.viscosity = 5;
