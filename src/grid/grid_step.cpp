@@ -229,28 +229,27 @@ void GridStep::split(StepReport& report, double dt) {
     }
 }
 
-// (U)
+// (P), (U)
 void GridStep::together(StepReport& report, double dt) {
     auto scene = viscous_scene();
     const auto pressed = pressure_.describe(pressure_scene());
     scene.pressed = &pressed;
     auto& problem = viscosity_.problem();
     {
-        const auto phase = timers_.scope("viscosity");
-        problem.build(scene, velocity_, bodies_, dt);
-        close_held_faces(problem.places(), fractions_.open, open_);
-    }
-    {
         const auto phase = timers_.scope("pressure");
+        problem.find_places(scene, bodies_, dt);
+        close_held_faces(problem.places(), fractions_.open, open_);
         auto closed = pressure_scene();
         closed.open = &open_;
         pressure_.build(closed);
+        project(report, dt, Pressure::Surface::tense);
     }
     const auto phase = timers_.scope("viscosity");
+    if (slip_.any()) continue_velocity();
+    problem.build(scene, velocity_, bodies_, dt);
     report.stokes = stokes_.solve({pressure_, problem, scene, dt}, velocity_, bodies_);
     gather_faces(grid_, cells_halo_, velocity_);
-    report.pressure = report.stokes.pressure;
-    report.loads = report.pressure.loads;
+    for (std::size_t k = 0; k < report.loads.size(); ++k) report.loads[k] += report.stokes.loads[k];
     report.viscous_loads = report.stokes.viscous_loads;
     report.viscosity.unknowns = problem.global_faces();
 }
@@ -316,7 +315,7 @@ StepReport GridStep::advance(double dt) {
     bodies_.fall(dt);
     accelerate(grid_, cells_halo_.window(), setup_.domain.gravity, dt, velocity_); // (A1)
     if (viscous() && setup_.options.stokes.solve == StokesSolve::together) {
-        together(report, dt); // (U)
+        together(report, dt); // (P), (U)
     } else {
         split(report, dt); // (P), (V)
     }

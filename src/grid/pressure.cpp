@@ -165,7 +165,19 @@ void Pressure::collect(const Array<double>& cells) {
     });
 }
 
-PressureReport Pressure::find(const FaceField& velocity, const rigid::RigidBodies& bodies, double dt, Surface surface) {
+void Pressure::apply(std::span<const double> p, double dt, Surface surface, const FaceField& velocity) {
+    const auto host = Kokkos::create_mirror_view(solution_);
+    std::copy(p.begin(), p.end(), host.data());
+    Kokkos::deep_copy(solution_, host);
+    system_.to_cells(solution_, in_cells_);
+    halo_->gather({in_cells_});
+    auto faces = system_.faces();
+    faces.has_jump = faces.has_jump && surface == Surface::tense;
+    subtract_gradient(faces, halo_->owned(), in_cells_, density_ * grid_->dx / dt, velocity);
+}
+
+// (P4)
+PressureReport Pressure::project(const FaceField& velocity, rigid::RigidBodies& bodies, double dt, Surface surface) {
     PressureReport report;
     report.unknowns = system_.global_rows();
     report.closed = components_.closed();
@@ -181,23 +193,6 @@ PressureReport Pressure::find(const FaceField& velocity, const rigid::RigidBodie
     report.unbalanced = components_.balance(comm_, {b.data(), rows()});
     report.solve = solve({b.data(), rows()}, found_);
     report.loads = coupling_.loads(comm_, found_);
-    return report;
-}
-
-void Pressure::apply(std::span<const double> p, double dt, Surface surface, const FaceField& velocity) {
-    const auto host = Kokkos::create_mirror_view(solution_);
-    std::copy(p.begin(), p.end(), host.data());
-    Kokkos::deep_copy(solution_, host);
-    system_.to_cells(solution_, in_cells_);
-    halo_->gather({in_cells_});
-    auto faces = system_.faces();
-    faces.has_jump = faces.has_jump && surface == Surface::tense;
-    subtract_gradient(faces, halo_->owned(), in_cells_, density_ * grid_->dx / dt, velocity);
-}
-
-// (P4)
-PressureReport Pressure::project(const FaceField& velocity, rigid::RigidBodies& bodies, double dt, Surface surface) {
-    auto report = find(velocity, bodies, dt, surface);
     if (coupling_kind_ != Coupling::one_way && bodies.any_dynamic()) bodies.push(report.loads, dt);
     apply(found_, dt, surface, velocity);
     collect(in_cells_);

@@ -47,9 +47,6 @@ public:
     // Parts of project(), for a solve together with the viscosity (stokes.hpp); spans are [rows()]. Collective, but for
     // those that say so. The faces that scene() describes; local.
     PressureFaces describe(const PressureScene& scene) const;
-    // What project() solves for, before it has changed anything; kept as found().
-    PressureReport find(const FaceField& velocity, const rigid::RigidBodies& bodies, double dt, Surface surface);
-    std::span<const double> found() const { return found_; }
     // velocity -= dt/(rho dx) (p_c - p_below), as project() does.
     void apply(std::span<const double> p, double dt, Surface surface, const FaceField& velocity);
     std::vector<double> loads(std::span<const double> p) const { return coupling_.loads(comm_, p); }
@@ -61,7 +58,6 @@ public:
     // Adds to pressures().
     void record(std::span<const double> p);
     const PressureCoupling& coupling() const { return coupling_; }
-    bool has_tension() const { return system_.faces().has_jump; } // local
     std::size_t rows() const { return static_cast<std::size_t>(system_.rows()); }
 
     // [window] sum of the step's pressures at the centres [Pa], 0 outside of the liquid; of owned cells.

@@ -167,46 +167,21 @@ void Stokes::weigh(const System& system) {
     }
 }
 
-void Stokes::load(System& system, const FaceField& velocity, const rigid::RigidBodies& bodies, StokesReport& report) {
-    auto& [of, parts, n, m, face, inertia] = system;
-    parts.pressure.set_up_preconditioner();
-    parts.viscous.set_up_preconditioner();
-    const std::span<double> b(b_);
-    if (parts.pressure.has_tension()) {
-        other_.assign(m, 0.0);
-        parts.pressure.apply(other_, parts.dt, Pressure::Surface::tense, velocity);
-        gather_faces(parts.scene.grid, parts.scene.halo, velocity);
-    }
+void Stokes::load(const System& system, const FaceField& velocity, const rigid::RigidBodies& bodies) {
+    const auto& [of, parts, n, m, face, inertia] = system;
+    const std::span<double> b(b_), x(x_);
     parts.viscous.right_hand_side(velocity, b.first(n));
     parts.pressure.coupling().add_flux(body_velocities(bodies), face, b.last(m));
-    report.pressure = parts.pressure.find(velocity, bodies, parts.dt, Pressure::Surface::relaxed);
-    report.pressure.unbalanced = std::max(report.pressure.unbalanced, parts.pressure.balance(b.last(m)));
+    parts.pressure.balance(b.last(m));
+    parts.viscous.read(velocity, x.first(n));
 }
 
-// From the pressures of the projection; with its velocities, or none where they have the larger residual: what is not smooth
-// strains a stiff liquid.
-void Stokes::choose_guess(System& system, const FaceField& velocity, std::span<const double> loads) {
-    auto& [of, parts, n, m, face, inertia] = system;
-    const std::span<double> x(x_);
-    const auto pressures = parts.pressure.found();
-    std::copy(pressures.begin(), pressures.end(), x.last(m).begin());
-    const auto residual = [&] {
-        other_.resize(x_.size());
-        system.multiply(x_, other_);
-        for (std::size_t k = 0; k < x_.size(); ++k) other_[k] = b_[k] - other_[k];
-        return gmres_.norm(operator_, other_);
-    };
-    const double at_rest = residual();
-    system.push(pressures);
-    parts.viscous.read(push_, x.first(n));
-    scratch_.assign(n, 0.0);
-    parts.viscous.read(velocity, scratch_);
-    for (std::size_t k = 0; k < n; ++k) x[k] += scratch_[k];
-    if (n > parts.viscous.faces()) {
-        const auto forces = parts.viscous.forces(loads);
-        for (std::size_t k = 0; k < forces.size(); ++k) x[parts.viscous.faces() + k] = parts.dt * forces[k];
-    }
-    if (!(residual() < at_rest)) std::fill_n(x.begin(), n, 0.0);
+// The velocities of before, unless nothing at all has the smaller residual: what is not smooth strains a stiff liquid.
+void Stokes::choose_guess(const System& system) {
+    residual_.resize(x_.size());
+    system.multiply(x_, residual_);
+    for (std::size_t k = 0; k < x_.size(); ++k) residual_[k] = b_[k] - residual_[k];
+    if (!(gmres_.norm(operator_, residual_) < gmres_.norm(operator_, b_))) std::fill(x_.begin(), x_.end(), 0.0);
 }
 
 void Stokes::check(const solve::SolveReport& report, std::int64_t unknowns) const {
@@ -226,23 +201,25 @@ StokesReport Stokes::solve(const Parts& parts, const FaceField& velocity, rigid:
     const auto start = Clock::now();
     weigh(system);
     operator_ = {[&system](auto x, auto y) { system.multiply(x, y); }, [&system](auto r, auto z) { system.precondition(r, z); }, weights_};
-    load(system, velocity, bodies, report);
-    choose_guess(system, velocity, report.pressure.loads);
+    parts.pressure.set_up_preconditioner();
+    parts.viscous.set_up_preconditioner();
+    load(system, velocity, bodies);
+    choose_guess(system);
     const double before = seconds_since(start);
     report.solve = gmres_.solve(operator_, b_, x_, options_.residual);
     report.solve.set_up_seconds = before;
     operator_ = {};
     check(report.solve, report.unknowns);
     const auto x = std::span<const double>(x_);
-    report.pressure.loads = parts.pressure.loads(x.last(system.m));
-    report.viscous_loads = parts.viscous.apply(parts.scene, x.first(system.n), report.pressure.loads, velocity, bodies);
+    report.loads = parts.pressure.loads(x.last(system.m));
+    report.viscous_loads = parts.viscous.apply(parts.scene, x.first(system.n), report.loads, velocity, bodies);
     parts.pressure.record(x.last(system.m));
     return report;
 }
 
 std::size_t Stokes::bytes() const {
     std::size_t numbers = faces_.span() + cells_.span();
-    for (const auto* vector : {&b_, &x_, &weights_, &stiffness_, &scratch_, &other_}) numbers += vector->capacity();
+    for (const auto* vector : {&b_, &x_, &weights_, &stiffness_, &scratch_, &residual_}) numbers += vector->capacity();
     for (int a = 0; a < 3; ++a) numbers += velocity_.axis[a].span() + push_.axis[a].span();
     return 8 * numbers + gmres_.bytes();
 }

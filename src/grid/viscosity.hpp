@@ -34,8 +34,8 @@ struct ViscousScene {
     const Viscosities& viscosity;
     double density = 0; // [kg/m3]
     const SlipSolids* slip = nullptr;
-    // Where the pressure acts in the same solve: the faces that it pushes are unknowns, with the mass that the projection
-    // gives them, A theta of a cube in the place of the liquid in it.
+    // Where the pressure acts in the same solve: all faces that it pushes are unknowns. Those without liquid have the mass
+    // of the projection, and those that it does not push none, since nothing holds it against gravity.
     const PressureFaces* pressed = nullptr;
 };
 

@@ -63,7 +63,7 @@ struct RoleLoop {
         faces.role[axis](i) = role;
         faces.share.axis[axis](i) = role == free_face ? fluid(i) : 0.0;
         faces.scale.axis[axis](i) = role == free_face || !(solid > least_wet) ? 1.0 : 1 / solid;
-        const bool by_pressure = role == free_face && (push > 0 || (push == 0 && stressed));
+        const bool by_pressure = role == free_face && ((push > 0 && !has_liquid) || (push == 0 && stressed));
         faces.mass.axis[axis](i) = mass * (by_pressure ? push : wet(i));
     }
 };

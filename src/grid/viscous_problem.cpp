@@ -120,13 +120,17 @@ void ViscousProblem::couple(std::span<const double> from, std::span<double> to) 
     for (std::size_t k = 0; k < m; ++k) to[n + k] += shared[k];
 }
 
+void ViscousProblem::find_places(const ViscousScene& scene, const rigid::RigidBodies& bodies, double dt) {
+    update_motion(bodies, scene.grid, motion_);
+    parts_.build(scene, options_, motion_, dt);
+}
+
 void ViscousProblem::build(const ViscousScene& scene, const FaceField& velocity, const rigid::RigidBodies& bodies, double dt) {
     dt_ = dt;
     before_ = body_velocities(bodies);
     answers_ = coupling_ != Coupling::one_way && bodies.any_dynamic();
     matrix_.reset();
-    update_motion(bodies, scene.grid, motion_);
-    parts_.build(scene, options_, motion_, dt);
+    find_places(scene, bodies, dt);
     if (answers_) bodies_.prepare(bodies);
     coupled_ = answers_ && coupling_ == Coupling::strong ? bodies_.unknowns() : 0;
     system_.assemble(comm_, scene.halo, parts_.faces(), coupled_);

@@ -15,6 +15,8 @@ public:
     ViscousProblem(const ViscousProblem&) = delete; // the solver refers to it
     ViscousProblem& operator=(const ViscousProblem&) = delete;
 
+    // Which faces there are, and which ones solids hold; build() does it, too. Local.
+    void find_places(const ViscousScene& scene, const rigid::RigidBodies& bodies, double dt);
     // Collective, for the liquid and the bodies as they are. `velocity` is that of the liquid that bodies hold.
     void build(const ViscousScene& scene, const FaceField& velocity, const rigid::RigidBodies& bodies, double dt);
 

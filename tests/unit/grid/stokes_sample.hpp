@@ -29,23 +29,24 @@ public:
         }
     }
 
-    // The step with gravity, which is what is asked for in `how`.
+    // Gravity, the projection, and both together.
     StokesReport step(double dt) {
-        auto viscous = begin(dt);
-        const auto pressed = pressure.describe(scene());
-        viscous.pressed = &pressed;
-        auto& problem = viscosity.problem();
-        problem.build(viscous, velocity, bodies, dt);
-        close_held_faces(problem.places(), fractions.open, open);
-        auto closed = scene();
-        closed.open = &open;
-        pressure.build(closed);
-        auto report = stokes.solve({pressure, problem, viscous, dt}, velocity, bodies);
+        const auto viscous = begin(dt);
+        build(viscous, dt);
+        pressure.project(velocity, bodies, dt);
         gather_faces(grid, halo, velocity);
-        return report;
+        return solve_built(viscous, dt);
+    }
+    // Both together alone; `start` is the momentum of before.
+    StokesReport solve_alone(double dt, std::array<double, 6>& start) {
+        const auto viscous = begin(0);
+        build(viscous, dt);
+        start = momentum(dt);
+        return solve_built(viscous, dt);
     }
     void split_step(double dt) {
-        const auto viscous = begin(dt);
+        auto viscous = begin(dt);
+        viscous.pressed = nullptr;
         pressure.build(scene());
         for (int k = 0; k < 2; ++k) {
             pressure.project(velocity, bodies, dt, k == 0 ? Pressure::Surface::tense : Pressure::Surface::relaxed);
@@ -109,12 +110,32 @@ private:
     PressureScene scene() {
         return {grid, halo, distance, fractions, shares, bodies, sample.density, sample.surface_tension};
     }
-    ViscousScene begin(double dt) {
-        bodies.begin(dt);
-        bodies.fall(dt);
-        accelerate(grid, halo.window(), sample.gravity, dt, velocity);
-        return {grid, halo, fractions, shares, viscosities, sample.density, sample.solid_slips ? &slip : nullptr};
+    void build(const ViscousScene& viscous, double dt) {
+        auto& problem = viscosity.problem();
+        problem.find_places(viscous, bodies, dt);
+        close_held_faces(problem.places(), fractions.open, open);
+        auto closed = scene();
+        closed.open = &open;
+        pressure.build(closed);
     }
+    StokesReport solve_built(const ViscousScene& viscous, double dt) {
+        auto& problem = viscosity.problem();
+        problem.build(viscous, velocity, bodies, dt);
+        auto report = stokes.solve({pressure, problem, viscous, dt}, velocity, bodies);
+        gather_faces(grid, halo, velocity);
+        return report;
+    }
+    ViscousScene begin(double dt) {
+        if (dt > 0) {
+            bodies.begin(dt);
+            bodies.fall(dt);
+            accelerate(grid, halo.window(), sample.gravity, dt, velocity);
+        }
+        pressed_ = pressure.describe(scene());
+        return {grid, halo, fractions, shares, viscosities, sample.density, sample.solid_slips ? &slip : nullptr, &pressed_};
+    }
+
+    PressureFaces pressed_;
 };
 
 } // namespace treacle::grid

@@ -1,7 +1,10 @@
+#include "../sph/solver_environment.hpp"
 #include "stokes_sample.hpp"
 
 namespace treacle::grid {
 namespace {
+
+[[maybe_unused]] const auto* const solvers = testing::AddGlobalTestEnvironment(new sph::SolverEnvironment);
 
 rigid::BodySetup make_body(const Vec3& centre, double mass, double radius) {
     rigid::BodySetup out;
@@ -63,14 +66,8 @@ TEST_F(GridStokes, momentum_of_liquid_and_bodies_is_kept_and_nothing_flows_out_o
         const double dt = 0.01;
         StokesCase run(comm, sample);
         run.set_noise();
-        run.bodies.begin(dt);
-        StokesCase masses(comm, sample); // the masses that the solve gives the faces
-        masses.set_noise();
-        masses.step(dt);
-        masses.set_noise();
-        masses.bodies = run.bodies;
-        const auto before = masses.momentum(dt);
-        const auto report = run.step(dt);
+        std::array<double, 6> before{};
+        const auto report = run.solve_alone(dt, before);
         EXPECT_TRUE(report.solve.converged()) << report.solve.reason;
         const auto after = run.momentum(dt);
         double size = 0;
@@ -136,7 +133,6 @@ TEST_F(GridStokes, converges_in_a_full_box_with_a_jump_of_viscosity) {
     run.set_noise();
     const auto report = run.step(0.01);
     EXPECT_TRUE(report.solve.converged()) << report.solve.reason << " " << report.solve.relative_residual;
-    EXPECT_EQ(report.pressure.closed, 1);
     EXPECT_LT(report.solve.iterations, 200);
 }
 
