@@ -45,11 +45,13 @@ struct StiffnessLoop {
     }
 };
 
-// m/dt u on the rows of the viscous system.
-void momentum(const ViscousFaces& faces, const Array<int>& place_of, int n, const FaceField& u, const Array<double>& out) {
-    Kokkos::parallel_for("treacle::stokes_momentum", n, KOKKOS_LAMBDA(int r) {
+// The forces of pressures on the faces of the viscous system, from what they change of the velocities without viscosity:
+// with the mass A theta of the projection they are area times pressure, and what one cell pushes sums to nothing.
+void forces(const PressureFaces& faces, const Array<int>& place_of, int n, double mass, const FaceField& change,
+            const Array<double>& out) {
+    Kokkos::parallel_for("treacle::pressure_forces", n, KOKKOS_LAMBDA(int r) {
         const int a = place_of(r) % 3, i = place_of(r) / 3;
-        out(r) = faces.mass.axis[a](i) * u.axis[a](i);
+        out(r) = mass * math::max(faces.pushed(a, static_cast<std::size_t>(i)), 0.0) * change.axis[a](i);
     });
 }
 
@@ -107,12 +109,13 @@ struct Stokes::System {
     void subtract_forces(std::span<const double> p, std::span<double> y) const {
         push(p);
         const auto& viscous = parts.viscous;
-        momentum(viscous.places(), viscous.system().place_of(), viscous.system().faces(), of.push_, of.faces_);
+        const double mass = inertia * face * face; // of a full cube over dt [kg/s]
+        forces(parts.pressure.system().faces(), viscous.system().place_of(), viscous.system().faces(), mass, of.push_, of.faces_);
         const auto host = on_host(of.faces_);
         for (std::size_t r = 0; r < viscous.faces(); ++r) y[r] -= host(r);
         if (viscous.motions() == 0) return;
-        const auto forces = viscous.forces(parts.pressure.loads(p));
-        for (std::size_t r = viscous.faces(); r < n; ++r) y[r] -= forces[r - viscous.faces()];
+        const auto on_motions = viscous.forces(parts.pressure.loads(p));
+        for (std::size_t r = viscous.faces(); r < n; ++r) y[r] -= on_motions[r - viscous.faces()];
     }
     void multiply(std::span<const double> x, std::span<double> y) const {
         parts.viscous.matrix().multiply(x.first(n), y.first(n));

@@ -40,19 +40,10 @@ struct RoleLoop {
     PressureFaces pressed;
     bool with_pressure;
 
-    // A theta of a face beside cells with a pressure, 0 where it is closed; -1 of others.
-    KOKKOS_INLINE_FUNCTION double pushed(std::ptrdiff_t i) const {
-        const auto above = static_cast<std::size_t>(i), below = static_cast<std::size_t>(i - faces.stride[axis]);
-        const bool liquid = pressed.is_liquid(above), liquid_below = pressed.is_liquid(below);
-        if (!liquid && !liquid_below) return -1;
-        const double area = pressed.open(axis, above);
-        if (liquid && liquid_below) return area;
-        return area * (liquid ? pressed.wet_share(above, below) : pressed.wet_share(below, above));
-    }
     KOKKOS_INLINE_FUNCTION void operator()(int n) const {
         int c[3];
         const auto i = inner.place(n, c);
-        const double push = with_pressure ? pushed(i) : -1;
+        const double push = with_pressure ? pressed.pushed(axis, static_cast<std::size_t>(i)) : -1;
         bool stressed = false, tight = false;
         faces.each_stress(axis, i, faces.normal, faces.shear, [&](double w) { stressed = stressed || w > 0; });
         faces.each_stress(axis, i, cell_fluid, edge_fluid, [&](double f) { tight = tight || f < least_gap; });

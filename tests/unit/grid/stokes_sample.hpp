@@ -31,29 +31,43 @@ public:
 
     // Gravity, the projection, and both together.
     StokesReport step(double dt) {
-        const auto viscous = begin(dt);
-        build(viscous, dt);
-        pressure.project(velocity, bodies, dt);
+        bodies.begin(dt);
+        bodies.fall(dt);
+        accelerate(grid, halo.window(), sample.gravity, dt, velocity);
+        build(dt);
+        project(dt);
+        return solve_together(dt);
+    }
+    // The parts of it.
+    void build(double dt) {
+        auto& problem = viscosity.problem();
+        pressed_ = pressure.describe(scene());
+        problem.find_places(viscous_scene(), bodies, dt);
+        close_held_faces(problem.places(), fractions.open, open);
+        auto closed = scene();
+        closed.open = &open;
+        pressure.build(closed);
+    }
+    void project(double dt, Pressure::Surface surface = Pressure::Surface::tense) {
+        pressure.project(velocity, bodies, dt, surface);
         gather_faces(grid, halo, velocity);
-        return solve_built(viscous, dt);
     }
-    // Both together alone; `start` is the momentum of before.
-    StokesReport solve_alone(double dt, std::array<double, 6>& start) {
-        const auto viscous = begin(0);
-        build(viscous, dt);
-        start = momentum(dt);
-        return solve_built(viscous, dt);
+    StokesReport solve_together(double dt) {
+        auto& problem = viscosity.problem();
+        const auto viscous = viscous_scene();
+        problem.build(viscous, velocity, bodies, dt);
+        auto report = stokes.solve({pressure, problem, viscous, dt}, velocity, bodies);
+        gather_faces(grid, halo, velocity);
+        return report;
     }
+    // Pressure, viscosity, pressure.
     void split_step(double dt) {
-        auto viscous = begin(dt);
-        viscous.pressed = nullptr;
+        accelerate(grid, halo.window(), sample.gravity, dt, velocity);
         pressure.build(scene());
-        for (int k = 0; k < 2; ++k) {
-            pressure.project(velocity, bodies, dt, k == 0 ? Pressure::Surface::tense : Pressure::Surface::relaxed);
-            gather_faces(grid, halo, velocity);
-            if (k == 0) viscosity.solve(viscous, velocity, bodies, dt);
-            gather_faces(grid, halo, velocity);
-        }
+        project(dt);
+        ViscousCase::solve(dt);
+        gather_faces(grid, halo, velocity);
+        project(dt, Pressure::Surface::relaxed);
     }
     // Linear and angular momentum about the origin of bodies and liquid, with the masses of the solve.
     std::array<double, 6> momentum(double dt) {
@@ -108,30 +122,9 @@ private:
         }
     }
     PressureScene scene() {
-        return {grid, halo, distance, fractions, shares, bodies, sample.density, sample.surface_tension};
+        return {grid, halo, distance, fractions, sample.solid_slips ? all_shares : shares, bodies, sample.density, sample.surface_tension};
     }
-    void build(const ViscousScene& viscous, double dt) {
-        auto& problem = viscosity.problem();
-        problem.find_places(viscous, bodies, dt);
-        close_held_faces(problem.places(), fractions.open, open);
-        auto closed = scene();
-        closed.open = &open;
-        pressure.build(closed);
-    }
-    StokesReport solve_built(const ViscousScene& viscous, double dt) {
-        auto& problem = viscosity.problem();
-        problem.build(viscous, velocity, bodies, dt);
-        auto report = stokes.solve({pressure, problem, viscous, dt}, velocity, bodies);
-        gather_faces(grid, halo, velocity);
-        return report;
-    }
-    ViscousScene begin(double dt) {
-        if (dt > 0) {
-            bodies.begin(dt);
-            bodies.fall(dt);
-            accelerate(grid, halo.window(), sample.gravity, dt, velocity);
-        }
-        pressed_ = pressure.describe(scene());
+    ViscousScene viscous_scene() {
         return {grid, halo, fractions, shares, viscosities, sample.density, sample.solid_slips ? &slip : nullptr, &pressed_};
     }
 
