@@ -6,7 +6,8 @@ from .gtest import gtest_on_ranks
 from .run import resume, run_scene, scratch
 from .table import Figure
 
-RADIUS, WIDTH, DENSITIES, GRAVITY = 0.1, 0.64, (1000.0, 3000.0), 9.81  # inputs/falling_ball
+RADIUS, WIDTH, DENSITIES, GRAVITY = 0.1, 0.64, (1000.0, 3000.0), 9.81  # inputs/falling_ball/tube.yaml
+BOX = {"bodies.tube.shape.cylinder.radius": 1}  # the tube outside of its box
 STEP, STEPS, LONGEST = 0.02, 6, 0.5  # [s], [1], [s]: of 2 to 250 relaxation times from 1e3 Pa s on
 VISCOSITIES = (10, 100, 1e3, 1e4, 1e5)  # of table 5.1 [Pa s]
 PRINTED = {10: (0.641, "41 % off, at Re 11"), 100: (0.098, "10 %"), 1e3: (0.0101, "7 %"), 1e4: (1.11e-3, "1.5 %"),
@@ -35,15 +36,16 @@ def wall_corrected(viscosity, tube):
     return stokes / in_tube((1 if tube else 1.9033 / 2.1050) * 2 * RADIUS / WIDTH)
 
 
-def fall(context, folder, viscosity, cells, *, scene="scene", coupling="strong", solve="together"):
-    """Velocity of the ball after its start [m/s], with steps that its velocity at the end asks for, not its start."""
+def fall(context, folder, viscosity, cells, *, tube=False, coupling="strong", solve="together"):
+    """Velocity of the ball after its start [m/s], with steps that its velocity at the end asks for, not its start. In the box of
+    the tube, since that of scene.yaml is so short that its surface lets the ball sink 7 % faster."""
     relaxation = 2 / 9 * (DENSITIES[1] + DENSITIES[0] / 2) * RADIUS**2 / viscosity
     end = min(max(6 * relaxation, STEPS * STEP), LONGEST)
-    run = run_scene(context, context.root / f"inputs/falling_ball/{scene}.yaml",
-                    folder / f"{viscosity:g}_{cells}_{scene}_{coupling}",
+    run = run_scene(context, context.root / "inputs/falling_ball/tube.yaml",
+                    folder / f"{viscosity:g}_{cells}_{'tube' if tube else 'box'}_{coupling}",
                     set={"liquids.syrup.viscosity": viscosity, "domain.spacing": RADIUS / cells, "time.step": STEP,
                          "time.end": end, "output.interval": 0, "method.grid.coupling": coupling,
-                         "method.grid.stokes.solve": solve}, timeout=4 * 3600)
+                         "method.grid.stokes.solve": solve, **({} if tube else BOX)}, timeout=4 * 3600)
     return -float(run.bodies()["ball velocity z"][-1])
 
 
@@ -54,12 +56,12 @@ def falling_ball(context):
     with scratch(context, "falling_ball") as folder:
         for viscosity in VISCOSITIES[1:3] if context.quick else VISCOSITIES:
             words = []
-            for scene in ("scene", "tube"):
-                right = wall_corrected(viscosity, scene == "tube")
-                found = [fall(context, folder, viscosity, cells, scene=scene) for cells in sizes]
+            for tube in (False, True):
+                right = wall_corrected(viscosity, tube)
+                found = [fall(context, folder, viscosity, cells, tube=tube) for cells in sizes]
                 if viscosity > 10:
                     ok = ok and all(abs(v / right - 1) <= most for v, most in zip(found, (0.06, 0.03)))
-                words.append(("box " if scene == "scene" else "tube ") + ", ".join(f"{v:.3g}" for v in found) + f" m/s, of {right:.3g} "
+                words.append(("tube " if tube else "box ") + ", ".join(f"{v:.3g}" for v in found) + f" m/s, of {right:.3g} "
                              + ", ".join(f"{100 * (v / right - 1):+.1f} %" for v in found))
             # As in table 5.1: two ways by pressure and viscosity one after the other, weak or none.
             weak = [fall(context, folder, viscosity, sizes[0], coupling=coupling, solve="split") for coupling in ("weak", "one_way")]
