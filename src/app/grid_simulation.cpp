@@ -91,7 +91,8 @@ StepFigures GridSimulation::advance(double dt) {
     const auto& viscosity = report.viscosity;
     out.values = {double(pressure.solve.iterations), pressure.solve.relative_residual, double(pressure.unknowns),
                   double(pressure.closed), double(viscosity.solve.iterations), viscosity.solve.relative_residual,
-                  double(viscosity.unknowns), double(report.correction.iterations), report.correction.density_before,
+                  double(viscosity.unknowns), double(report.stokes.solve.iterations), report.stokes.solve.relative_residual,
+                  double(report.correction.iterations), report.correction.density_before,
                   report.correction.density_after, report.correction.energy, double(report.pushed), report.imbalance};
     // Those of the scene's bodies, which stand before the plugs of inlets.
     for (auto* loads : {&report.loads, &report.viscous_loads}) loads->resize(6 * input_.scene.bodies.size());
@@ -117,7 +118,7 @@ std::vector<std::string> GridSimulation::load_names() const {
 
 std::vector<std::string> GridSimulation::columns() const {
     return {"pressure iterations", "pressure residual", "pressure unknowns", "closed parts", "viscosity iterations",
-            "viscosity residual", "viscosity unknowns", "correction iterations", "density error before",
+            "viscosity residual", "viscosity unknowns", "stokes iterations", "stokes residual", "correction iterations", "density error before",
             "density error after", "correction energy", "pushed out of solids", "imbalance"};
 }
 

@@ -30,7 +30,8 @@ GridStep::GridStep(const Comm& comm, const GridSetup& setup)
       outlets_(flow::make_outlets(setup.inflow.outlets, grid_.dimensions)), solids_(grid_, setup.domain),
       slip_(grid_, setup.domain, setup.slip), rheology_(setup.rheology), tensions_(setup.surface_tension),
       pressure_(comm, setup.options.pressure, setup.options.coupling, grid_.dimensions),
-      viscosity_(comm, setup.options.viscosity, setup.options.coupling), correction_(grid_) {
+      viscosity_(comm, setup.options.viscosity, setup.options.coupling), stokes_(comm, setup.options.stokes),
+      correction_(grid_) {
     particle_mass_ = Array<double>("treacle::particle_mass", static_cast<std::size_t>(setup.liquids));
     Kokkos::deep_copy(particle_mass_, setup.density * particle_volume(grid_));
 }
@@ -204,40 +205,82 @@ void GridStep::find_viscosities() {
     }
 }
 
+ViscousScene GridStep::viscous_scene() {
+    const bool slides = slip_.any();
+    if (slides) slip_.update(cells_halo_, bodies_, solids_, level_set_, setup_.options.fractions);
+    find_viscosities();
+    return {grid_, cells_halo_, fractions_, slides ? slip_.shares() : shares_, viscosities_, setup_.density,
+            slides ? &slip_.slip() : nullptr};
+}
+
+PressureScene GridStep::pressure_scene() {
+    return {grid_, cells_halo_, distance_, fractions_, shares_, bodies_, setup_.density, tensions_.largest(),
+            tensions_.differ() ? &tensions_.at_centres() : nullptr};
+}
+
 // (V)
 void GridStep::apply_viscosity(StepReport& report, double dt) {
     if (!viscous()) return;
-    const bool slides = slip_.any();
     // Faces in solids that liquid slides along are unknowns too: what gravity made of them would drag the liquid down.
-    if (slides) continue_velocity();
-    if (slides) slip_.update(cells_halo_, bodies_, solids_, level_set_, setup_.options.fractions);
-    find_viscosities();
-    const auto before = bodies_;
-    report.viscosity = viscosity_.solve({grid_, cells_halo_, fractions_, slides ? slip_.shares() : shares_, viscosities_,
-                                         setup_.density, slides ? &slip_.slip() : nullptr},
-                                        velocity_, bodies_, dt);
+    if (slip_.any()) continue_velocity();
+    report.viscosity = viscosity_.solve(viscous_scene(), velocity_, bodies_, dt);
+    report.viscous_loads = report.viscosity.loads;
     // Faces that hardly any liquid reaches have stresses and no mass: what the solve leaves there is arbitrary.
     mark_faces(grid_, cells_halo_.window(), fractions_.face_wet, least_wet, known_);
     extrapolate(grid_, cells_halo_, velocity_, known_, 2);
-    report.viscous_loads.assign(6 * bodies_.size(), 0.0);
-    for (std::size_t b = 0; b < bodies_.size(); ++b) {
-        if (!bodies_.dynamic(b)) continue;
-        const double mass = bodies_.setup().bodies[b].mass;
-        for (std::size_t k = 0; k < 3; ++k) {
-            report.viscous_loads[6 * b + k] = mass * (bodies_.velocity(b)[k] - before.velocity(b)[k]) / dt;
-            report.viscous_loads[6 * b + 3 + k] = (bodies_.angular_momentum(b)[k] - before.angular_momentum(b)[k]) / dt;
-        }
+}
+
+// (P), (V), (P) again
+void GridStep::split(StepReport& report, double dt) {
+    {
+        const auto phase = timers_.scope("pressure");
+        pressure_.build(pressure_scene());
+        project(report, dt, Pressure::Surface::tense);
     }
+    {
+        const auto phase = timers_.scope("viscosity");
+        apply_viscosity(report, dt);
+    }
+    if (setup_.options.second_projection && report.viscosity.unknowns > 0) {
+        const auto phase = timers_.scope("pressure");
+        project(report, dt, Pressure::Surface::relaxed);
+    }
+}
+
+// (P), (U)
+void GridStep::together(StepReport& report, double dt) {
+    auto scene = viscous_scene();
+    const auto pressed = pressure_.describe(pressure_scene());
+    scene.pressed = &pressed;
+    auto& problem = viscosity_.problem();
+    {
+        const auto phase = timers_.scope("pressure");
+        problem.find_places(scene, bodies_, dt);
+        close_held_faces(problem.places(), fractions_.open, open_);
+        auto closed = pressure_scene();
+        closed.open = &open_;
+        pressure_.build(closed);
+        project(report, dt, Pressure::Surface::tense);
+    }
+    const auto phase = timers_.scope("viscosity");
+    if (slip_.any()) continue_velocity();
+    problem.build(scene, velocity_, bodies_, dt);
+    report.stokes = stokes_.solve({pressure_, problem, scene, dt}, velocity_, bodies_);
+    gather_faces(grid_, cells_halo_, velocity_);
+    for (std::size_t k = 0; k < report.loads.size(); ++k) report.loads[k] += report.stokes.loads[k];
+    report.viscous_loads = report.stokes.viscous_loads;
+    report.viscosity.unknowns = problem.global_faces();
 }
 
 // Velocities beyond the liquid's own faces, as far as particles may come in a step.
 void GridStep::continue_velocity() {
     const double least = viscous() ? least_wet : 2; // a pressure gives velocities to faces beside centres alone
-    mark_solved(pressure_.system().faces(), fractions_.face_wet, least, known_);
+    const auto faces = pressure_.describe(pressure_scene());
+    mark_solved(faces, fractions_.face_wet, least, known_);
     continue_changes(grid_, cells_halo_, {start_, mass_, scratch_, reached_}, known_, velocity_); // (A6)
     const int reach = static_cast<int>(std::ceil(setup_.options.cfl)) + 1;
     extrapolate(grid_, cells_halo_, velocity_, known_, reach);
-    turn_along_solids(grid_, cells_halo_, solids_, pressure_.system().faces(), velocity_, scratch_); // (A2)
+    turn_along_solids(grid_, cells_halo_, solids_, faces, velocity_, scratch_); // (A2)
 }
 
 void GridStep::move(StepReport& report, double dt) {
@@ -286,24 +329,15 @@ StepReport GridStep::advance(double dt) {
     {
         const auto phase = timers_.scope("surface");
         find_surface(); // (F1), (F2)
+        if (tensions_.differ()) tensions_.find(grid_, cells_halo_, particles_, cells_, particle_mass_);
     }
     bodies_.begin(dt);
     bodies_.fall(dt);
     accelerate(grid_, cells_halo_.window(), setup_.domain.gravity, dt, velocity_); // (A1)
-    {
-        const auto phase = timers_.scope("pressure");
-        if (tensions_.differ()) tensions_.find(grid_, cells_halo_, particles_, cells_, particle_mass_);
-        pressure_.build({grid_, cells_halo_, distance_, fractions_, shares_, bodies_, setup_.density, tensions_.largest(),
-                         tensions_.differ() ? &tensions_.at_centres() : nullptr});
-        project(report, dt, Pressure::Surface::tense); // (P)
-    }
-    {
-        const auto phase = timers_.scope("viscosity");
-        apply_viscosity(report, dt); // (V)
-    }
-    if (setup_.options.second_projection && report.viscosity.unknowns > 0) {
-        const auto phase = timers_.scope("pressure");
-        project(report, dt, Pressure::Surface::relaxed); // (P)
+    if (viscous() && setup_.options.stokes.solve == StokesSolve::together) {
+        together(report, dt); // (P), (U)
+    } else {
+        split(report, dt); // (P), (V)
     }
     {
         const auto phase = timers_.scope("move");

@@ -9,6 +9,7 @@
 #include "grid/pressure.hpp"
 #include "grid/rheology.hpp"
 #include "grid/slip_geometry.hpp"
+#include "grid/stokes.hpp"
 #include "grid/tension.hpp"
 #include "grid/viscosity.hpp"
 #include "mpi/halo.hpp"
@@ -39,6 +40,7 @@ struct StepReport {
     double dt = 0; // [s]
     PressureReport pressure;        // of the first projection; iterations of both
     ViscosityReport viscosity;
+    StokesReport stokes;            // of both together
     PositionReport correction;      // of the last step that had one
     std::vector<double> loads;         // [body][6] by pressure, mean of the step [N], [N m]
     std::vector<double> viscous_loads; // by viscosity, on dynamic bodies
@@ -109,6 +111,10 @@ private:
     void find_surface();
     void project(StepReport& report, double dt, Pressure::Surface surface);
     void apply_viscosity(StepReport& report, double dt);
+    void split(StepReport& report, double dt);
+    void together(StepReport& report, double dt);
+    ViscousScene viscous_scene();
+    PressureScene pressure_scene();
     bool viscous() const { return setup_.viscosity_varies || setup_.viscosity > 0 || rheology_.any(); }
     void find_viscosities_by_rate();
     void find_viscosities();
@@ -145,6 +151,8 @@ private:
     SurfaceTensions tensions_;
     Pressure pressure_;
     Viscosity viscosity_;
+    Stokes stokes_;
+    FaceField open_; // of faces that no solid takes along
     PositionCorrection correction_;
     PhaseTimers timers_;
     std::int64_t steps_ = 0;

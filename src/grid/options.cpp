@@ -45,6 +45,19 @@ void ViscosityOptions::declare(Declaration& d) {
              "Surfaces with slip resist flow across them as a layer of liquid of this thickness would, in grid widths.");
 }
 
+void StokesOptions::declare(Declaration& d) {
+    d.choice("solve", solve, {{"split", StokesSolve::split}, {"together", StokesSolve::together}},
+             "Pressure and viscosity one after the other, or as one system (unsteady Stokes flow). One after the other, "
+             "liquid and bodies that viscosity holds back give way too fast, up to twice, in steps in which it spreads "
+             "velocities farther than the flow is wide.");
+    d.number("residual", residual, unit::none,
+             range_between(1e-14, 0.1).because("rounding alone leaves about 1e-15", "1e-10 is very accurate already"),
+             "Relative residual at which the solve of both together ends, of momentum and mass at once.");
+    d.integer("max_iterations", max_iterations, range_between(1, 100000),
+              "Iterations after which the solve of both together ends; the step goes on where the residual is below 0.01, "
+              "and is reported with it.");
+}
+
 namespace {
 void declare_advection(Declaration& d, AdvectionOptions& options) {
     d.choice("scheme", options.scheme,
@@ -106,6 +119,7 @@ void GridOptions::declare(Declaration& d) {
               "Whether the pressure is solved for again after the viscosity, which leaves velocities with a divergence.");
     d.block("pressure", pressure, "The pressure solves.");
     d.block("viscosity", viscosity, "The viscous solve.");
+    d.block("stokes", stokes, "How pressure and viscosity act on each other.");
     d.block_of("advection", [this](Declaration& inner) { declare_advection(inner, advection); }, "How particles move.");
     d.block_of("correction", [this](Declaration& inner) { declare_correction(inner, *this); },
                "The correction of the particles' places.");

@@ -37,6 +37,19 @@ struct ViscosityOptions {
     void declare(Declaration& d);
 };
 
+enum class StokesSolve {
+    split,   // the pressure, the viscosity, and the pressure again, one after the other
+    together // one system of both
+};
+
+struct StokesOptions {
+    StokesSolve solve = StokesSolve::split;
+    double residual = 1e-8; // relative
+    int max_iterations = 300;
+
+    void declare(Declaration& d);
+};
+
 // Options of the MAC/APIC solver (dissertation, chapter 5), as the block `method` of a scene gives them.
 struct GridOptions {
     double cfl = 3; // widths that liquid and bodies move in a step; a scene's time.cfl
@@ -45,6 +58,7 @@ struct GridOptions {
     bool second_projection = true; // pressure before and after the viscosity, or before it only
     PressureOptions pressure;
     ViscosityOptions viscosity;
+    StokesOptions stokes;
     AdvectionOptions advection;
     PositionOptions correction;
     int correction_every = 1;      // steps

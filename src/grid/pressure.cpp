@@ -2,6 +2,7 @@
 
 #include "base/error.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace treacle::grid {
@@ -95,16 +96,21 @@ void Pressure::find_jumps(const PressureScene& scene) {
                                   scene.tensions ? *scene.tensions : Array<double>(), jump_});
 }
 
+PressureFaces Pressure::describe(const PressureScene& scene) const {
+    auto faces = pressure_faces(scene.halo.window(), scene.grid.dimensions);
+    faces.area = scene.open ? *scene.open : scene.fractions.open;
+    faces.distance = scene.distance;
+    faces.least_distance = options_.least_distance;
+    faces.least_opening = options_.least_opening;
+    return faces;
+}
+
 // (P1)-(P3)
 void Pressure::build(const PressureScene& scene) {
     grid_ = &scene.grid;
     halo_ = &scene.halo;
     density_ = scene.density;
-    auto faces = pressure_faces(scene.halo.window(), scene.grid.dimensions);
-    faces.area = scene.fractions.open;
-    faces.distance = scene.distance;
-    faces.least_distance = options_.least_distance;
-    faces.least_opening = options_.least_opening;
+    auto faces = describe(scene);
     faces.has_jump = scene.surface_tension > 0;
     if (faces.has_jump) find_jumps(scene);
     faces.jump = jump_;
@@ -130,7 +136,7 @@ void Pressure::build(const PressureScene& scene) {
     const auto places = static_cast<std::size_t>(scene.halo.window().size());
     reserve(right_hand_side_, rows);
     reserve(solution_, rows);
-    reserve(found_, places);
+    reserve(in_cells_, places);
     reserve(pressures_, places);
     Kokkos::deep_copy(pressures_, 0.0);
 }
@@ -150,15 +156,26 @@ solve::SolveReport Pressure::solve(std::span<double> b, std::span<double> x) {
                            "take a smaller time step, or another method.pressure.preconditioner"});
 }
 
-void Pressure::collect(const Array<double>& found) {
+void Pressure::collect(const Array<double>& cells) {
     const auto sum = pressures_;
     const auto window = halo_->window(), owned = halo_->owned();
     Kokkos::parallel_for("treacle::sum_pressures", static_cast<int>(owned.size()), KOKKOS_LAMBDA(int i) {
         int c[3];
         owned.cell(i, c);
         const int at = window.index(c[0], c[1], c[2]);
-        sum(at) += found(at);
+        sum(at) += cells(at);
     });
+}
+
+void Pressure::apply(std::span<const double> p, double dt, Surface surface, const FaceField& velocity) {
+    const auto host = Kokkos::create_mirror_view(solution_);
+    std::copy(p.begin(), p.end(), host.data());
+    Kokkos::deep_copy(solution_, host);
+    system_.to_cells(solution_, in_cells_);
+    halo_->gather({in_cells_});
+    auto faces = system_.faces();
+    faces.has_jump = faces.has_jump && surface == Surface::tense;
+    subtract_gradient(faces, halo_->owned(), in_cells_, density_ * grid_->dx / dt, velocity);
 }
 
 // (P4)
@@ -167,7 +184,6 @@ PressureReport Pressure::project(const FaceField& velocity, rigid::RigidBodies& 
     report.unknowns = system_.global_rows();
     report.closed = components_.closed();
     const double scale = density_ * grid_->dx / dt;
-    const auto rows = static_cast<std::size_t>(system_.rows());
     auto faces = system_.faces();
     faces.has_jump = faces.has_jump && surface == Surface::tense;
     divergence(faces, system_, velocity, scale, right_hand_side_);
@@ -175,24 +191,35 @@ PressureReport Pressure::project(const FaceField& velocity, rigid::RigidBodies& 
     coupling_.subtract_flux(motion_, scale, right_hand_side_);
 
     const auto b = on_host(right_hand_side_);
-    const auto x = on_host(solution_);
-    const std::span<double> pressures{x.data(), rows};
-    report.unbalanced = components_.balance(comm_, {b.data(), rows});
-    report.solve = solve({b.data(), rows}, pressures);
-    report.loads = coupling_.loads(comm_, pressures);
+    found_.resize(rows());
+    report.unbalanced = components_.balance(comm_, {b.data(), rows()});
+    report.solve = solve({b.data(), rows()}, found_);
+    report.loads = coupling_.loads(comm_, found_);
     if (coupling_kind_ != Coupling::one_way && bodies.any_dynamic()) bodies.push(report.loads, dt);
-
-    Kokkos::deep_copy(solution_, x);
-    system_.to_cells(solution_, found_);
-    halo_->gather({found_});
-    subtract_gradient(faces, halo_->owned(), found_, scale, velocity);
-    collect(found_);
+    apply(found_, dt, surface, velocity);
+    collect(in_cells_);
     return report;
+}
+
+void Pressure::flux(const FaceField& velocity, std::span<double> out) {
+    auto faces = system_.faces();
+    faces.has_jump = false;
+    divergence(faces, system_, velocity, 1, right_hand_side_);
+    const auto host = on_host(right_hand_side_);
+    std::copy_n(host.data(), rows(), out.begin());
+}
+
+void Pressure::record(std::span<const double> p) {
+    const auto host = Kokkos::create_mirror_view(solution_);
+    std::copy(p.begin(), p.end(), host.data());
+    Kokkos::deep_copy(solution_, host);
+    system_.to_cells(solution_, in_cells_);
+    collect(in_cells_);
 }
 
 std::size_t Pressure::bytes() const {
     return system_.bytes() + coupling_.bytes() + multilevel_.bytes() +
-           8 * (jump_.span() + right_hand_side_.span() + solution_.span() + found_.span() + pressures_.span());
+           8 * (jump_.span() + right_hand_side_.span() + solution_.span() + in_cells_.span() + pressures_.span() + found_.capacity());
 }
 
 } // namespace treacle::grid

@@ -19,6 +19,7 @@ struct PressureScene {
     double density = 0;            // [kg/m3]
     double surface_tension = 0;    // [N/m]
     const Array<double>* tensions = nullptr; // [window] at centres [N/m], where liquids differ in theirs
+    const FaceField* open = nullptr; // in the place of that of the fractions
 };
 
 struct PressureReport {
@@ -44,6 +45,22 @@ public:
     PressureReport project(const FaceField& velocity, rigid::RigidBodies& bodies, double dt,
                            Surface surface = Surface::tense);
 
+    // Parts of project(), for a solve together with the viscosity (stokes.hpp); spans are [rows()]. Collective, but for
+    // those that say so. The faces that scene() describes; local.
+    PressureFaces describe(const PressureScene& scene) const;
+    // velocity -= dt/(rho dx) (p_c - p_below), as project() does.
+    void apply(std::span<const double> p, double dt, Surface surface, const FaceField& velocity);
+    std::vector<double> loads(std::span<const double> p) const { return coupling_.loads(comm_, p); }
+    // Of what the velocities lead out of each cell, the negative, in face areas [m/s]; not of the bodies. Local.
+    void flux(const FaceField& velocity, std::span<double> out);
+    double balance(std::span<double> b) const { return components_.balance(comm_, b); }
+    void set_up_preconditioner() { solver_.set_up(*matrix_); }
+    void precondition(std::span<const double> r, std::span<double> z) { solver_.precondition(r, z); }
+    // Adds to pressures().
+    void record(std::span<const double> p);
+    const PressureCoupling& coupling() const { return coupling_; }
+    std::size_t rows() const { return static_cast<std::size_t>(system_.rows()); }
+
     // [window] sum of the step's pressures at the centres [Pa], 0 outside of the liquid; of owned cells.
     const Array<double>& pressures() const { return pressures_; }
     const PressureSystem& system() const { return system_; }
@@ -52,7 +69,7 @@ public:
 
     // Parts of the above; not private, since nvcc takes no kernel in a private function.
     void find_jumps(const PressureScene& scene);
-    void collect(const Array<double>& found);
+    void collect(const Array<double>& cells);
 
 private:
     solve::KrylovOptions krylov(int dimensions);
@@ -76,7 +93,8 @@ private:
     Array<double> jump_{"treacle::pressure_jump", 0};
     Array<double> right_hand_side_{"treacle::pressure_source", 0};
     Array<double> solution_{"treacle::pressure_solution", 0};
-    Array<double> found_{"treacle::pressure_found", 0};
+    Array<double> in_cells_{"treacle::pressure_found", 0};
+    std::vector<double> found_;
     Array<double> pressures_{"treacle::pressures", 0};
 };
 

@@ -147,11 +147,14 @@ std::vector<double> PressureCoupling::loads(const Comm& comm, std::span<const do
 
 void PressureCoupling::add_response(const Comm& comm, const rigid::Mobility& mobility, double mass,
                                     std::span<const double> x, std::span<double> y) const {
-    const auto moved = mobility.respond(sums(comm, x));
+    add_flux(mobility.respond(sums(comm, x)), mass, y);
+}
+
+void PressureCoupling::add_flux(std::span<const double> velocities, double factor, std::span<double> y) const {
     for (const auto& [row, body, u] : entries_) {
         double flux = 0;
-        for (std::size_t k = 0; k < 6; ++k) flux += u[k] * moved[6 * static_cast<std::size_t>(body) + k];
-        y[static_cast<std::size_t>(row)] += mass * flux;
+        for (std::size_t k = 0; k < 6; ++k) flux += u[k] * velocities[6 * static_cast<std::size_t>(body) + k];
+        y[static_cast<std::size_t>(row)] += factor * flux;
     }
 }
 

@@ -30,6 +30,9 @@ public:
     void add_response(const Comm& comm, const rigid::Mobility& mobility, double mass, std::span<const double> x,
                       std::span<double> y) const;
 
+    // y += factor J V on this rank's rows, V 6 numbers a body.
+    void add_flux(std::span<const double> velocities, double factor, std::span<double> y) const;
+
     bool empty() const { return entries_.empty(); }
     std::size_t bytes() const;
 

@@ -27,6 +27,15 @@ struct PressureFaces {
     KOKKOS_INLINE_FUNCTION double wet_share(std::size_t liquid, std::size_t outside) const {
         return math::max(distance(liquid) / (distance(liquid) - distance(outside)), least_distance);
     }
+    // A theta of a face beside cells with a pressure, 0 where it is closed; -1 of others.
+    KOKKOS_INLINE_FUNCTION double pushed(int axis, std::size_t above) const {
+        const std::size_t below = above - static_cast<std::size_t>(stride[axis]);
+        const bool wet = is_liquid(above), wet_below = is_liquid(below);
+        if (!wet && !wet_below) return -1;
+        const double share = open(axis, above);
+        if (wet && wet_below) return share;
+        return share * (wet ? wet_share(above, below) : wet_share(below, above));
+    }
     // The pressure at the surface between the two [Pa].
     KOKKOS_INLINE_FUNCTION double surface_pressure(std::size_t liquid, std::size_t outside) const {
         if (!has_jump) return 0;

@@ -1,12 +1,14 @@
 #pragma once
 #include "grid/mac_grid.hpp"
 #include "grid/options.hpp"
+#include "grid/pressure_faces.hpp"
 #include "mpi/cell_halo.hpp"
 #include "rigid/bodies.hpp"
 #include "solve/krylov.hpp"
 
 #include <array>
 #include <memory>
+#include <vector>
 
 namespace treacle::grid {
 
@@ -32,13 +34,19 @@ struct ViscousScene {
     const Viscosities& viscosity;
     double density = 0; // [kg/m3]
     const SlipSolids* slip = nullptr;
+    // Where the pressure acts in the same solve: all faces that it pushes are unknowns. Those without liquid have the mass
+    // of the projection, and those that it does not push none, since nothing holds it against gravity.
+    const PressureFaces* pressed = nullptr;
 };
 
 struct ViscosityReport {
     solve::SolveReport solve;
     std::int64_t unknowns = 0; // faces, over all ranks
     std::int64_t entries = 0;
+    std::vector<double> loads;  // on dynamic bodies, 6 numbers each [N], [N m]
 };
+
+class ViscousProblem;
 
 // One implicit step of viscosity (dissertation 5.3.1, 5.3.2, 5.3.4): the velocities u of the faces and V of the bodies make
 //   sum m/(2 dt) (u - u*)^2 + (V - V*) M (V - V*)/(2 dt) + 1/2 sum w (D v)^2,   v = W_F u + sum_b W_S R V,
@@ -56,6 +64,9 @@ public:
     // SimulationError where the solve fails.
     ViscosityReport solve(const ViscousScene& scene, const FaceField& velocity, rigid::RigidBodies& bodies, double dt);
 
+    // For a solve of the viscosity together with the pressure (stokes.hpp).
+    ViscousProblem& problem();
+
     // The matrix and right-hand side of the last solve, for measurements and tests; null before the first.
     solve::Matrix* matrix();
     std::span<const double> right_hand_side() const;
@@ -67,7 +78,6 @@ private:
     struct State;
     Comm comm_;
     ViscosityOptions options_;
-    Coupling coupling_;
     std::unique_ptr<State> state_;
 };
 

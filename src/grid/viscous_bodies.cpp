@@ -288,13 +288,11 @@ std::vector<double> ViscousBodies::block(double dt) const {
 }
 
 std::vector<double> ViscousBodies::right_hand_side(std::span<const double> velocities) const {
-    std::vector<double> out(columns_.size(), 0.0);
+    auto out = held_;
     for (std::size_t k = 0; k < size_; ++k) {
-        double force = held_[k];
-        for (std::size_t l = 0; l < size_; ++l) force -= stiffness_[k * size_ + l] * velocities[l];
-        for (std::size_t c = 0; c < out.size(); ++c) out[c] += columns_[c][k] * force;
+        for (std::size_t l = 0; l < size_; ++l) out[k] -= stiffness_[k * size_ + l] * velocities[l];
     }
-    return out;
+    return forces(out);
 }
 
 std::vector<double> ViscousBodies::moved(std::span<const double> velocities, std::span<const double> q) const {
@@ -325,14 +323,15 @@ std::vector<double> pull_of(const Entries& entries, std::size_t size, std::span<
 }
 } // namespace
 
-std::vector<double> ViscousBodies::project(std::span<const double> x) const {
-    const auto pull = pull_of(coupling_, size_, x);
+std::vector<double> ViscousBodies::forces(std::span<const double> loads) const {
     std::vector<double> out(columns_.size(), 0.0);
     for (std::size_t c = 0; c < out.size(); ++c) {
-        for (std::size_t k = 0; k < size_; ++k) out[c] += columns_[c][k] * pull[k];
+        for (std::size_t k = 0; k < size_; ++k) out[c] += columns_[c][k] * loads[k];
     }
     return out;
 }
+
+std::vector<double> ViscousBodies::project(std::span<const double> x) const { return forces(pull_of(coupling_, size_, x)); }
 
 std::vector<double> ViscousBodies::loads(const Comm& comm, std::span<const double> u, std::span<const double> velocities) const {
     auto out = pull_of(coupling_, size_, u);
@@ -347,9 +346,8 @@ std::vector<double> ViscousBodies::loads(const Comm& comm, std::span<const doubl
 std::vector<double> ViscousBodies::answer(std::span<const double> loads, double dt) const {
     const std::size_t n = columns_.size();
     auto a = block(dt); // Cholesky in place, lower
-    std::vector<double> q(n, 0.0);
+    auto q = forces(loads);
     for (std::size_t r = 0; r < n; ++r) {
-        for (std::size_t k = 0; k < size_; ++k) q[r] += columns_[r][k] * loads[k];
         for (std::size_t c = 0; c <= r; ++c) {
             double sum = a[r * n + c];
             for (std::size_t k = 0; k < c; ++k) sum -= a[r * n + k] * a[c * n + k];

@@ -34,6 +34,7 @@ public:
     std::vector<double> project(std::span<const double> x) const; // L^T C^T x, of this rank's faces
     // Collective: -(C^T u + G V - h), forces [N] and torques about the centres [N m].
     std::vector<double> loads(const Comm& comm, std::span<const double> u, std::span<const double> velocities) const;
+    std::vector<double> forces(std::span<const double> loads) const; // L^T loads
     // V + L q.
     std::vector<double> moved(std::span<const double> velocities, std::span<const double> q) const;
     // For bodies that answer to liquid whose motion is given: (1/dt + L^T G L) q = L^T loads.

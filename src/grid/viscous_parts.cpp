@@ -37,21 +37,25 @@ struct RoleLoop {
     Array<double> wet, fluid, cell_fluid;
     EdgeField edge_fluid;
     double least_wet, least_gap, mass;
+    PressureFaces pressed;
+    bool with_pressure;
 
     KOKKOS_INLINE_FUNCTION void operator()(int n) const {
         int c[3];
         const auto i = inner.place(n, c);
+        const double push = with_pressure ? pressed.pushed(axis, static_cast<std::size_t>(i)) : -1;
         bool stressed = false, tight = false;
         faces.each_stress(axis, i, faces.normal, faces.shear, [&](double w) { stressed = stressed || w > 0; });
         faces.each_stress(axis, i, cell_fluid, edge_fluid, [&](double f) { tight = tight || f < least_gap; });
         const bool has_liquid = wet(i) > least_wet;
         int role = idle_face;
-        if (has_liquid || stressed) role = fluid(i) < least_gap || (has_liquid && tight) ? held_face : free_face;
+        if (has_liquid || stressed || push > 0) role = fluid(i) < least_gap || (has_liquid && tight) ? held_face : free_face;
         const double solid = 1 - fluid(i);
         faces.role[axis](i) = role;
         faces.share.axis[axis](i) = role == free_face ? fluid(i) : 0.0;
         faces.scale.axis[axis](i) = role == free_face || !(solid > least_wet) ? 1.0 : 1 / solid;
-        faces.mass.axis[axis](i) = mass * wet(i);
+        const bool by_pressure = role == free_face && ((push > 0 && !has_liquid) || (push == 0 && stressed));
+        faces.mass.axis[axis](i) = mass * (by_pressure ? push : wet(i));
     }
 };
 
@@ -224,7 +228,8 @@ void ViscousParts::cast_roles(const ViscousScene& scene, const ViscosityOptions&
         Kokkos::parallel_for("treacle::cast_roles", inner.count(),
                              RoleLoop{faces_, inner, a, f.face_wet.axis[a], grip.face_fluid.axis[a], grip.cell_fluid,
                                       grip.edge_fluid, options.least_wet, options.least_gap,
-                                      scene.density * cube_volume(scene.grid) / dt});
+                                      scene.density * cube_volume(scene.grid) / dt,
+                                      scene.pressed ? *scene.pressed : PressureFaces(), scene.pressed != nullptr});
     }
 }
 

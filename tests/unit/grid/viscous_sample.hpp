@@ -105,7 +105,7 @@ public:
     CellHalo halo;
     rigid::RigidBodies bodies;
     Fractions fractions;
-    std::array<BodyShares, 3> shares;
+    std::array<BodyShares, 3> shares, all_shares; // of bodies that grip; with slip, of all
     Viscosities viscosities;
     SlipSolids slip;
     FaceField velocity;
@@ -218,7 +218,10 @@ private:
                 slip.body(at) = static_cast<int>(b);
             }
         });
-        for (auto& of : shares) Kokkos::deep_copy(of.first, 0); // bodies that slip have none
+        for (std::size_t a = 0; a < 3; ++a) { // bodies that slip have none
+            all_shares[a] = shares[a];
+            shares[a].first = Array<int>("first", all_shares[a].first.extent(0));
+        }
     }
 };
 
