@@ -149,7 +149,15 @@ void GridStep::find_surface() {
     level_set_.build(grid_, cells_halo_, particles_, cells_, solids_);
     take_centres();
     fraction_builder_.build(solids_.nodes(), solids_.distance(), level_set_.distance(), setup_.options.fractions, fractions_);
-    if (bodies_.size() == 0) return;
+    if (!bodies_.any_moves()) { // what rests has no shares, but the lists of the faces are looked at
+        const auto faces = static_cast<std::size_t>(cells_halo_.window().size()) + 1;
+        for (auto& of : shares_) {
+            if (bodies_.size() == 0 || of.first.extent(0) >= faces) continue;
+            reserve(of.first, faces);
+            Kokkos::deep_copy(of.first, 0);
+        }
+        return;
+    }
     fraction_builder_.build_body_shares(solids_.nodes(), solids_.distance(), solids_.number(), solids_.moves(), shares_.data());
 }
 

@@ -10,6 +10,7 @@ LENGTH, RADIUS = 1.0, 0.2           # of the box and of the ball [m]
 DENSITY, NU, PULL = 1000, 1.0, 0.1  # [kg/m3], [m2/s], [m/s2]; Reynolds' number is 0.003
 STEP = 1.0                          # nu dt / dx^2: pressure and viscosity are solved one after the other
 RELAXATIONS = 3                     # times of the approach to steady flow that a run lasts
+SIZES = (4, 6)                      # cells a radius; the last one is held to the tolerance
 TOLERANCE = 0.05
 
 SCENE = """
@@ -63,8 +64,8 @@ def drag(context, folder, cells):
 def periodic_drag(context):
     right = hasimoto()
     with scratch(context, "drag") as folder:
-        found = {cells: drag(context, folder, cells) for cells in ((4,) if context.quick else (4, 6))}
+        found = {cells: drag(context, folder, cells) for cells in SIZES}
     torque = run_gtest(context, "grid_viscosity_test", "GridViscousBodies.torque_on_a_sphere_that_turns_within_another_is_right")
     text = ", ".join(f"{cells} cells a radius {value:.3f} ({100 * (value / right - 1):+.1f} %)" for cells, value in found.items())
     return Figure(f"drag over Stokes' in a box of {LENGTH / RADIUS:g} radii: {text}, Hasimoto {right:.3f}; torque: {torque.text()}",
-                  all(abs(value / right - 1) <= TOLERANCE for value in found.values()) and torque.ok)
+                  abs(found[SIZES[-1]] / right - 1) <= TOLERANCE and torque.ok)

@@ -184,6 +184,28 @@ TEST_P(StepsOf, AreTheSameOnOneRankAndOnAll) {
     EXPECT_EQ(comm.sum(std::int64_t(together->particles().store.owned())), std::int64_t(all.size()));
 }
 
+// Honey is pulled past a ball at rest in a periodic box, and sticks to it: the pull less the drag is what it gains.
+TEST_F(Steps, AreHeldUpByABodyAtRest) {
+    auto sample = sample_of(16, 3);
+    auto& setup = sample.setup;
+    for (auto& face : setup.domain.faces) face.kind = scene::FaceKind::periodic;
+    setup.domain.gravity = setup.rigid.gravity = {0.1, 0, 0};
+    setup.viscosity = 1000;
+    auto ball = ball_body({0.513, 0.513, 0.513}, 0.25, 1000);
+    ball.kind = scene::BodyKind::fixed;
+    setup.rigid.bodies = {ball};
+    setup.slip = {{scene::Slip::no_slip}, {0}};
+    sample.liquid = [](const Vec3& x) { return 0.25 - from({0.513, 0.513, 0.513}, x); };
+    auto step = started(comm, sample);
+    const double dt = 0.25 / (16 * 16); // nu dt / dx^2 = 1/4
+    for (int k = 0; k < 10; ++k) step->advance(dt);
+    const auto totals = step->totals();
+    const double pulled = totals.mass * 0.1 * 10 * dt;
+    EXPECT_GT(totals.momentum[0], 0.3 * pulled); // a ball of half the box' width soon holds it up
+    EXPECT_LT(totals.momentum[0], 0.95 * pulled);
+    EXPECT_LT(std::fabs(totals.momentum[1]) + std::fabs(totals.momentum[2]), 0.01 * pulled);
+}
+
 // A ball in a blob in free space: what the liquid loses the ball gets, but for half a percent in ten steps, since particles
 // weigh the faces at surfaces otherwise than the solves do, which lose nothing (pressure_bodies_test, viscosity_test).
 // Liquid falls around a ball that grips, or that it slides along.
