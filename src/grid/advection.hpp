@@ -52,6 +52,9 @@ struct Advection {
 };
 Departures advect(const Advection& how, const GridParticles& particles, double dt);
 
+// Of an interpolated distance: that in a corner of three walls is 0.58.
+inline constexpr double least_slope = 0.5;
+
 // Pushes one place to at least `clearance` [m] from solids; returns whether it was moved.
 KOKKOS_INLINE_FUNCTION bool push_out(const DistanceSampler& solid, double clearance, double x[3]) {
     bool moved = false;
@@ -62,8 +65,10 @@ KOKKOS_INLINE_FUNCTION bool push_out(const DistanceSampler& solid, double cleara
         if (distance >= clearance) return moved;
         const double square = gradient[0] * gradient[0] + gradient[1] * gradient[1] + gradient[2] * gradient[2];
         if (!(square > 1e-12)) return moved; // at the middle of a solid: it has no side
-        const double step = (clearance * 1.0001 - distance) / math::sqrt(square);
-        for (int c = 0; c < 3; ++c) x[c] += step * gradient[c] / math::sqrt(square);
+        // Where two solids meet the interpolant is flatter than a distance: its slope would throw the place far off.
+        const double slope = math::sqrt(square);
+        const double step = (clearance * 1.0001 - distance) / math::max(slope, least_slope);
+        for (int c = 0; c < 3; ++c) x[c] += step * gradient[c] / slope;
         moved = true;
     }
     return moved;

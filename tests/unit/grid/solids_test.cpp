@@ -136,6 +136,36 @@ TEST_P(SolidCase, PlacesInSolidsArePushedToTheirSurface) {
     }
 }
 
+// Within two boxes that overlap the interpolated distance has a ridge, where it is flat.
+TEST_P(SolidCase, PlacesWhereSolidsOverlapAreNotThrownFar) {
+    const auto grid = make_mac_grid(domain);
+    const Decomposition decomposition(Comm::self(), grid.cells);
+    auto setup = two_bodies(dimensions);
+    const double low = dimensions == 3 ? 0.3 : -1, high = dimensions == 3 ? 0.7 : 1;
+    setup.bodies[0].region = {box({0.25, 0.35, low}, {0.55, 0.65, high}, dimensions)};
+    setup.bodies[1].region = {box({0.45, 0.35, low}, {0.75, 0.65, high}, dimensions)};
+    setup.bodies[1].kind = scene::BodyKind::fixed;
+    rigid::RigidBodies bodies(setup);
+    Solids solids(grid, domain);
+    CellHalo halo;
+    halo.connect(decomposition, grid.cells.all(), 3);
+    solids.update(halo, bodies);
+    const auto sampler = solids.sampler();
+    const double z = dimensions == 3 ? 0.5 : 0, clearance = 0.05 * dx;
+    double farthest = 0;
+    Kokkos::parallel_reduce("push", 41, KOKKOS_LAMBDA(int n, double& most) {
+        double x[3] = {0.46 + 0.002 * n, 0.501, z};
+        const double start[3] = {x[0], x[1], x[2]};
+        push_out(sampler, clearance, x);
+        double square = 0;
+        for (int k = 0; k < 3; ++k) square += (x[k] - start[k]) * (x[k] - start[k]);
+        most = math::max(most, math::sqrt(square));
+    }, Kokkos::Max<double>(farthest));
+    // Four goes, each of at most the depth, 0.15 m, over the least slope.
+    EXPECT_LT(farthest, 4 * (0.15 + clearance) / least_slope);
+    EXPECT_GT(farthest, 0);
+}
+
 INSTANTIATE_TEST_SUITE_P(Solids, SolidCase, testing::Values(2, 3),
                          [](const auto& info) { return std::to_string(info.param) + "D"; });
 
