@@ -1,7 +1,7 @@
 #include "fixture.hpp"
 #include "solve/gmres.hpp"
 
-#include <cmath>
+#include <algorithm>
 #include <gtest/gtest.h>
 #include <limits>
 
@@ -42,11 +42,11 @@ TEST(Gmres, solves_what_is_neither_symmetric_nor_definite) {
     for (const int owners : {1, 1 << 20}) { // ranks without rows as well
         Case c(owners);
         Gmres gmres(c.comm, {200, 100});
-        const auto report = gmres.solve(c.all, c.b, c.x, 1e-12);
+        const auto report = gmres.solve(c.all, c.b, c.x, 1e-10);
         EXPECT_TRUE(report.converged()) << report.reason;
         EXPECT_LE(report.iterations, unknowns);
-        EXPECT_LT(report.relative_residual, 1.1e-12);
-        EXPECT_LT(distance(c.comm, c.x, c.system.values(noise)), 1e-10);
+        EXPECT_LT(report.relative_residual, 1.01e-10);
+        EXPECT_LT(distance(c.comm, c.x, c.system.values(noise)), 1e-7); // residual times the condition
     }
 }
 
