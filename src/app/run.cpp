@@ -7,6 +7,7 @@
 #include "base/options.hpp"
 #include "io/manifest.hpp"
 #include "kokkos/runtime.hpp"
+#include "scene/data_files.hpp"
 #include "solve/runtime.hpp"
 
 #include <fstream>
@@ -56,6 +57,9 @@ ExitCode run_scene(const Comm& comm, const RunRequest& request) {
         geometry = build_geometry(input, mesh_folders(request.source));
         validate_geometry(input, geometry, comm);
         check_time_step(input);
+        // What is written down has the meshes' whole paths: it may be read from anywhere. Missing ones are in the notes.
+        const auto folders = mesh_folders(request.source);
+        scene::resolve_data_files(input.scene, {folders.begin(), folders.end()});
     });
     const auto folder =
         io::prepare_run_folder(comm, request.out.empty() ? default_folder(request.source.scene) : request.out,

@@ -51,6 +51,7 @@ void resolve(Shape& shape, const std::vector<fs::path>& search_path, Outcome& ou
     const auto path = find_data_file(shape.file, search_path);
     if (!path.empty()) {
         shape.file = path.string();
+        shape.fallback.clear();
     } else if (!shape.fallback.empty()) {
         outcome.replaced.push_back(
             shape.where + ": the mesh " + shape.file +
@@ -72,6 +73,7 @@ std::vector<std::string> resolve_data_files(Scene& scene, const std::vector<fs::
     Outcome outcome;
     for (auto& liquid : scene.liquids) {
         for (auto& shape : liquid.shapes) resolve(shape, search_path, outcome);
+        for (auto& part : liquid.viscosity_regions) resolve(part.shape, search_path, outcome);
     }
     for (auto& body : scene.bodies) resolve(body.shape, search_path, outcome);
     if (!outcome.missing.empty()) throw InputError(std::move(outcome.missing));

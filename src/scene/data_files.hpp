@@ -16,7 +16,7 @@ std::vector<std::filesystem::path> data_search_path(const std::filesystem::path&
 std::filesystem::path find_data_file(const std::filesystem::path& name,
                                      const std::vector<std::filesystem::path>& search_path);
 
-// Gives every mesh of the scene the absolute path of its file, or replaces it by its fallback. Returns a
+// Gives every mesh of the scene the absolute path of its file and no fallback, or replaces it by its fallback. Returns a
 // sentence for each replacement. Throws InputError for all that are missing without a fallback, with the
 // folders that were searched.
 std::vector<std::string> resolve_data_files(Scene& scene,

@@ -20,6 +20,29 @@ POUR = os.path.join(SCENES, "pour.yaml")
 LAYERS = os.path.join(SCENES, "layers.yaml")
 SQUEEZE = os.path.join(SCENES, "squeeze.yaml")
 THINNING = os.path.join(SCENES, "thinning.yaml")
+WEDGE = """v 0.14 0.14 0.16
+v 0.34 0.14 0.16
+v 0.14 0.34 0.16
+v 0.14 0.14 0.3
+f 1 3 2
+f 1 2 4
+f 1 4 3
+f 2 3 4
+"""
+WEDGE_SCENE = """schema_version: 1
+title: A wedge falls on a pool
+domain: {max: [0.4, 0.4, 0.4], spacing: 2 cm}
+liquids:
+  - {name: water, density: 1000, around_bodies: true, shapes: [{box: {min: [0, 0, 0], max: [0.4, 0.4, 0.14]}}]}
+bodies:
+  - name: wedge
+    kind: dynamic
+    density: 600
+    shape: {mesh: {file: wedge.obj, fallback: {sphere: {centre: [0.2, 0.2, 0.22], radius: 0.06}}}}
+time: {end: 80 ms, rule: fixed, step: 2 ms}
+output: {interval: 20 ms, checkpoint_interval: 40 ms, checkpoints_kept: 4}
+lost_limit: 0.01
+"""
 SPACING = 0.02
 # On the same ranks nothing but the checkpoint lies between the two; on others sums are in another order.
 SAME_RANKS = 1e-12
@@ -93,6 +116,23 @@ class Resume(Workplace):
                                  len(os.listdir(self.path("run", "frames"))), "solids of every frame")
                 shutil.rmtree(self.path("run"))
                 shutil.rmtree(self.path("straight"))
+
+    def test_bodies_from_files_keep_their_shapes(self):
+        """The files are looked up beside the scene; a run goes on from elsewhere, and ends when they are gone."""
+        mesh = self.path("wedge.obj")
+        with open(mesh, "w") as file:
+            file.write(WEDGE)
+        scene = self.path("wedge.yaml")
+        with open(scene, "w") as file:
+            file.write(WEDGE_SCENE)
+        self.run_scene(scene, "run", 1, TIGHT)
+        shutil.copytree(self.path("run"), self.path("straight"))
+        self.remove_newest(1)
+        shutil.copytree(self.path("run"), self.path("other"))
+        self.treacle("resume", "run", ranks=1)
+        self.expect_the_same_end(SAME_RANKS)
+        os.remove(mesh)
+        self.assertIn("wedge.obj", self.treacle("resume", "other", code=2).stderr)
 
     def test_with_joints(self):
         for written, read, tolerance in [(2, 2, SAME_RANKS), (3, 1, OTHER_RANKS)]:
