@@ -90,11 +90,11 @@ private:
     rigid::Matrix3 back_{};
 };
 
-// Where the bodies that move are.
-std::vector<rigid::Pose> moving_poses(const rigid::RigidBodies& bodies) {
-    std::vector<rigid::Pose> out;
+// Which of the bodies that move are there, and where.
+std::vector<std::pair<std::size_t, rigid::Pose>> moving_poses(const rigid::RigidBodies& bodies) {
+    std::vector<std::pair<std::size_t, rigid::Pose>> out;
     for (std::size_t b = 0; b < bodies.size(); ++b) {
-        if (bodies.moves(b)) out.push_back(bodies.pose(b));
+        if (bodies.moves(b) && bodies.present(b)) out.emplace_back(b, bodies.pose(b));
     }
     return out;
 }

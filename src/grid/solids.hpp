@@ -4,6 +4,7 @@
 #include "mpi/cell_halo.hpp"
 #include "rigid/bodies.hpp"
 
+#include <utility>
 #include <vector>
 
 namespace treacle::grid {
@@ -63,8 +64,8 @@ private:
     Array<int> number_{"treacle::solid_number", 0}, resting_number_{"treacle::resting_number", 0};
     BodyMotion motion_;
     Array<int> moves_{"treacle::body_moves", 0};
-    std::vector<CellBox> touched_;   // where moving bodies stand in distance_
-    std::vector<rigid::Pose> poses_; // that they have there
+    std::vector<CellBox> touched_; // where moving bodies stand in distance_
+    std::vector<std::pair<std::size_t, rigid::Pose>> poses_; // by body, that they have there
 };
 
 } // namespace treacle::grid

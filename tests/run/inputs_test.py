@@ -40,14 +40,16 @@ SHORTENED = {
     "honey_dipper": {"domain.spacing": "0.01", "time.end": "0.1"},
     "bunny_pool": {"domain.spacing": "0.06", "time.end": "0.3"},
     "dragon_ball": {"domain.spacing": "0.03", "time.end": "0.3"},
-    "gears": {"domain.spacing": "0.02", "time.end": "0.15"},
-    "perforated_plates": {"domain.spacing": "0.05", "time.end": "0.6"},
+    "gears": {"domain.spacing": "0.02", "time.end": "0.05"},
+    "perforated_plates": {"domain.spacing": "0.05", "time.end": "0.2"},
     "pile_up": {"domain.spacing": "0.04", "time.end": "0.2"},
     "rotating_drum": {"domain.spacing": "0.05", "time.end": "0.2"},
-    "smoothie_glass": {"domain.spacing": "0.04", "time.end": "0.25"},
+    "pouring": {"domain.spacing": "0.006", "time.end": "0.4"},
+    "smoothie_glass": {"domain.spacing": "0.04", "time.end": "0.1"},
+    "toothpaste": {"domain.spacing": "0.004", "time.end": "0.5"},
 }
 ON_GRID = {"bunny_pool", "dragon_ball", "falling_ball", "gears", "gravity_current", "honey_dipper", "perforated_plates", "pile_up",
-           "rotating_drum", "smoothie_glass"}
+           "pouring", "rotating_drum", "smoothie_glass", "toothpaste"}
 
 # Of the spacing, after at most 50 steps: the solver's 1e-10, amplified by the motion.
 TOLERANCE = 1e-6
