@@ -5,11 +5,11 @@ from .gtest import gtest_on_ranks
 
 def thinning(context):
     """The tests hold each to its bound."""
-    return gtest_on_ranks(context, "grid_step_test", "Channel.*", at_least=5)
+    return gtest_on_ranks(context, "grid_flow_test", "Channel.*", at_least=5)
 
 
 def inlets(context):
-    return gtest_on_ranks(context, "grid_step_test", "Inlet.*", at_least=4)
+    return gtest_on_ranks(context, "grid_flow_test", "Inlet.*", at_least=4)
 
 
 def add_rows(table):
