@@ -12,13 +12,16 @@ const std::vector<std::pair<std::string, Preconditioner>> preconditioners{
     {"incomplete_cholesky", Preconditioner::incomplete_cholesky},
     {"jacobi", Preconditioner::jacobi}};
 
+void declare_residual(Declaration& d, double& residual, const std::string& text) {
+    d.number("residual", residual, unit::none,
+             range_between(1e-14, 0.1).because("rounding alone leaves about 1e-15", "1e-10 is very accurate already"), text);
+}
+
 void declare_solve(Declaration& d, Preconditioner& preconditioner, double& residual, int& max_iterations) {
     d.choice("preconditioner", preconditioner, preconditioners,
              "Of the conjugate gradients: the hierarchy of cells of this code; or, to compare with, HYPRE's or PETSc's "
              "algebraic multigrid, incomplete Cholesky of each rank's rows, or the diagonal.");
-    d.number("residual", residual, unit::none,
-             range_between(1e-14, 0.1).because("rounding alone leaves about 1e-15", "1e-10 is very accurate already"),
-             "Relative residual at which the solve ends.");
+    declare_residual(d, residual, "Relative residual at which the solve ends.");
     d.integer("max_iterations", max_iterations, range_between(1, 1000000),
               "Iterations after which the solve has failed.");
 }
@@ -50,9 +53,7 @@ void StokesOptions::declare(Declaration& d) {
              "Pressure and viscosity one after the other, or as one system (unsteady Stokes flow). One after the other, "
              "liquid and bodies that viscosity holds back give way too fast, up to twice, in steps in which it spreads "
              "velocities farther than the flow is wide.");
-    d.number("residual", residual, unit::none,
-             range_between(1e-14, 0.1).because("rounding alone leaves about 1e-15", "1e-10 is very accurate already"),
-             "Relative residual at which the solve of both together ends, of momentum and mass at once.");
+    declare_residual(d, residual, "Relative residual at which the solve of both together ends, of momentum and mass at once.");
     d.integer("max_iterations", max_iterations, range_between(1, 100000),
               "Iterations after which the solve of both together ends; the step goes on where the residual is below 0.01, "
               "and is reported with it.");

@@ -3,6 +3,7 @@
 
 usage: resume_test.py PROGRAM MPIEXEC
 """
+import contextlib
 import os
 import shutil
 import sys
@@ -47,6 +48,7 @@ SPACING = 0.02
 # On the same ranks nothing but the checkpoint lies between the two; on others sums are in another order.
 SAME_RANKS = 1e-12
 OTHER_RANKS = 1e-6 * SPACING
+TWICE = [(2, 2, SAME_RANKS), (3, 1, OTHER_RANKS)]  # ranks that write and that read
 
 
 class Resume(Workplace):
@@ -78,6 +80,18 @@ class Resume(Workplace):
         one, other = self.steps("straight"), self.steps("run")
         self.assertEqual(list(one["step"]), list(other["step"]), "each step stands in steps.csv once")
 
+    @contextlib.contextmanager
+    def resumed(self, scene, values, written, read, removed):
+        """A straight run, and one without its newest checkpoints that went on from what was left."""
+        with self.subTest(written=written, read=read):
+            self.run_scene(scene, "run", written, values)
+            shutil.copytree(self.path("run"), self.path("straight"))
+            self.remove_newest(removed)
+            self.treacle("resume", "run", ranks=read)
+            yield
+            shutil.rmtree(self.path("run"))
+            shutil.rmtree(self.path("straight"))
+
     def resume_from(self, written, read, tolerance, values=None):
         self.straight(written, values)
         self.assertEqual(len(self.checkpoints("run")), 4)
@@ -100,12 +114,8 @@ class Resume(Workplace):
                 shutil.rmtree(self.path("straight"))
 
     def test_with_bodies_that_move(self):
-        for written, read, tolerance in [(2, 2, SAME_RANKS), (3, 1, OTHER_RANKS)]:
-            with self.subTest(written=written, read=read):
-                self.run_scene(RAFT, "run", written, TIGHT)
-                shutil.copytree(self.path("run"), self.path("straight"))
-                self.remove_newest(1)
-                self.treacle("resume", "run", ranks=read)
+        for written, read, tolerance in TWICE:
+            with self.resumed(RAFT, TIGHT, written, read, removed=1):
                 self.expect_the_same_end(tolerance)
                 one, other = self.columns("straight", "bodies.csv"), self.columns("run", "bodies.csv")
                 for title in one.dtype.names:
@@ -114,8 +124,6 @@ class Resume(Workplace):
                 self.assertGreater(abs(one["raft velocity y [m/s]"][-1]), 1e-3, "it moves")
                 self.assertEqual(len(os.listdir(self.path("straight", "frames"))),
                                  len(os.listdir(self.path("run", "frames"))), "solids of every frame")
-                shutil.rmtree(self.path("run"))
-                shutil.rmtree(self.path("straight"))
 
     def test_bodies_from_files_keep_their_shapes(self):
         """The files are looked up beside the scene; a run goes on from elsewhere, and ends when they are gone."""
@@ -135,12 +143,8 @@ class Resume(Workplace):
         self.assertIn("wedge.obj", self.treacle("resume", "other", code=2).stderr)
 
     def test_with_joints(self):
-        for written, read, tolerance in [(2, 2, SAME_RANKS), (3, 1, OTHER_RANKS)]:
-            with self.subTest(written=written, read=read):
-                self.run_scene(FLAP, "run", written, TIGHT)
-                shutil.copytree(self.path("run"), self.path("straight"))
-                self.remove_newest(1)
-                self.treacle("resume", "run", ranks=read)
+        for written, read, tolerance in TWICE:
+            with self.resumed(FLAP, TIGHT, written, read, removed=1):
                 self.expect_the_same_end(tolerance)
                 one, other = self.columns("straight", "bodies.csv"), self.columns("run", "bodies.csv")
                 self.assertEqual(one.dtype.names, other.dtype.names)
@@ -151,28 +155,16 @@ class Resume(Workplace):
                         self.assertEqual(one[title][-1], other[title][-1], title)
                 self.assertGreater(abs(one["flap rotation z [rad]"][-1]), 1e-3, "it moves")
                 self.assertGreater(abs(one["flap joint force y [N/m]"][-1]), 1, "the hinge carries it")
-                shutil.rmtree(self.path("run"))
-                shutil.rmtree(self.path("straight"))
 
     def test_with_two_liquids(self):
-        for written, read, tolerance in [(2, 2, SAME_RANKS), (3, 1, OTHER_RANKS)]:
-            with self.subTest(written=written, read=read):
-                self.run_scene(LAYERS, "run", written, TIGHT)
-                shutil.copytree(self.path("run"), self.path("straight"))
-                self.remove_newest(2)
-                self.treacle("resume", "run", ranks=read)
+        for written, read, tolerance in TWICE:
+            with self.resumed(LAYERS, TIGHT, written, read, removed=2):
                 self.expect_the_same_end(tolerance)
                 self.assertEqual(sorted(set(self.frame("run")["liquid"])), [0, 1])
-                shutil.rmtree(self.path("run"))
-                shutil.rmtree(self.path("straight"))
 
     def test_with_viscosities_that_vary(self):
-        for written, read, tolerance in [(2, 2, SAME_RANKS), (3, 1, OTHER_RANKS)]:
-            with self.subTest(written=written, read=read):
-                self.run_scene(THINNING, "run", written, {**TIGHT, "method.viscosity.residual": "1e-11"})
-                shutil.copytree(self.path("run"), self.path("straight"))
-                self.remove_newest(2)
-                self.treacle("resume", "run", ranks=read)
+        for written, read, tolerance in TWICE:
+            with self.resumed(THINNING, {**TIGHT, "method.viscosity.residual": "1e-11"}, written, read, removed=2):
                 self.expect_the_same_end(tolerance)
                 one, other = self.frame("straight"), self.frame("run")
                 share = SAME_RANKS if read == written else 1e-5  # the shear rates' share of the solver's residual
@@ -181,17 +173,11 @@ class Resume(Workplace):
                 self.assertEqual(one["viscosity"].min(), 0)
                 self.assertEqual(one["viscosity"].max(), numpy.float32(1e8))
                 self.assertGreater(len(set(one["viscosity"])), 50)
-                shutil.rmtree(self.path("run"))
-                shutil.rmtree(self.path("straight"))
 
     def test_with_inlets_and_an_outlet(self):
         tight = {**TIGHT, "method.viscosity.residual": "1e-10"}
-        for written, read, tolerance in [(2, 2, SAME_RANKS), (3, 1, OTHER_RANKS)]:
-            with self.subTest(written=written, read=read):
-                self.run_scene(POUR, "run", written, tight)
-                shutil.copytree(self.path("run"), self.path("straight"))
-                self.remove_newest(2)
-                self.treacle("resume", "run", ranks=read)
+        for written, read, tolerance in TWICE:
+            with self.resumed(POUR, tight, written, read, removed=2):
                 self.expect_the_same_end(tolerance)
                 one, other = self.steps("straight"), self.steps("run")
                 for title in ["particles", "flowed in", "flowed out"]:
@@ -201,16 +187,10 @@ class Resume(Workplace):
                 self.assertGreater(other["flowed in"][-1], other["flowed in"][20], "they flow in after the checkpoint")
                 started = other["particles"] - other["flowed in"] + other["flowed out"]
                 self.assertEqual(len(set(started)), 1, "none is lost and none is made otherwise")
-                shutil.rmtree(self.path("run"))
-                shutil.rmtree(self.path("straight"))
 
     def test_with_inlets_an_outlet_and_shear_rates_on_the_grid(self):
-        for written, read, tolerance in [(2, 2, SAME_RANKS), (3, 1, OTHER_RANKS)]:
-            with self.subTest(written=written, read=read):
-                self.run_scene(SQUEEZE, "run", written, TIGHT_ON_GRID)
-                shutil.copytree(self.path("run"), self.path("straight"))
-                self.remove_newest(2)
-                self.treacle("resume", "run", ranks=read)
+        for written, read, tolerance in TWICE:
+            with self.resumed(SQUEEZE, TIGHT_ON_GRID, written, read, removed=2):
                 self.expect_the_same_end(tolerance)
                 one, other = self.steps("straight"), self.steps("run")
                 for title in ["particles", "flowed in", "flowed out", "lost by leak"]:
@@ -221,8 +201,6 @@ class Resume(Workplace):
                 started = other["particles"] - other["flowed in"] + other["flowed out"]
                 self.assertEqual(len(set(started)), 1, "none is lost and none is made otherwise")
                 self.assertGreater(len(set(self.frame("run")["viscosity"])), 50)
-                shutil.rmtree(self.path("run"))
-                shutil.rmtree(self.path("straight"))
 
     def test_with_steps_that_follow_the_velocities(self):
         self.resume_from(2, 2, SAME_RANKS, {"time.rule": "cfl"})

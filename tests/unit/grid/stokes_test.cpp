@@ -6,18 +6,6 @@ namespace {
 
 [[maybe_unused]] const auto* const solvers = testing::AddGlobalTestEnvironment(new sph::SolverEnvironment);
 
-rigid::BodySetup make_body(const Vec3& centre, double mass, double radius) {
-    rigid::BodySetup out;
-    out.kind = scene::BodyKind::dynamic;
-    out.mass = mass;
-    out.centre = centre;
-    for (std::size_t k = 0; k < 3; ++k) out.inertia[k][k] = 0.4 * mass * radius * radius;
-    return out;
-}
-ViscousDistance ball(const Vec3& centre, double radius) {
-    return [=](const Vec3& x) { return std::hypot(x[0] - centre[0], x[1] - centre[1], x[2] - centre[2]) - radius; };
-}
-
 class GridStokes : public ::testing::Test {
 protected:
     const Comm comm = Comm::world();

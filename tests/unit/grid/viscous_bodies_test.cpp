@@ -3,23 +3,11 @@
 namespace treacle::grid {
 namespace {
 
-// A body of given mass, and inertia as that of a ball or disc of a radius.
-rigid::BodySetup make_body(const Vec3& centre, double mass, double radius) {
-    rigid::BodySetup out;
-    out.kind = scene::BodyKind::dynamic;
-    out.mass = mass;
-    out.centre = centre;
-    for (std::size_t k = 0; k < 3; ++k) out.inertia[k][k] = 0.4 * mass * radius * radius;
-    return out;
-}
 rigid::BodiesSetup world(std::vector<rigid::BodySetup> bodies, int dimensions = 3) {
     rigid::BodiesSetup out;
     out.bodies = std::move(bodies);
     out.dimensions = dimensions;
     return out;
-}
-ViscousDistance ball(const Vec3& centre, double radius) {
-    return [=](const Vec3& x) { return std::hypot(x[0] - centre[0], x[1] - centre[1], x[2] - centre[2]) - radius; };
 }
 
 class GridViscousBodies : public ::testing::Test {

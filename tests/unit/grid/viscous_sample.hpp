@@ -14,6 +14,20 @@ namespace treacle::grid {
 
 using ViscousDistance = std::function<double(const Vec3&)>; // [m], < 0 inside
 
+inline ViscousDistance ball(const Vec3& centre, double radius) {
+    return [=](const Vec3& x) { return std::hypot(x[0] - centre[0], x[1] - centre[1], x[2] - centre[2]) - radius; };
+}
+
+// A body of given mass, and inertia as that of a ball or disc of a radius.
+inline rigid::BodySetup make_body(const Vec3& centre, double mass, double radius) {
+    rigid::BodySetup out;
+    out.kind = scene::BodyKind::dynamic;
+    out.mass = mass;
+    out.centre = centre;
+    for (std::size_t k = 0; k < 3; ++k) out.inertia[k][k] = 0.4 * mass * radius * radius;
+    return out;
+}
+
 struct ViscousSample {
     int cells = 16; // along each axis of the unit cube
     int dimensions = 3;
