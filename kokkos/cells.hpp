@@ -38,6 +38,16 @@ inline CellBox intersect(const CellBox& a, const CellBox& b) {
     return out;
 }
 
+// With `layers` more cells on either side of each axis; plane scenes have no third one.
+inline CellBox grown(const CellBox& box, int layers, int dimensions) {
+    CellBox out = box;
+    for (int k = 0; k < dimensions; ++k) {
+        out.lo[k] -= layers;
+        out.hi[k] += layers;
+    }
+    return out;
+}
+
 // The smallest box around two; an empty one adds nothing.
 inline CellBox join(const CellBox& a, const CellBox& b) {
     if (a.empty() || b.empty()) return a.empty() ? b : a;

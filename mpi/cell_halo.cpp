@@ -7,16 +7,6 @@
 namespace treacle {
 
 namespace {
-CellBox grown(const CellBox& box, const CellGrid& grid, int layers) {
-    CellBox out = box;
-    if (box.empty()) return CellBox{};
-    for (int k = 0; k < 3; ++k) {
-        out.lo[k] -= layers * grid.reach(k);
-        out.hi[k] += layers * grid.reach(k);
-    }
-    return out;
-}
-
 CellBox shifted(CellBox box, const int by[3], int sign) {
     for (int k = 0; k < 3; ++k) {
         box.lo[k] += sign * by[k];
@@ -50,7 +40,7 @@ void CellHalo::connect(const Decomposition& decomposition, const CellBox& active
     const auto& grid = decomposition.grid();
     owned_ = intersect(decomposition.box(), active);
     if (owned_.empty()) owned_ = CellBox{};
-    window_ = grown(owned_, grid, layers);
+    window_ = owned_.empty() ? CellBox{} : grown(owned_, layers, grid.dimensions);
     outgoing_ = incoming_ = {};
     std::vector<int> sent, received;
     int images[3];
@@ -66,7 +56,7 @@ void CellHalo::connect(const Decomposition& decomposition, const CellBox& active
                     const int shift[3] = {sx * grid.count[0], sy * grid.count[1], sz * grid.count[2]};
                     const CellBox needed = intersect(window_, shifted(theirs, shift, 1));
                     if (!needed.empty()) add_slice(needed, window_, rank, incoming_, received);
-                    const CellBox wanted = intersect(owned_, shifted(grown(theirs, grid, layers), shift, -1));
+                    const CellBox wanted = intersect(owned_, shifted(grown(theirs, layers, grid.dimensions), shift, -1));
                     if (!wanted.empty()) add_slice(wanted, window_, rank, outgoing_, sent);
                 }
             }

@@ -223,7 +223,7 @@ ViscousScene GridStep::viscous_scene() {
 
 PressureScene GridStep::pressure_scene() {
     return {grid_, cells_halo_, distance_, fractions_, shares_, bodies_, setup_.density, tensions_.largest(),
-            tensions_.differ() ? &tensions_.at_centres() : nullptr};
+            tensions_.differ() ? &tensions_.at_centres() : nullptr, nullptr, contracts() ? &contraction_.inflow() : nullptr};
 }
 
 // (V)
@@ -337,6 +337,7 @@ StepReport GridStep::advance(double dt) {
     {
         const auto phase = timers_.scope("surface");
         find_surface(); // (F1), (F2)
+        if (contracts()) contraction_.find(setup_.options.contraction, {grid_, cells_halo_, cells_, distance_, fractions_}, dt); // (D)
         if (tensions_.differ()) tensions_.find(grid_, cells_halo_, particles_, cells_, particle_mass_);
     }
     bodies_.begin(dt);
@@ -403,7 +404,7 @@ std::size_t GridStep::bytes() const {
     numbers += fractions_.cell_fluid.span() + fractions_.cell_liquid.span() + fractions_.cell_wet.span();
     numbers += level_set_.distance().span() + 2 * solids_.distance().span();
     return 8 * numbers + particles_.store.bytes() + pressure_.bytes() + viscosity_.bytes() + rheology_.bytes() +
-           tensions_.bytes();
+           tensions_.bytes() + contraction_.bytes();
 }
 
 } // namespace treacle::grid

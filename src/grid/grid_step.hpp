@@ -109,6 +109,7 @@ private:
     void connect(const CellBox& occupied);
     void particles_to_grid();
     void find_surface();
+    bool contracts() const { return setup_.options.contraction.steps > 0; }
     void project(StepReport& report, double dt, Pressure::Surface surface);
     void apply_viscosity(StepReport& report, double dt);
     void split(StepReport& report, double dt);
@@ -154,6 +155,7 @@ private:
     Stokes stokes_;
     FaceField open_; // of faces that no solid takes along
     PositionCorrection correction_;
+    Contraction contraction_;
     PhaseTimers timers_;
     std::int64_t steps_ = 0;
     double imbalance_after_cut_ = 1;

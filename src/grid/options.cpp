@@ -102,6 +102,14 @@ void declare_correction(Declaration& d, GridOptions& options) {
     d.number("cap", c.cap, unit::none, range_above_to(0, 1),
              "Most that a correction moves a particle, in grid widths, which bounds the potential energy that it adds.");
 }
+
+void declare_contraction(Declaration& d, ContractionOptions& options) {
+    d.number("steps", options.steps, unit::none, range_at_least(0),
+             "Steps in which liquid that has become sparse, as what is torn or splashes does, draws together again; 0: never. "
+             "Fewer than 3 overshoot.");
+    d.number("slack", options.slack, unit::none, range_between(0, 1),
+             "Share of the rest density that may be missing: particles in motion are never spread quite evenly.");
+}
 } // namespace
 
 void GridOptions::declare(Declaration& d) {
@@ -124,6 +132,8 @@ void GridOptions::declare(Declaration& d) {
     d.block_of("advection", [this](Declaration& inner) { declare_advection(inner, advection); }, "How particles move.");
     d.block_of("correction", [this](Declaration& inner) { declare_correction(inner, *this); },
                "The correction of the particles' places.");
+    d.block_of("contraction", [this](Declaration& inner) { declare_contraction(inner, contraction); },
+               "What keeps the liquid's volume where its particles have come to lie too far apart.");
     d.integer("band", band, range_between(3, 64),
               "Cells around the liquid that arrays reach over beside it; bodies beyond them are not seen.");
     d.number("rebalance_above", rebalance_above, unit::none, range_at_least(1),

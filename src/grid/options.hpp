@@ -1,5 +1,6 @@
 #pragma once
 #include "grid/advection.hpp"
+#include "grid/contraction.hpp"
 #include "grid/fractions.hpp"
 #include "grid/position_correction.hpp"
 
@@ -61,6 +62,7 @@ struct GridOptions {
     StokesOptions stokes;
     AdvectionOptions advection;
     PositionOptions correction;
+    ContractionOptions contraction;
     int correction_every = 1;      // steps
     int band = 4;                  // cells of the active block around liquid
     double rebalance_above = 1.15; // largest over mean load of the ranks

@@ -53,15 +53,6 @@ struct JumpLoop {
         jump(at) = (tensions.extent(0) > 0 ? tensions(at) : tension) * math::max(-most, math::min(curvature, most));
     }
 };
-
-CellBox grown(const CellBox& box, int by, int dimensions) {
-    CellBox out = box;
-    for (int k = 0; k < dimensions; ++k) {
-        out.lo[k] -= by;
-        out.hi[k] += by;
-    }
-    return out;
-}
 } // namespace
 
 Pressure::Pressure(const Comm& comm, const PressureOptions& options, Coupling coupling, int dimensions)
@@ -114,6 +105,7 @@ void Pressure::build(const PressureScene& scene) {
     faces.has_jump = scene.surface_tension > 0;
     if (faces.has_jump) find_jumps(scene);
     faces.jump = jump_;
+    inflow_ = scene.inflow ? *scene.inflow : Array<double>();
     matrix_.reset();
     system_.assemble(comm_, scene.halo, faces);
     update_motion(scene.bodies, scene.grid, motion_);
@@ -191,6 +183,7 @@ PressureReport Pressure::project(const FaceField& velocity, rigid::RigidBodies& 
     coupling_.subtract_flux(motion_, scale, right_hand_side_);
 
     const auto b = on_host(right_hand_side_);
+    add_inflow(-scale, {b.data(), rows()});
     found_.resize(rows());
     report.unbalanced = components_.balance(comm_, {b.data(), rows()});
     report.solve = solve({b.data(), rows()}, found_);
@@ -207,6 +200,13 @@ void Pressure::flux(const FaceField& velocity, std::span<double> out) {
     divergence(faces, system_, velocity, 1, right_hand_side_);
     const auto host = on_host(right_hand_side_);
     std::copy_n(host.data(), rows(), out.begin());
+}
+
+void Pressure::add_inflow(double factor, std::span<double> out) const {
+    if (inflow_.extent(0) == 0) return;
+    const auto inflow = on_host(inflow_);
+    const auto cell = on_host(system_.cell_of());
+    for (std::size_t r = 0; r < out.size(); ++r) out[r] += factor * inflow(static_cast<std::size_t>(cell(r)));
 }
 
 void Pressure::record(std::span<const double> p) {

@@ -20,6 +20,7 @@ struct PressureScene {
     double surface_tension = 0;    // [N/m]
     const Array<double>* tensions = nullptr; // [window] at centres [N/m], where liquids differ in theirs
     const FaceField* open = nullptr; // in the place of that of the fractions
+    const Array<double>* inflow = nullptr; // [window] what must flow into owned cells, over a face's area (contraction.hpp) [m/s]
 };
 
 struct PressureReport {
@@ -53,6 +54,8 @@ public:
     std::vector<double> loads(std::span<const double> p) const { return coupling_.loads(comm_, p); }
     // Of what the velocities lead out of each cell, the negative, in face areas [m/s]; not of the bodies. Local.
     void flux(const FaceField& velocity, std::span<double> out);
+    // out += factor times what must flow into each cell, in face areas [m/s]. Local.
+    void add_inflow(double factor, std::span<double> out) const;
     double balance(std::span<double> b) const { return components_.balance(comm_, b); }
     void set_up_preconditioner() { solver_.set_up(*matrix_); }
     void precondition(std::span<const double> r, std::span<double> z) { solver_.precondition(r, z); }
@@ -91,6 +94,7 @@ private:
     CellHalo* halo_ = nullptr;
     double density_ = 0, least_residual_ = 0;
     Array<double> jump_{"treacle::pressure_jump", 0};
+    Array<double> inflow_; // of the scene, or none
     Array<double> right_hand_side_{"treacle::pressure_source", 0};
     Array<double> solution_{"treacle::pressure_solution", 0};
     Array<double> in_cells_{"treacle::pressure_found", 0};
