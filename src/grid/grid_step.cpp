@@ -255,6 +255,24 @@ void GridStep::split(StepReport& report, double dt) {
     }
 }
 
+// Collective [Pa s]. By shear rates: that of the step before.
+double GridStep::largest_viscosity() const {
+    if (!setup_.viscosity_varies && !rheology_.any()) return setup_.viscosity;
+    const auto viscosity = particles_.viscosity();
+    double most = 0;
+    Kokkos::parallel_reduce("treacle::largest_viscosity", particles_.store.owned(), KOKKOS_LAMBDA(int i, double& value) {
+        value = math::max(value, viscosity(i));
+    }, Kokkos::Max<double>(most));
+    return comm_.max(particles_.store.owned() > 0 ? most : 0.0);
+}
+
+bool GridStep::solves_together(double dt) const {
+    const auto solve = setup_.options.stokes.solve;
+    if (!viscous() || solve == StokesSolve::split) return false;
+    if (solve == StokesSolve::together) return true;
+    return setup_.options.second_projection && largest_viscosity() * dt > setup_.density * grid_.dx * grid_.dx;
+}
+
 // (P), (U)
 void GridStep::together(StepReport& report, double dt) {
     auto scene = viscous_scene();
@@ -343,7 +361,7 @@ StepReport GridStep::advance(double dt) {
     bodies_.begin(dt);
     bodies_.fall(dt);
     accelerate(grid_, cells_halo_.window(), setup_.domain.gravity, dt, velocity_); // (A1)
-    if (viscous() && setup_.options.stokes.solve == StokesSolve::together) {
+    if (solves_together(dt)) {
         together(report, dt); // (P), (U)
     } else {
         split(report, dt); // (P), (V)

@@ -99,8 +99,9 @@ public:
     // Bytes that this rank's particles, arrays and matrices take.
     std::size_t bytes() const;
 
-    // Part of advance(); not private, since nvcc takes no kernel in a private function.
+    // Parts of advance(); not private, since nvcc takes no kernel in a private function.
     void take_centres();
+    double largest_viscosity() const;
 
 private:
     void recut();
@@ -116,6 +117,7 @@ private:
     void together(StepReport& report, double dt);
     ViscousScene viscous_scene();
     PressureScene pressure_scene();
+    bool solves_together(double dt) const;
     bool viscous() const { return setup_.viscosity_varies || setup_.viscosity > 0 || rheology_.any(); }
     void find_viscosities_by_rate();
     void find_viscosities();

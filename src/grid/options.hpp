@@ -39,12 +39,13 @@ struct ViscosityOptions {
 };
 
 enum class StokesSolve {
-    split,   // the pressure, the viscosity, and the pressure again, one after the other
-    together // one system of both
+    automatic, // together where viscosity spreads velocities by more than a cell in the step, split elsewhere
+    split,     // the pressure, the viscosity, and the pressure again, one after the other
+    together   // one system of both
 };
 
 struct StokesOptions {
-    StokesSolve solve = StokesSolve::split;
+    StokesSolve solve = StokesSolve::automatic;
     double residual = 1e-8; // relative
     int max_iterations = 300;
 
