@@ -131,12 +131,10 @@ BenchCase prepare(const Comm& comm, const BenchRequest& request) {
                               "its liquid grows with the number of ranks",
                               "leave out --scene, or use bench strong"});
         } else {
-            out.input = load_input({request.scene, request.overrides, {}});
+            out.input = load_scene({request.scene, request.overrides, {}});
         }
         check_supported(out.input);
-        out.geometry =
-            build_geometry(out.input, request.scene.empty() ? std::vector<std::string>{}
-                                                            : mesh_folders({request.scene, {}, {}}));
+        out.geometry = build_geometry(out.input);
         validate_geometry(out.input, out.geometry, comm);
         check_time_step(out.input);
     });

@@ -306,7 +306,7 @@ ExitCode run_pressure_bench(const Comm& comm, const PressureBenchRequest& reques
         }
         input = bench_scene(request.particles, 1, overrides);
         check_supported(input);
-        geometry = build_geometry(input, {});
+        geometry = build_geometry(input);
         validate_geometry(input, geometry, comm);
     });
     auto solver = make_solver(comm, input, reference_speed(input, geometry), geometry);

@@ -18,10 +18,6 @@ bool dynamic(const scene::Body& body) { return body.kind == scene::BodyKind::dyn
 
 double distance(const Vec3& a, const Vec3& b) { return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]); }
 
-const scene::Shape& shape_of(const scene::Body& body, const scene::SolidRegion& region) {
-    return region.used_fallback() ? body.shape.fallback.front() : body.shape;
-}
-
 scene::SurfaceSampling on_surface(const Geometry& geometry, const scene::SolidRegion& region) {
     scene::SurfaceSampling sampling{geometry.lattice.spacing, 0, {}};
     // Planes have points in the domain only.
@@ -31,7 +27,7 @@ scene::SurfaceSampling on_surface(const Geometry& geometry, const scene::SolidRe
 
 std::vector<rigid::Probe> probes_of(const scene::Body& body, const scene::SolidRegion& region,
                                     const Geometry& geometry) {
-    const auto& shape = shape_of(body, region);
+    const auto& shape = body.shape;
     if (shape.kind == scene::ShapeKind::sphere && !region.inverted()) {
         const auto bounds = region.bounds(); // in the plane of the cut
         rigid::Probe ball;

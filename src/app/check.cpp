@@ -33,7 +33,7 @@ private:
 };
 
 Geometry look_at(const Comm& comm, const CheckRequest& request, Input& input) {
-    input = load_input(request.source);
+    input = load_scene(request.source);
     Geometry geometry;
     Problems problems;
     problems.of([&] { check_supported(input); });
@@ -43,7 +43,7 @@ Geometry look_at(const Comm& comm, const CheckRequest& request, Input& input) {
         else sph::make_cell_grid(input.scene.domain, make_constants(input).support);
     });
     problems.of([&] {
-        geometry = build_geometry(input, mesh_folders(request.source));
+        geometry = build_geometry(input);
         validate_geometry(input, geometry, comm);
     });
     problems.rethrow();

@@ -42,16 +42,13 @@ double particle_spacing(const Input& input) {
     return input.scene.domain.spacing / (input.on_grid() ? grid::particles_per_axis : 1);
 }
 
-Geometry build_geometry(const Input& input, const std::vector<std::string>& folders) {
+Geometry build_geometry(const Input& input) {
     const auto& domain = input.scene.domain;
     Geometry out;
+    out.notes = input.notes;
     out.lattice = {particle_spacing(input), domain.min, domain.max, domain.dimensions};
-    const scene::RegionOptions options{domain.dimensions, folders};
     const auto add = [&](const scene::Shape& shape, scene::Regions& regions) {
-        regions.emplace_back(shape, options);
-        if (regions.back().used_fallback()) {
-            out.notes.push_back(shape.where + ": mesh " + shape.file + " was not found, its fallback is used");
-        }
+        regions.emplace_back(shape, domain.dimensions);
     };
     for (const auto& liquid : input.scene.liquids) {
         auto& regions = out.liquids.emplace_back();

@@ -34,7 +34,7 @@ double solid_offset(const Input& input);
 double particle_spacing(const Input& input);
 
 // Reads meshes and builds the regions. Throws InputError.
-Geometry build_geometry(const Input& input, const std::vector<std::string>& folders);
+Geometry build_geometry(const Input& input);
 
 // How the surfaces of bodies are sampled. Where the domain has walls, up to the layer of these, so that the two
 // layers meet; bodies that move are sampled whole.

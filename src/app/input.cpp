@@ -1,8 +1,7 @@
 #include "app/input.hpp"
 
 #include "base/options.hpp"
-
-#include <cstdlib>
+#include "scene/data_files.hpp"
 
 namespace treacle::app {
 
@@ -34,12 +33,10 @@ Input load_input(const InputSource& source) {
     return input;
 }
 
-std::vector<std::string> mesh_folders(const InputSource& source) {
-    std::vector<std::string> folders;
-    if (!source.scene.empty()) folders.push_back(std::filesystem::absolute(source.scene).parent_path().string());
-    for (const auto& folder : source.data_folders) folders.push_back(folder.string());
-    if (const char* folder = std::getenv("TREACLE_DATA")) folders.emplace_back(folder);
-    return folders;
+Input load_scene(const InputSource& source) {
+    auto input = load_input(source);
+    input.notes = scene::resolve_data_files(input.scene, scene::data_search_path(source.scene, source.data_folders));
+    return input;
 }
 
 } // namespace treacle::app

@@ -12,6 +12,7 @@ namespace treacle::app {
 struct Input {
     scene::Scene scene;
     MethodOptions method;
+    std::vector<std::string> notes; // fallbacks taken, by load_scene()
     bool on_grid() const { return method.kind == MethodKind::grid; }
 
     void declare(Declaration& d);
@@ -27,7 +28,8 @@ struct InputSource {
 // Reads and validates; throws InputError with all problems.
 Input load_input(const InputSource& source);
 
-// Folders in which the files of meshes are looked for: the scene's own, --data, TREACLE_DATA.
-std::vector<std::string> mesh_folders(const InputSource& source);
+// As load_input; finds the files of meshes as well. Their whole paths stand in the input then, so that it may be read from
+// anywhere, and fallbacks in the place of what is missing, with a note. InputError for what has none.
+Input load_scene(const InputSource& source);
 
 } // namespace treacle::app

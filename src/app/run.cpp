@@ -7,7 +7,6 @@
 #include "base/options.hpp"
 #include "io/manifest.hpp"
 #include "kokkos/runtime.hpp"
-#include "scene/data_files.hpp"
 #include "solve/runtime.hpp"
 
 #include <fstream>
@@ -52,14 +51,11 @@ ExitCode run_scene(const Comm& comm, const RunRequest& request) {
     Input input;
     Geometry geometry;
     comm.guard([&] {
-        input = load_input(request.source);
+        input = load_scene(request.source);
         check_supported(input);
-        geometry = build_geometry(input, mesh_folders(request.source));
+        geometry = build_geometry(input);
         validate_geometry(input, geometry, comm);
         check_time_step(input);
-        // What is written down has the meshes' whole paths: it may be read from anywhere. Missing ones are in the notes.
-        const auto folders = mesh_folders(request.source);
-        scene::resolve_data_files(input.scene, {folders.begin(), folders.end()});
     });
     const auto folder =
         io::prepare_run_folder(comm, request.out.empty() ? default_folder(request.source.scene) : request.out,
@@ -85,7 +81,7 @@ ExitCode resume_run(const Comm& comm, const ResumeRequest& request) {
         parse(Document::from_text(scene, folder.effective_scene().string()), input);
         check_supported(input);
         // The files of meshes were found when the run began and stand there with their whole paths.
-        if (any_moves(input) || input.on_grid()) geometry = build_geometry(input, {});
+        if (any_moves(input) || input.on_grid()) geometry = build_geometry(input);
     });
     const auto hash = io::text_hash(scene);
     const auto checkpoint = find_checkpoint(comm, folder, hash);

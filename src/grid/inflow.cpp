@@ -71,8 +71,7 @@ std::vector<rigid::BodySetup> make_plugs(const flow::InflowSetup& setup, const M
         if (inlet.end > 0) plug.until = inlet.end;
         plug.velocity = inlet.speed * inlet.direction;
         plug.centre = inlet.centre - (0.5 * plug_layers * spacing) * inlet.direction;
-        plug.region.emplace_back(plug_shape(inlet, plug.centre, spacing, grid.dimensions),
-                                 scene::RegionOptions{grid.dimensions, {}});
+        plug.region.emplace_back(plug_shape(inlet, plug.centre, spacing, grid.dimensions), grid.dimensions);
         const auto bounds = plug.region.front().bounds();
         plug.reach = 0.5 * length(bounds.max - bounds.min);
         out.push_back(std::move(plug));

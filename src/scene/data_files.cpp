@@ -57,8 +57,9 @@ void resolve(Shape& shape, const std::vector<fs::path>& search_path, Outcome& ou
             shape.where + ": the mesh " + shape.file +
             " was not found; its fallback is used instead. Name its folder with --data or "
             "TREACLE_DATA to use it.");
-        const Shape fallback = shape.fallback.front();
-        shape = fallback;
+        Shape fallback = shape.fallback.front();
+        fallback.inverted = fallback.inverted != shape.inverted;
+        shape = std::move(fallback);
     } else {
         const bool absolute = fs::path(shape.file).is_absolute();
         outcome.missing.push_back({shape.where, "the mesh " + shape.file + " was not found",

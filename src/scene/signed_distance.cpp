@@ -212,10 +212,9 @@ void place_mesh(CheckedMesh& checked, const Shape& shape) {
     checked.report.thinnest *= factor;
 }
 
-SurfacePointer mesh_of(const Shape& shape, const std::string& path, int dimensions,
-                       std::optional<MeshReport>& report, std::optional<Moments>& moments) {
+SurfacePointer mesh_of(const Shape& shape, int dimensions, std::optional<MeshReport>& report, std::optional<Moments>& moments) {
     if (shape.size <= 0) require_positive(shape, "scale", shape.scale);
-    CheckedMesh checked = load_closed_mesh(path, shape.where);
+    CheckedMesh checked = load_closed_mesh(shape.file, shape.where);
     place_mesh(checked, shape);
     report = checked.report;
     const SurfacePointer body = make_mesh(checked.mesh, checked.report);
@@ -234,8 +233,8 @@ SurfacePointer mesh_of(const Shape& shape, const std::string& path, int dimensio
 
 } // namespace
 
-SolidRegion::SolidRegion(const Shape& shape, const RegionOptions& options)
-    : dimensions_(options.dimensions), inverted_(shape.inverted) {
+SolidRegion::SolidRegion(const Shape& shape, int dimensions)
+    : dimensions_(dimensions), inverted_(shape.inverted) {
     require_finite(shape, "translation", shape.translation);
     if (shape.rotation_angle != 0) require_direction(shape, "rotation_axis", shape.rotation_axis);
     if (!std::isfinite(shape.rotation_angle))
@@ -253,23 +252,10 @@ SolidRegion::SolidRegion(const Shape& shape, const RegionOptions& options)
         surface_ = round_of(shape, dimensions_);
         return;
     }
-    const std::vector<std::filesystem::path> folders(options.mesh_folders.begin(),
-                                                     options.mesh_folders.end());
-    if (const auto path = find_data_file(shape.file, folders); !path.empty()) {
-        surface_ = mesh_of(shape, path.string(), dimensions_, mesh_, mesh_moments_);
-        return;
+    if (find_data_file(shape.file, {"."}).empty()) {
+        reject(shape, "mesh '" + shape.file + "' is not found", "", "correct the name");
     }
-    if (shape.fallback.empty()) {
-        std::string searched;
-        for (const std::string& folder : options.mesh_folders)
-            searched += (searched.empty() ? "" : ", ") + folder;
-        reject(shape, "mesh '" + shape.file + "' is not found",
-               searched.empty() ? "no folder was given to look in" : "looked in " + searched,
-               "correct the name, or name the folder with --data or TREACLE_DATA");
-    }
-    *this = SolidRegion(shape.fallback.front(), options);
-    inverted_ = inverted_ != shape.inverted;
-    used_fallback_ = true;
+    surface_ = mesh_of(shape, dimensions_, mesh_, mesh_moments_);
 }
 
 double SolidRegion::distance(const Vec3& x) const {

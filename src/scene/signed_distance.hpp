@@ -13,17 +13,12 @@ namespace treacle::scene {
 
 class Surface;
 
-struct RegionOptions {
-    int dimensions = 3;                    // 2: the cut of the shape at z = 0
-    std::vector<std::string> mesh_folders; // searched in this order for the files of meshes
-};
-
 // A solid region made from a shape: signed distance, normal, extent. Copies share their data. Thread-safe.
 class SolidRegion {
 public:
-    // InputError for impossible parameters, a mesh that is missing (without a fallback) or not closed, and
-    // a shape that does not meet the plane z = 0 when dimensions = 2.
-    explicit SolidRegion(const Shape& shape, const RegionOptions& options = {});
+    // `dimensions` 2: the cut of the shape at z = 0. Of a mesh, the file that it names (data_files.hpp finds it). InputError
+    // for impossible parameters, a mesh that is missing or not closed, and a shape that does not meet the plane of the cut.
+    explicit SolidRegion(const Shape& shape, int dimensions = 3);
 
     // [m] negative inside. Exact for primitives and triangles; within 1e-5 of the size for primitives cut
     // obliquely by the plane.
@@ -37,7 +32,6 @@ public:
     bool inverted() const { return inverted_; }
     int dimensions() const { return dimensions_; }
     const std::optional<MeshReport>& mesh() const { return mesh_; }
-    bool used_fallback() const { return used_fallback_; }
     const Surface& surface() const { return *surface_; } // of the shape before inversion
     // Of the shape before inversion, which must be of finite extent: exact for meshes in space.
     Moments moments() const;
@@ -48,7 +42,6 @@ private:
     std::optional<Moments> mesh_moments_; // in space
     int dimensions_ = 3;
     bool inverted_ = false;
-    bool used_fallback_ = false;
 };
 
 } // namespace treacle::scene

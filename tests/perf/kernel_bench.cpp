@@ -23,7 +23,7 @@ struct Flow {
     CellSort sort;
 
     explicit Flow(std::int64_t particles) : input(app::bench_scene(particles, 1)) {
-        const auto geometry = app::build_geometry(input, {});
+        const auto geometry = app::build_geometry(input);
         solver = app::make_solver(Comm::self(), input, app::reference_speed(input, geometry), geometry);
         app::fill_solver(input, geometry, *solver);
         constexpr int disorder_steps = 15;

@@ -23,14 +23,14 @@ inline scene::SolidRegion box(const Vec3& min, const Vec3& max, int dimensions) 
     shape.kind = scene::ShapeKind::box;
     shape.min = min;
     shape.max = max;
-    return scene::SolidRegion(shape, {dimensions, {}});
+    return scene::SolidRegion(shape, dimensions);
 }
 inline scene::SolidRegion ball(const Vec3& centre, double radius, int dimensions) {
     scene::Shape shape;
     shape.kind = scene::ShapeKind::sphere;
     shape.centre = centre;
     shape.radius = radius;
-    return scene::SolidRegion(shape, {dimensions, {}});
+    return scene::SolidRegion(shape, dimensions);
 }
 
 // Liquid in a domain, shared out among the ranks, with everything around it up to date.

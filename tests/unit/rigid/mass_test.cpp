@@ -41,7 +41,7 @@ TEST(Moments, OfABallAreKnownToTheSquareOfTheCells) {
 }
 
 TEST(Moments, OfADiscInThePlaneAreKnown) {
-    const auto m = scene::SolidRegion(ball({0.1, -0.2, 0}, 0.4), {2, {}}).moments();
+    const auto m = scene::SolidRegion(ball({0.1, -0.2, 0}, 0.4), 2).moments();
     const double area = std::numbers::pi * 0.16;
     EXPECT_NEAR(m.volume, area, exact * area);
     EXPECT_NEAR(m.inertia[2][2], area * 0.08, 1e-5 * area * 0.08);

@@ -39,12 +39,12 @@ std::vector<Shape> solids() {
 }
 
 double at(const Shape& s, const Vec3& x, int dimensions = 3) {
-    return SolidRegion(s, {dimensions, {}}).distance(x);
+    return SolidRegion(s, dimensions).distance(x);
 }
 
 std::string refusal(const Shape& shape, int dimensions = 3) {
     try {
-        SolidRegion(shape, {dimensions, {}});
+        SolidRegion(shape, dimensions);
     } catch (const InputError& error) {
         return error.what();
     }
@@ -207,7 +207,7 @@ TEST(PlaneScene, RegionsAreTheCutAtZeroHeight) {
     EXPECT_NEAR(at(round(ShapeKind::cone, {0, 0, 0}, 3, 4), {0, 4, 0}, 2), 2, 1e-14);
     const Shape ring = along(round(ShapeKind::torus, {0, 0, 0}, 3, 0, 1), {0, 0, 1});
     EXPECT_NEAR(at(ring, {0, 0, 0}, 2), 2, 1e-14);
-    EXPECT_NEAR(SolidRegion(ring, {2, {}}).volume(), pi * (16 - 4), 1e-12);
+    EXPECT_NEAR(SolidRegion(ring, 2).volume(), pi * (16 - 4), 1e-12);
     EXPECT_NEAR(
         at(turned(box({-1, -1, 0}, {1, 1, 0}), pi / 4, {0, 0, 1}, {0, 0, 0}), {std::sqrt(2), 0, 0}, 2), 0,
         1e-14);
@@ -215,7 +215,7 @@ TEST(PlaneScene, RegionsAreTheCutAtZeroHeight) {
 
 TEST(PlaneScene, ObliqueCutsAreExactToTheirGrid) {
     // A cylinder along (0, 1, 1) cuts the plane in an ellipse of half-axes 1 and sqrt 2.
-    const SolidRegion ellipse(along(round(ShapeKind::cylinder, {0, 0, 0}, 1, 20), {0, 1, 1}), {2, {}});
+    const SolidRegion ellipse(along(round(ShapeKind::cylinder, {0, 0, 0}, 1, 20), {0, 1, 1}), 2);
     EXPECT_NEAR(ellipse.distance({1.5, 0, 0}), 0.5, 1e-5);
     EXPECT_NEAR(ellipse.distance({0, 2, 0}), 2 - std::sqrt(2), 1e-5);
     EXPECT_NEAR(ellipse.volume(), pi * std::sqrt(2), 1e-4);
@@ -227,7 +227,7 @@ TEST(PlaneScene, MeshesAreSlicedEvenThroughVertices) {
     Shape shape = mesh_shape(sphere.path());
     for (const double height : {0.0, 0.3}) {
         shape.translation = {0, 0, height};
-        const SolidRegion disc(shape, {2, {}});
+        const SolidRegion disc(shape, 2);
         const double r = std::sqrt(1 - height * height);
         // Chords of 128 per circle: within 1 - cos(pi / 128) = 3e-4, and as much by slicing between vertices.
         EXPECT_NEAR(disc.distance({0, 0, 0}), -r, 1e-3);
@@ -240,7 +240,7 @@ TEST(PlaneScene, AMeshWithItsTopInThePlaneIsCutBelowIt) {
     const MeshFile cube("cube.obj", cube_mesh());
     Shape shape = mesh_shape(cube.path());
     shape.translation = {0, 0, -1};
-    const SolidRegion square(shape, {2, {}});
+    const SolidRegion square(shape, 2);
     EXPECT_NEAR(square.distance({0.5, 0.5, 0}), -0.5, 1e-12);
     EXPECT_NEAR(square.volume(), 1, 1e-12);
 }
@@ -258,12 +258,4 @@ TEST(Refusals, NameTheParameterAndThePlace) {
     EXPECT_NE(refusal(round(ShapeKind::sphere, {0, 0, NAN}, 1)).find("sphere.centre"), std::string::npos);
     EXPECT_NE(refusal(round(ShapeKind::sphere, {0, 0, 3}, 1), 2).find("z = 0"), std::string::npos);
     EXPECT_NE(refusal(mesh_shape("no_such.ply")).find("no_such.ply"), std::string::npos);
-}
-
-TEST(Refusals, AMissingMeshUsesItsFallback) {
-    Shape shape = mesh_shape("no_such.ply");
-    shape.fallback.push_back(round(ShapeKind::sphere, {0, 0, 0}, 1));
-    const SolidRegion region(shape);
-    EXPECT_TRUE(region.used_fallback());
-    EXPECT_DOUBLE_EQ(region.distance({3, 0, 0}), 2);
 }

@@ -216,7 +216,7 @@ TEST(SurfaceSampling, OfAPlaneIsClippedAndNeedsAClip) {
     EXPECT_EQ(samples.positions.size(), 200u);
     for (const Vec3& x : samples.positions) EXPECT_NEAR(x[1], -0.05, 1e-15);
     EXPECT_THROW(sample_surface(region, {0.1, 0.05, {}}), InputError);
-    const auto line = sample_surface(SolidRegion(floor, {2, {}}), {0.1, 0.05, {{0, -1, 0}, {1, 1, 0}}});
+    const auto line = sample_surface(SolidRegion(floor, 2), {0.1, 0.05, {{0, -1, 0}, {1, 1, 0}}});
     EXPECT_EQ(line.positions.size(), 10u);
 }
 

@@ -18,7 +18,7 @@ namespace {
 VolumeFill fill_of(const std::vector<Shape>& liquid, const Vec3& max, double spacing, int dimensions = 3) {
     VolumeFill fill;
     fill.liquids.emplace_back();
-    for (const Shape& s : liquid) fill.liquids.back().emplace_back(s, RegionOptions{dimensions, {}});
+    for (const Shape& s : liquid) fill.liquids.back().emplace_back(s, dimensions);
     fill.lattice = {spacing, {0, 0, 0}, max, dimensions};
     return fill;
 }
