@@ -13,7 +13,7 @@ struct ContractionOptions {
 // Liquid that has become sparse draws together. What is torn, splashes, or is poured in jets thinner than the cells comes to
 // lie with its particles farther apart than the lattice's; velocities without divergence would keep it so, and its volume
 // too large. Within the liquid the projections aim at a divergence of -(deficit - slack)/(steps dt) in its place: the
-// missing share of particles, as the mean over a cell and those around it.
+// missing share of particles, as a mean over a cell and those around it.
 class Contraction {
 public:
     struct Scene {

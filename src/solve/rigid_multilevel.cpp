@@ -256,7 +256,7 @@ void RigidMultilevel::State::solve_last(Vector r, Vector border_r, Out z, Out bo
     std::copy_n(dense_z.begin(), z.size(), z.begin());
     if (comm->is_root()) std::copy_n(dense_z.end() - static_cast<std::ptrdiff_t>(count()), count(), border_z.begin());
     comm->broadcast(border_z);
-    }
+}
 
 // Sweeps pass over the border's unknowns; the levels below and the direct solution set them.
 void RigidMultilevel::State::cycle(std::size_t depth, Vector r, Vector border_r, Out z, Out border_z) {
@@ -281,6 +281,7 @@ void RigidMultilevel::State::cycle(std::size_t depth, Vector r, Vector border_r,
 namespace {
 RigidMultilevelOptions checked(const RigidMultilevelOptions& options) {
     if (options.overcorrection < 1 || options.overcorrection >= 2) throw std::logic_error("rigid multilevel: overcorrection");
+    if (options.relaxation < 1 || options.relaxation >= 2) throw std::logic_error("rigid multilevel: relaxation");
     if (options.box < 1) throw std::logic_error("rigid multilevel: box");
     return options;
 }
@@ -305,7 +306,8 @@ void RigidMultilevel::set_up(const Matrix& matrix, const VelocityRows& rows, Rig
         if (state.border.count > 0) state.coarsen_border(state.used - 2);
     }
     state.factor_last();
-    for (std::size_t k = 0; k < state.used && comm_.size() > 1; ++k) state.stages[k].level.secure_sweeps();
+    const bool secures = comm_.size() > 1 || options_.relaxation > 1;
+    for (std::size_t k = 0; k < state.used && secures; ++k) state.stages[k].level.secure_sweeps(options_.relaxation);
 }
 
 void RigidMultilevel::apply(std::span<const double> r, std::span<double> z) {

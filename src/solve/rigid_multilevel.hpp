@@ -8,7 +8,9 @@ namespace treacle::solve {
 struct RigidMultilevelOptions {
     double overcorrection = 1.6; // coarse matrices are divided by it, from 1 to below 2
     int box = 3;                 // cells a side of the finest aggregates
-    Cycle cycle = Cycle::w;    int dense_rows = 300;        // most unknowns that are solved for directly
+    Cycle cycle = Cycle::w;
+    double relaxation = 1;       // of the sweeps, from 1 to below 2
+    int dense_rows = 300;        // most unknowns that are solved for directly
     int rows_per_rank = 1000;    // levels with fewer on the mean are gathered onto every eighth rank
 };
 

@@ -13,7 +13,8 @@ FINE = 1e4                           # [Pa s]: at 12 cells a radius; where inert
 VISCOSITIES = (10, 100, 1e3, 1e4, 1e5)  # of table 5.1 [Pa s]
 PRINTED = {10: (0.641, "41 % off, at Re 11"), 100: (0.098, "10 %"), 1e3: (0.0101, "7 %"), 1e4: (1.11e-3, "1.5 %"),
            1e5: (1.12e-4, "2.3 %")}  # of a ball of 5 cm, strong coupling [m/s]
-TIGHT = {"method.grid.pressure.residual": 1e-11, "method.grid.viscosity.residual": 1e-11, "output.double_precision": "true"}
+TIGHT = {"method.grid.pressure.residual": 1e-11, "method.grid.viscosity.residual": 1e-11, "method.grid.stokes.residual": 1e-11,
+         "output.double_precision": "true"}
 
 
 def momentum(context):
