@@ -43,7 +43,7 @@ struct StepReport {
     StokesReport stokes;            // of both together
     PositionReport correction;      // of the last step that had one
     std::vector<double> loads;         // [body][6] by pressure, mean of the step [N], [N m]
-    std::vector<double> viscous_loads; // by viscosity, on dynamic bodies
+    std::vector<double> viscous_loads; // by viscosity; both of bodies that move
     std::int64_t pushed = 0;        // particles moved out of solids, over all ranks
     double imbalance = 1;           // largest over mean number of particles per rank
     std::vector<LostParticle> lost; // of this rank, but for what flowed out

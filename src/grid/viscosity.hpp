@@ -43,7 +43,7 @@ struct ViscosityReport {
     solve::SolveReport solve;
     std::int64_t unknowns = 0; // faces, over all ranks
     std::int64_t entries = 0;
-    std::vector<double> loads;  // on dynamic bodies, 6 numbers each [N], [N m]
+    std::vector<double> loads;  // on bodies that move, 6 numbers each [N], [N m]
 };
 
 class ViscousProblem;

@@ -128,13 +128,14 @@ void ViscousProblem::find_places(const ViscousScene& scene, const rigid::RigidBo
 void ViscousProblem::build(const ViscousScene& scene, const FaceField& velocity, const rigid::RigidBodies& bodies, double dt) {
     dt_ = dt;
     before_ = body_velocities(bodies);
+    feels_ = bodies.any_moves();
     answers_ = coupling_ != Coupling::one_way && bodies.any_dynamic();
     matrix_.reset();
     find_places(scene, bodies, dt);
-    if (answers_) bodies_.prepare(bodies);
+    if (feels_) bodies_.prepare(bodies);
     coupled_ = answers_ && coupling_ == Coupling::strong ? bodies_.unknowns() : 0;
     system_.assemble(comm_, scene.halo, parts_.faces(), coupled_);
-    if (answers_) bodies_.build(comm_, scene, parts_.faces(), system_, motion_, velocity);
+    if (feels_) bodies_.build(comm_, scene, parts_.faces(), system_, motion_, velocity);
     describe_rows(scene.grid);
     make_matrix();
     reserve(faces_, faces());
@@ -194,6 +195,7 @@ std::vector<double> ViscousProblem::apply(const ViscousScene& scene, std::span<c
                                           const FaceField& velocity, rigid::RigidBodies& bodies) {
     std::vector<double> loads(before_.size(), 0.0);
     if (answers_) loads = push(x, others, bodies);
+    else if (feels_) loads = bodies_.loads(comm_, x.first(faces()), before_);
     if (coupled_ > 0) {
         update_motion(bodies, scene.grid, motion_);
         if (!scene.halo.window().empty()) parts_.move_solids(scene, motion_);

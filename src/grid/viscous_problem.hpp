@@ -27,7 +27,6 @@ public:
     bool built() const { return matrix_.has_value(); }
     const ViscousFaces& places() const { return parts_.faces(); }
     const ViscousSystem& system() const { return system_; }
-    bool answers() const { return answers_; } // bodies feel the liquid
     int motions() const { return coupled_; }  // of bodies that are unknowns, on all ranks
 
     // b, for velocities of before; bodies move as they did at build().
@@ -79,7 +78,7 @@ private:
     Array<double> faces_{"treacle::viscous_faces", 0};
     double dx_ = 0, dt_ = 0;
     int dimensions_ = 3, coupled_ = 0; // coupled: unknowns of the bodies
-    bool answers_ = false;
+    bool feels_ = false, answers_ = false; // there are bodies that move; their motion depends on the liquid
     std::vector<int> cells_;
     std::vector<double> places_;
     std::vector<signed char> axes_;

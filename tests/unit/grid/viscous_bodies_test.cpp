@@ -52,6 +52,33 @@ TEST_F(GridViscousBodies, momentum_of_liquid_and_bodies_is_kept) {
     }
 }
 
+// Bodies whose motion is prescribed, as those of a rheometer.
+TEST_F(GridViscousBodies, driven_bodies_are_loaded_with_what_the_liquid_gains) {
+    for (const bool slips : {false, true}) {
+        auto sample = two_bodies(1e3);
+        sample.solid_slips = slips;
+        sample.slip_length = 0.1;
+        for (auto& body : sample.bodies.bodies) body.kind = scene::BodyKind::kinematic;
+        ViscousCase run(comm, sample);
+        run.set_velocity([](int, const Vec3&) { return 0.0; });
+        const double dt = 0.01;
+        const auto loads = run.solve(dt).loads;
+        const auto gained = run.liquid_momentum();
+        std::array<double, 6> lost{};
+        for (std::size_t b = 0; b < run.bodies.size(); ++b) {
+            const auto& r = sample.bodies.bodies[b].centre;
+            const double* const f = &loads[6 * b];
+            const Vec3 turning = rigid::cross(r, {f[0], f[1], f[2]});
+            for (std::size_t k = 0; k < 3; ++k) {
+                lost[k] += dt * f[k];
+                lost[3 + k] += dt * (turning[k] + f[3 + k]);
+            }
+        }
+        for (std::size_t k = 0; k < 6; ++k) EXPECT_NEAR(gained[k], -lost[k], 1e-9 * std::fabs(gained[0])) << k;
+        EXPECT_GT(gained[0], 1); // of 137 kg, by a ball at 1 m/s
+    }
+}
+
 TEST_F(GridViscousBodies, what_moves_as_one_rigid_body_goes_on) {
     auto sample = two_bodies(1e4);
     const Vec3 u{0.3, -0.2, 0.1}, w{0.5, -1, 0.7};
