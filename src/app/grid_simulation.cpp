@@ -2,6 +2,7 @@
 
 #include "app/bodies.hpp"
 #include "app/inflow.hpp"
+#include "app/table_text.hpp"
 #include "grid/inflow.hpp"
 #include "grid/seeding.hpp"
 
@@ -82,6 +83,16 @@ void GridSimulation::restore(const RestartState& state) {
 
 RestartState GridSimulation::state() const { return {solver_.decomposition_state(), solver_.bodies().state(), {}}; }
 
+// A solve that ends above its residual lets the step go on (method.grid.stokes.max_iterations). The log has one line for each
+// time that it doubles.
+void GridSimulation::look_at_solve(const grid::StokesReport& stokes, StepFigures& out) {
+    if (stokes.unknowns == 0 || stokes.solve.converged() || stokes.solve.relative_residual < 2 * warned_) return;
+    warned_ = stokes.solve.relative_residual;
+    out.warnings.push_back("pressure and viscosity together have been solved to a residual of " + short_number(warned_) + " alone in " +
+                           std::to_string(stokes.solve.iterations) +
+                           " iterations; take a smaller time step, or method.grid.stokes.solve: split");
+}
+
 StepFigures GridSimulation::advance(double dt) {
     auto report = solver_.advance(dt);
     StepFigures out;
@@ -98,6 +109,7 @@ StepFigures GridSimulation::advance(double dt) {
     for (auto* loads : {&report.loads, &report.viscous_loads}) loads->resize(6 * input_.scene.bodies.size());
     out.loads = std::move(report.loads);
     out.viscous_loads = std::move(report.viscous_loads);
+    look_at_solve(report.stokes, out);
     out.lost = std::move(report.lost);
     out.lost_by_cause = report.lost_by_cause;
     return out;

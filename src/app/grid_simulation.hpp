@@ -34,9 +34,12 @@ public:
     std::vector<std::string> phases() const override;
 
 private:
+    void look_at_solve(const grid::StokesReport& stokes, StepFigures& out);
+
     const Input& input_;
     grid::GridStep solver_;
     SolidPoints points_;
+    double warned_ = 0; // residual that the last warning was about
 };
 
 } // namespace treacle::app

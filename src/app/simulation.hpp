@@ -19,6 +19,7 @@ struct StepFigures {
     std::vector<double> viscous_loads; // by viscosity
     std::vector<LostParticle> lost;    // of this rank, but for what flowed out
     std::array<std::int64_t, loss_causes> lost_by_cause{}; // over all ranks
+    std::vector<std::string> warnings; // for the log
 };
 
 // The liquid's particles of this rank as measurements see them.

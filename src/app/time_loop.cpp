@@ -160,6 +160,7 @@ void TimeLoop::take_step(Outputs& outputs) {
     ++progress_.step;
     progress_.time += dt;
     iterations_ += report.pressure_iterations;
+    for (const auto& warning : report.warnings) log_.warn("step " + std::to_string(progress_.step) + ": " + warning);
     check_losses(report, outputs);
     totals_ = solver_->totals();
     if (!std::isfinite(totals_.kinetic_energy)) {
