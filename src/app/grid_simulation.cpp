@@ -105,10 +105,8 @@ StepFigures GridSimulation::advance(double dt) {
                   double(viscosity.unknowns), double(report.stokes.solve.iterations), report.stokes.solve.relative_residual,
                   double(report.correction.iterations), report.correction.density_before,
                   report.correction.density_after, report.correction.energy, double(report.pushed), report.imbalance};
-    // Those of the scene's bodies, which stand before the plugs of inlets.
-    for (auto* loads : {&report.loads, &report.viscous_loads}) loads->resize(6 * input_.scene.bodies.size());
-    out.loads = std::move(report.loads);
-    out.viscous_loads = std::move(report.viscous_loads);
+    out.loads = of_moving_bodies(report.loads);
+    out.viscous_loads = of_moving_bodies(report.viscous_loads);
     look_at_solve(report.stokes, out);
     out.lost = std::move(report.lost);
     out.lost_by_cause = report.lost_by_cause;
@@ -122,9 +120,22 @@ LiquidView GridSimulation::view() const {
             2.5 * spacing,        volume_of_particle(solver_.grid())};
 }
 
+// The step knows no loads of bodies at rest. Those of the scene stand before the plugs of inlets.
+std::vector<double> GridSimulation::of_moving_bodies(const std::vector<double>& loads) const {
+    std::vector<double> out;
+    for (std::size_t b = 0; b < input_.scene.bodies.size(); ++b) {
+        for (std::size_t k = 6 * b; k < 6 * b + 6 && moves(input_.scene.bodies[b]); ++k) {
+            out.push_back(k < loads.size() ? loads[k] : 0.0);
+        }
+    }
+    return out;
+}
+
 std::vector<std::string> GridSimulation::load_names() const {
     std::vector<std::string> names;
-    for (const auto& body : input_.scene.bodies) names.push_back(body.name);
+    for (const auto& body : input_.scene.bodies) {
+        if (moves(body)) names.push_back(body.name);
+    }
     return names;
 }
 

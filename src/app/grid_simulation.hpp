@@ -34,6 +34,7 @@ public:
     std::vector<std::string> phases() const override;
 
 private:
+    std::vector<double> of_moving_bodies(const std::vector<double>& loads) const;
     void look_at_solve(const grid::StokesReport& stokes, StepFigures& out);
 
     const Input& input_;

@@ -15,7 +15,7 @@ struct StepFigures {
     double dt = 0; // [s]
     int pressure_iterations = 0;
     std::vector<double> values; // as Simulation::columns() names them
-    std::vector<double> loads;         // [solid][6] by pressure, summed over ranks [N], [N m]
+    std::vector<double> loads;         // [load_names()][6] by pressure, summed over ranks [N], [N m]
     std::vector<double> viscous_loads; // by viscosity
     std::vector<LostParticle> lost;    // of this rank, but for what flowed out
     std::array<std::int64_t, loss_causes> lost_by_cause{}; // over all ranks
