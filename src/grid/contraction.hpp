@@ -7,7 +7,7 @@ namespace treacle::grid {
 
 struct ContractionOptions {
     double steps = 10;   // in which sparse liquid is dense again; 0: never
-    double slack = 0.02; // share of the rest density that may be missing
+    double slack = 0.05; // share of the rest density that may be missing
 };
 
 // Liquid that has become sparse draws together. What is torn, splashes, or is poured in jets thinner than the cells comes to

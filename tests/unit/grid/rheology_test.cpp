@@ -85,7 +85,7 @@ TEST_F(Channel, ALiquidWithAYieldStressHasAPlug) {
         const auto squared = [](double x) { return x * x; };
         return density * pull / (2 * curve.viscosity) * (squared(half_width - plug) - squared(std::max(0.0, y - plug)));
     };
-    EXPECT_LT(profile_error(comm, *step, profile), 0.03); // seen 0.7 %
+    EXPECT_LT(profile_error(comm, *step, profile), 0.03); // seen 1.7 %
 }
 
 // Two liquids, the one newtonian, side by side: each has its own stress.

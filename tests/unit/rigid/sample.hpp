@@ -30,7 +30,7 @@ inline scene::Shape ball(const Vec3& centre, double radius) {
 inline BodySetup make_body(const scene::Shape& shape, int dimensions = 3) {
     BodySetup out;
     out.kind = scene::BodyKind::dynamic;
-    const scene::SolidRegion region(shape, {dimensions, {}});
+    const scene::SolidRegion region(shape, dimensions);
     const auto moments = region.moments();
     out.mass = 1000 * moments.volume;
     out.centre = moments.centre;
