@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cassert>
-#include <cmath>
 #include <deque>
 #include <stdexcept>
 
@@ -57,6 +56,7 @@ struct RigidMultilevel::State {
     void coarsen_border(std::size_t depth);
     void factor_last();
     std::vector<double> block(std::size_t depth) const;
+    double overcorrection(std::size_t depth) const { return depth == 0 ? options->overcorrection : options->coarse_overcorrection; }
     Vector shift(std::size_t depth, Vector r, Vector q);
     void pull(std::size_t depth, Vector z, Vector border_r, Out left);
     std::vector<double> dense_r, dense_z;
@@ -70,9 +70,10 @@ void RigidMultilevel::State::find_rows(const Matrix& matrix, const VelocityRows&
     const auto n = static_cast<std::size_t>(matrix.rows());
     assert(rows.cells.size() == 3 * n && rows.places.size() == 3 * n && rows.axes.size() == n);
     level.keys.resize(n);
+    const int side = matrix.global_rows() < options->small_rows ? options->small_box : options->box;
     for (std::size_t i = 0; i < n; ++i) {
         int box[3];
-        for (std::size_t k = 0; k < 3; ++k) box[k] = floor_divide(rows.cells[3 * i + k], options->box);
+        for (std::size_t k = 0; k < 3; ++k) box[k] = floor_divide(rows.cells[3 * i + k], side);
         level.keys[i] = !rows.aside.empty() && rows.aside[i] != 0 ? no_cell : cell_key(box);
     }
     level.fixed.clear();
@@ -115,7 +116,7 @@ bool RigidMultilevel::State::add_level(const Comm& comm, int dimensions, int& st
     links.dimensions = dimensions;
     const auto global_rows = modes * comm.sum(std::int64_t{level.aggregates()});
     if (global_rows == 0) return false;
-    coarsener.make(comm, level, used == 1 ? std::span<const double>(places) : level.centres, options->overcorrection, links, made);
+    coarsener.make(comm, level, used == 1 ? std::span<const double>(places) : level.centres, overcorrection(used - 1), links, made);
     const auto made_rows = static_cast<std::size_t>(made.rows());
     const int old_stride = stride;
     stride = Gathering::wider(comm, stride, global_rows,
@@ -151,13 +152,15 @@ void RigidMultilevel::State::coarsen_border(std::size_t depth) {
         stage.links.restrict_to(stage.level, column, made);
         if (moved) stage.gathering.down(made, arrived);
         const auto& from = moved ? arrived : made;
-        for (std::size_t i = 0; i < coarse_rows; ++i) next.columns[k * coarse_rows + i] = from[i] / options->overcorrection;
+        for (std::size_t i = 0; i < coarse_rows; ++i) next.columns[k * coarse_rows + i] = from[i] / overcorrection(depth);
     }
 }
 
 std::vector<double> RigidMultilevel::State::block(std::size_t depth) const {
     auto out = border.block;
-    for (double& entry : out) entry /= std::pow(options->overcorrection, double(depth));
+    for (std::size_t above = 0; above < depth; ++above) {
+        for (double& entry : out) entry /= overcorrection(above);
+    }
     return out;
 }
 
@@ -280,9 +283,10 @@ void RigidMultilevel::State::cycle(std::size_t depth, Vector r, Vector border_r,
 
 namespace {
 RigidMultilevelOptions checked(const RigidMultilevelOptions& options) {
-    if (options.overcorrection < 1 || options.overcorrection >= 2) throw std::logic_error("rigid multilevel: overcorrection");
-    if (options.relaxation < 1 || options.relaxation >= 2) throw std::logic_error("rigid multilevel: relaxation");
-    if (options.box < 1) throw std::logic_error("rigid multilevel: box");
+    for (const double factor : {options.overcorrection, options.coarse_overcorrection}) {
+        if (factor < 1 || factor >= 2) throw std::logic_error("rigid multilevel: overcorrection");
+    }
+    if (options.box < 1 || options.small_box < 1) throw std::logic_error("rigid multilevel: box");
     return options;
 }
 } // namespace
@@ -306,8 +310,7 @@ void RigidMultilevel::set_up(const Matrix& matrix, const VelocityRows& rows, Rig
         if (state.border.count > 0) state.coarsen_border(state.used - 2);
     }
     state.factor_last();
-    const bool secures = comm_.size() > 1 || options_.relaxation > 1;
-    for (std::size_t k = 0; k < state.used && secures; ++k) state.stages[k].level.secure_sweeps(options_.relaxation);
+    for (std::size_t k = 0; k < state.used && comm_.size() > 1; ++k) state.stages[k].level.secure_sweeps();
 }
 
 void RigidMultilevel::apply(std::span<const double> r, std::span<double> z) {

@@ -6,10 +6,13 @@
 namespace treacle::solve {
 
 struct RigidMultilevelOptions {
-    double overcorrection = 1.6; // coarse matrices are divided by it, from 1 to below 2
-    int box = 3;                 // cells a side of the finest aggregates
+    // Coarse matrices are divided by these, from 1 to below 2: that of the finest aggregates, those below.
+    double overcorrection = 1.6, coarse_overcorrection = 1.8;
+    // Cells a side of the finest aggregates; and of systems with fewer rows than `small_rows`, which lie in the caches: smaller
+    // boxes take fewer iterations, above all of thin liquid, each of twice the work.
+    int box = 3, small_box = 2;
+    int small_rows = 200000;
     Cycle cycle = Cycle::w;
-    double relaxation = 1;       // of the sweeps, from 1 to below 2
     int dense_rows = 300;        // most unknowns that are solved for directly
     int rows_per_rank = 1000;    // levels with fewer on the mean are gathered onto every eighth rank
 };

@@ -68,7 +68,7 @@ Spread measure(const SolidRegion& region, const SurfaceSamples& samples, double 
 }
 
 void expect_even(const Shape& shape, double spacing, double inset, int dimensions = 3) {
-    const SolidRegion region(shape, {dimensions, {}});
+    const SolidRegion region(shape, dimensions);
     const auto samples = sample_surface(region, {spacing, inset, {}});
     const Spread s = measure(region, samples, inset, spacing);
     SCOPED_TRACE("shape " + std::to_string(int(shape.kind)) + " inset " + std::to_string(inset / spacing) +
