@@ -16,7 +16,7 @@ INPUTS = os.path.join(os.path.dirname(os.path.dirname(HERE)), "inputs")
 # Small enough a residual that the answer does not show how the ranks share the work.
 TIGHT = {"method.pressure.stop": "residual", "method.pressure.residual": "1e-10", "output.double_precision": "true"}
 TIGHT_ON_GRID = {"method.grid.pressure.residual": "1e-12", "method.grid.viscosity.residual": "1e-12",
-                 "method.grid.stokes.residual": "1e-12",
+                 "method.grid.stokes.residual": "1e-12", "method.grid.stokes.max_iterations": "2000",
                  "output.double_precision": "true"}
 
 
