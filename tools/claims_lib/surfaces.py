@@ -120,18 +120,24 @@ def text_of(best):
     return f"{1e3 * best.step:.2f} ms" if best else "none"
 
 
+def least_failure(trials):
+    """What the smallest step that is not stable fails by."""
+    failed = [trial for trial in trials if not trial.stable]
+    return f" ({1e3 * failed[-1].step:.2f} ms: {failed[-1].why})" if failed else ""
+
+
 def stable_steps(context):
     scene = cube_drop(context)
     names = ("ours", "source-term-based", "density-based", "ghost-particle-based", "surface-based")
-    found = {}
+    found, failed = {}, {}
     with scratch(context, "cube_drop") as folder:
         for name in names:
-            found[name], _ = largest_stable(context, scene, folder / name, {**THEIRS, **RULES[name]})
+            found[name], failed[name] = largest_stable(context, scene, folder / name, {**THEIRS, **RULES[name]})
     size = {name: best.step if best else 0 for name, best in found.items()}
     ok = size["ours"] > size["source-term-based"] > size["density-based"] > max(size["ghost-particle-based"],
                                                                                 size["surface-based"])
-    return Figure(f"spacing {1e3 * scene.spacing:.1f} mm: " + ", ".join(f"{name} {text_of(found[name])}" for name in names)
-                  + f" ({STABLE})", ok)
+    rules = ", ".join(name + " " + text_of(found[name]) + least_failure(failed[name]) for name in names)
+    return Figure(f"spacing {1e3 * scene.spacing:.1f} mm: {rules} ({STABLE})", ok)
 
 
 def square_domain(context):
