@@ -47,17 +47,14 @@ Geometry build_geometry(const Input& input) {
     Geometry out;
     out.notes = input.notes;
     out.lattice = {particle_spacing(input), domain.min, domain.max, domain.dimensions};
-    const auto add = [&](const scene::Shape& shape, scene::Regions& regions) {
-        regions.emplace_back(shape, domain.dimensions);
-    };
     for (const auto& liquid : input.scene.liquids) {
         auto& regions = out.liquids.emplace_back();
-        for (const auto& shape : liquid.shapes) add(shape, regions);
+        for (const auto& shape : liquid.shapes) regions.emplace_back(shape, domain.dimensions);
         auto& parts = out.viscosity_regions.emplace_back();
-        for (const auto& part : liquid.viscosity_regions) add(part.shape, parts);
+        for (const auto& part : liquid.viscosity_regions) parts.emplace_back(part.shape, domain.dimensions);
     }
     for (const auto& body : input.scene.bodies) {
-        add(body.shape, out.bodies);
+        out.bodies.emplace_back(body.shape, domain.dimensions);
         out.moving.push_back(moves(body) ? 1 : 0);
     }
     out.walls.lattice = out.lattice;

@@ -124,7 +124,8 @@ LiquidView GridSimulation::view() const {
 std::vector<double> GridSimulation::of_moving_bodies(const std::vector<double>& loads) const {
     std::vector<double> out;
     for (std::size_t b = 0; b < input_.scene.bodies.size(); ++b) {
-        for (std::size_t k = 6 * b; k < 6 * b + 6 && moves(input_.scene.bodies[b]); ++k) {
+        if (!moves(input_.scene.bodies[b])) continue;
+        for (std::size_t k = 6 * b; k < 6 * b + 6; ++k) {
             out.push_back(k < loads.size() ? loads[k] : 0.0);
         }
     }

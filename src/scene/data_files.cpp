@@ -3,6 +3,7 @@
 #include "base/error.hpp"
 
 #include <cstdlib>
+#include <utility>
 
 namespace treacle::scene {
 

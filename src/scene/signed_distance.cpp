@@ -1,7 +1,6 @@
 #include "scene/signed_distance.hpp"
 
 #include "base/error.hpp"
-#include "scene/data_files.hpp"
 #include "scene/surface.hpp"
 #include "scene/vector_math.hpp"
 
@@ -251,9 +250,6 @@ SolidRegion::SolidRegion(const Shape& shape, int dimensions)
     default:
         surface_ = round_of(shape, dimensions_);
         return;
-    }
-    if (find_data_file(shape.file, {"."}).empty()) {
-        reject(shape, "mesh '" + shape.file + "' is not found", "", "correct the name");
     }
     surface_ = mesh_of(shape, dimensions_, mesh_, mesh_moments_);
 }

@@ -38,7 +38,7 @@ SHORTENED = {
     "falling_ball": {"domain.spacing": "0.04", "time.end": "0.1"},
     "gravity_current": {"time.end": "0.3"},
     "honey_dipper": {"domain.spacing": "0.01", "time.end": "0.1"},
-    "bunny_pool": {"domain.spacing": "0.06", "time.end": "0.25"},
+    "bunny_pool": {"domain.spacing": "0.06", "time.end": "0.3"},
     "dragon_ball": {"domain.spacing": "0.03", "time.end": "0.3"},
     "gears": {"domain.spacing": "0.02", "time.end": "0.05"},
     "perforated_plates": {"domain.spacing": "0.05", "time.end": "0.2"},
