@@ -1,6 +1,6 @@
 """Tables 2.4 and 2.5, figures 2.4 to 2.8: densities, free surfaces and solids, ours and what they replace."""
 
-from claims_lib.surfaces import FINE, RULES, STABLE, THEIRS, Scene, cube_drop, largest_stable, try_step
+from claims_lib.surfaces import FINE, RULES, STABLE, THEIRS, Scene, cube_drop, largest_stable, rule_settings, try_step
 
 from .costs import FRAME, bars, pressure_seconds, total_seconds
 from .entries import entry
@@ -42,30 +42,30 @@ TABLE_2_5 = {"solids as unknowns": (90.6, 43.1, 0.51e-3, 2.26, 16.62, 26.37),
 SOLIDS = {"solids as unknowns": {**THEIRS, "method.pressure.solid_term": "unknowns"}, "ours": THEIRS}
 
 
-def scene_of(title, size, shape, spacing, top, body=None):
+def scene_of(title, size, shape, spacing, body=None):
     bodies = BODY.format(shape=body) if body else ""
-    return Scene(title, SCENE.format(title=title, size=size, shape=shape, bodies=bodies), spacing, top)
+    return Scene(title, SCENE.format(title=title, size=size, shape=shape, bodies=bodies), spacing)
 
 
 def ball_drop(context):
     return scene_of("A ball of water falls", "[0.9, 0.9, 0.9]", "sphere: {centre: [0.45, 0.45, 0.45], radius: 0.26}",
-                    32e-3 if context.quick else FINE, 0.71)
+                    32e-3 if context.quick else FINE)
 
 
 def column(context):
     return scene_of("A column of water falls apart", "[0.9, 0.9, 1.2]", "box: {min: [0, 0, 0], max: [0.35, 0.35, 0.9]}",
-                    32e-3 if context.quick else FINE, 0.9)
+                    32e-3 if context.quick else FINE)
 
 
 def dam_with_post(context):
     return scene_of("Dam break around a post on the floor", "[1.2, 0.55, 1]", "box: {min: [0, 0, 0], max: [0.5, 0.55, 0.6]}",
-                    30e-3 if context.quick else FINE_SOLIDS, 0.6, "box: {min: [0.8, 0.2, -0.05], max: [0.95, 0.35, 0.3]}")
+                    30e-3 if context.quick else FINE_SOLIDS, "box: {min: [0.8, 0.2, -0.05], max: [0.95, 0.35, 0.3]}")
 
 
 def drop_on_ball(context):
     return scene_of("Water falls on a ball in the air", "[0.9, 0.9, 0.9]",
                     "box: {min: [0.325, 0.325, 0.55], max: [0.575, 0.575, 0.85]}", 25e-3 if context.quick else FINE_SOLIDS,
-                    0.85, "sphere: {centre: [0.45, 0.45, 0.4], radius: 0.13}")
+                    "sphere: {centre: [0.45, 0.45, 0.4], radius: 0.13}")
 
 
 def cost_of(run):
@@ -171,7 +171,7 @@ def with_solids(context, results, name, scene, step, shown, header, values):
 
 @entry("table-2.4", "Largest stable step and cost of each free-surface rule, a cube of water that falls", quick=170)
 def table_2_4(context, results):
-    methods = {name: {**THEIRS, **RULES[name]} for name in TABLE_2_4}
+    methods = {name: rule_settings(name) for name in TABLE_2_4}
     scene = cube_drop(context)
     cost_table(results, "table-2.4", scene, ladders(context, results, scene, methods), TABLE_2_4, FINE)
 
@@ -179,7 +179,7 @@ def table_2_4(context, results):
 @entry("figure-2.6", "Largest stable step of each free-surface rule, with and without clamped sources", quick=300)
 def figure_2_6(context, results):
     scene = cube_drop(context)
-    methods = {name: {**THEIRS, **rule} for name, rule in RULES.items()}
+    methods = {name: rule_settings(name) for name in RULES}
     found = ladders(context, results, scene, methods)
     step_table(results, "figure-2.6", scene, found, FIGURE_2_6)
     step = (found["ours"].step if found["ours"] else scene.steps()[-1])
