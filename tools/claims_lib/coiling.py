@@ -8,7 +8,9 @@ from .table import Figure
 RADIUS, SPACING = 0.01, 0.004  # [m] of the opening, of the particles
 HEIGHT, LOW = 0.14, 0.04  # [m] of the opening over the floor: high enough to buckle, and not
 VISCOSITY = 2000  # [Pa s]
-SLICE = 0.35  # of the height: where the rope is watched, above what has piled up
+SHARE = 0.35  # of the height of fall: where the rope is watched, above what has piled up
+WIDE = 1.7    # times a rope's width: a heap
+TURN = 2 * numpy.pi
 
 SCENE = """
 schema_version: 1
@@ -26,68 +28,86 @@ output: {{interval: {interval}}}
 """
 
 
-def watch(run, height, spacing):
-    """Times and middles of the rope in a slice a few spacings thick at a height, after it has met the floor."""
-    times, middles, met = [], [], False
+def top_of_heap(x, height):
+    """Height [m] of what has piled up on the floor: the highest slice that is wider than a rope's, a disc of the opening's
+    radius."""
+    slices = numpy.arange(0, height, 1.5 * SPACING)
+    top = 0.0
+    for low, high in zip(slices, slices[1:]):
+        inside = x[(x[:, 2] >= low) & (x[:, 2] < high)][:, :2]
+        if len(inside) and numpy.sqrt(inside.var(axis=0).sum()) > WIDE * RADIUS / numpy.sqrt(2):
+            top = high
+    return top
+
+
+def watch(run, height):
+    """From when the rope has met the floor on: times, the heights that it falls from onto the heap, and its middles at a share
+    of them."""
+    times, falls, middles, met = [], [], [], False
     for number, (time, _) in enumerate(run.frames()):
         x = run.frame(number, sorted_by=None)["position"]
-        met = met or (len(x) > 0 and x[:, 2].min() < spacing)
-        near = x[numpy.abs(x[:, 2] - height) < 1.5 * spacing] if len(x) else x
-        if met and len(near):
+        met = met or (len(x) > 0 and x[:, 2].min() < SPACING)
+        if not met:
+            continue
+        top = top_of_heap(x, height)
+        near = x[numpy.abs(x[:, 2] - top - SHARE * (height - top)) < 1.5 * SPACING]
+        if len(near):
             times.append(time)
+            falls.append(height - top)
             middles.append(near[:, :2].mean(axis=0))
-    return numpy.array(times), numpy.array(middles)
+    return numpy.array(times), numpy.array(falls), numpy.array(middles)
 
 
-def swings(times, middles):
-    """Frequency [Hz] of the motion along its longer axis, from its passages through the middle, its amplitude [m], and
-    how many of them there are. The first quarter, in which it sets in, does not count."""
-    times, middles = times[len(times) // 4:], middles[len(times) // 4:]
+def swings(times, falls, middles):
+    """Amplitude [m] of the motion along its longer axis; from its passages through the middle its frequencies [Hz], one from
+    each passage to the next, and the heights of fall [m] meanwhile."""
     moved = middles - middles.mean(axis=0)
     axis = numpy.linalg.eigh(moved.T @ moved)[1][:, -1]
     along = numpy.convolve(moved @ axis, numpy.ones(5) / 5, mode="valid")
-    clock = times[2:-2]
+    clock, fall = times[2:-2], falls[2:-2]
     amplitude = numpy.sqrt(2) * along.std()
     passages, side = [], 0
-    for t, value in zip(clock, along):
+    for number, value in enumerate(along):
         if abs(value) < 0.3 * amplitude:  # noise about the middle is no passage
             continue
         if side and numpy.sign(value) != side:
-            passages.append(t)
+            passages.append(number)
         side = numpy.sign(value)
-    if len(passages) < 3:
-        return 0.0, amplitude, len(passages)
-    return (len(passages) - 1) / (2 * (passages[-1] - passages[0])), amplitude, len(passages)
+    pairs = list(zip(passages, passages[1:]))
+    return (amplitude, numpy.array([0.5 / (clock[last] - clock[first]) for first, last in pairs]),
+            numpy.array([fall[first:last].mean() for first, last in pairs]))
 
 
 def pour(context, folder, height, speed, length):
-    """Frequency [Hz], amplitude [m] and passages of a rope poured from a height [m], that many heights of it."""
+    """Swings of a rope poured from a height [m], that many heights of it."""
     scene = folder / f"rope_{height}_{speed}.yaml"
     scene.write_text(SCENE.format(top=height + 0.04, spacing=SPACING, viscosity=VISCOSITY, height=height, radius=RADIUS,
                                   speed=speed, end=length * height / speed, interval=0.004 / speed))
-    run = run_scene(context, scene, folder / scene.stem, ranks=0, timeout=4 * 3600)
-    return swings(*watch(run, SLICE * height, SPACING))
+    return swings(*watch(run_scene(context, scene, folder / scene.stem, ranks=0, timeout=4 * 3600), height))
 
 
 def coiling(context):
-    """In the viscous regime a rope swings at Omega ~ Q / (H a^2), that is, at its speed over the height: at an exponent of 1
-    of the flow rate. It must be higher than some five times its width to buckle at all (Cruickshank & Munson 1981)."""
+    """In the viscous regime a rope swings at Omega ~ Q / (H a^2), that is, at its speed over the height: Omega H at an exponent
+    of 1 of the flow rate, where H is what the heap leaves of the height. It must be higher than some five times its width to
+    buckle at all (Cruickshank & Munson 1981)."""
     speeds = (0.2, 0.4) if context.quick else (0.15, 0.3, 0.6)
     length = 14 if context.quick else 20
     with scratch(context, "coiling") as folder:
-        still = pour(context, folder, LOW, speeds[-1], 4)
+        still, _, _ = pour(context, folder, LOW, speeds[-1], 4)
         found = [pour(context, folder, HEIGHT, speed, length) for speed in speeds]
-    steady = still[1] < 0.25 * RADIUS
-    swinging = all(passages >= 3 for _, _, passages in found)
-    text = f"from {1e3 * LOW:.0f} mm {'steady' if steady else 'NOT steady'}, {1e3 * still[1]:.1f} mm; from {1e3 * HEIGHT:.0f} mm: "
-    text += ", ".join(f"{f:.2f} Hz by {1e3 * amplitude:.0f} mm at {speed} m/s" for speed, (f, amplitude, _) in zip(speeds, found))
-    if not swinging:
+    steady = still < 0.25 * RADIUS
+    text = f"from {1e3 * LOW:.0f} mm {'steady' if steady else 'NOT steady'}, {1e3 * still:.1f} mm; from {1e3 * HEIGHT:.0f} mm: "
+    text += ", ".join(
+        f"at {speed} m/s {len(rates)} swings by {1e3 * amplitude:.0f} mm"
+        + (f", {rates.mean():.2f} Hz over {1e3 * falls.mean():.0f} mm, 2 pi f H / U {TURN * (rates * falls).mean() / speed:.2f}"
+           if len(rates) else "") for speed, (amplitude, rates, falls) in zip(speeds, found))
+    if not all(len(rates) >= 2 for _, rates, _ in found):
         return Figure(text + "; too few swings to tell a frequency", False)
-    exponent = numpy.polyfit(numpy.log(speeds), numpy.log([f for f, _, _ in found]), 1)[0]
-    return Figure(f"{text}: exponent {exponent:.2f}", bool(steady and abs(exponent - 1) <= 0.2))
+    exponent = numpy.polyfit(numpy.log(speeds), numpy.log([(rates * falls).mean() for _, rates, falls in found]), 1)[0]
+    return Figure(f"{text}: exponent of f H {exponent:.2f}", bool(steady and abs(exponent - 1) <= 0.2))
 
 
 def add_rows(table):
     table.row("coiling", claim="a poured rope buckles and coils from a height on, and the faster the more is poured",
-              asked="viscous regime, 5 particles across, rho g H^2 / (mu U) < 0.7: frequency by flow rate to the power "
+              asked="viscous regime, 5 particles across, rho g H^2 / (mu U) < 0.7: frequency times height of fall by flow rate to the power "
                     "1 +- 20 %; steady from twice its width")(coiling)
