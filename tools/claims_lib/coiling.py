@@ -10,6 +10,7 @@ HEIGHT, LOW = 0.14, 0.04  # [m] of the opening over the floor: high enough to bu
 VISCOSITY = 2000  # [Pa s]
 SHARE = 0.35  # of the height of fall: where the rope is watched, above what has piled up
 WIDE = 1.7    # times a rope's width: a heap
+LEAST = 0.06  # height of fall that counts, above those at which a rope only thickens [m]
 TURN = 2 * numpy.pi
 
 SCENE = """
@@ -60,7 +61,7 @@ def watch(run, height):
 
 def swings(times, falls, middles):
     """Amplitude [m] of the motion along its longer axis; from its passages through the middle its frequencies [Hz], one from
-    each passage to the next, and the heights of fall [m] meanwhile."""
+    each passage to the next, and the mean heights of fall [m] meanwhile, where these are LEAST or more."""
     moved = middles - middles.mean(axis=0)
     axis = numpy.linalg.eigh(moved.T @ moved)[1][:, -1]
     along = numpy.convolve(moved @ axis, numpy.ones(5) / 5, mode="valid")
@@ -73,9 +74,9 @@ def swings(times, falls, middles):
         if side and numpy.sign(value) != side:
             passages.append(number)
         side = numpy.sign(value)
-    pairs = list(zip(passages, passages[1:]))
-    return (amplitude, numpy.array([0.5 / (clock[last] - clock[first]) for first, last in pairs]),
-            numpy.array([fall[first:last].mean() for first, last in pairs]))
+    swung = [(0.5 / (clock[last] - clock[first]), fall[first:last].mean()) for first, last in zip(passages, passages[1:])]
+    high = numpy.array([swing for swing in swung if swing[1] >= LEAST]).reshape(-1, 2)
+    return amplitude, high[:, 0], high[:, 1]
 
 
 def pour(context, folder, height, speed, length):
@@ -91,7 +92,7 @@ def coiling(context):
     of 1 of the flow rate, where H is what the heap leaves of the height. It must be higher than some five times its width to
     buckle at all (Cruickshank & Munson 1981)."""
     speeds = (0.2, 0.4) if context.quick else (0.15, 0.3, 0.6)
-    length = 14 if context.quick else 20
+    length = 10
     with scratch(context, "coiling") as folder:
         still, _, _ = pour(context, folder, LOW, speeds[-1], 4)
         found = [pour(context, folder, HEIGHT, speed, length) for speed in speeds]
