@@ -25,6 +25,8 @@ public:
     // fixed.
     void scatter(const ParticleStore& store, std::initializer_list<int> fields);
 
+    // The owned rows that are sent, one for each neighbour that needs it; how many.
+    const Array<int>& rows() const { return rows_; }
     std::int64_t sent_rows() const { return outgoing_.rows(); }
 
 private:

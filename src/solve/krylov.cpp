@@ -9,6 +9,7 @@
 #include <array>
 #include <cassert>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 namespace treacle::solve {
@@ -59,18 +60,24 @@ namespace {
 // Residuals below this share of the first one are its round-off: beside a guess far larger than the solution no
 // smaller one can be had.
 constexpr double round_off = 1e-14;
+// Directions are begun anew when the residual has fallen to this share of the first, by which round-off may have spoiled
+// them, and to half of what it was when they were begun last; before that a breakdown is the matrix's.
+constexpr double spoiled = 1e-3, worthwhile = 0.5;
 
 // One solve: what its three stages share.
 struct Run : Iteration {
     std::span<double> r, z, p, q;
     double mean_b = 0; // with a null space, what is taken off the right-hand side
     double rz = 0;     // r.z
+    double first_norm = 0;
 
     bool begin();
     void iterate();
     void finish();
 
 private:
+    void follow_directions();
+    bool renew(double& norm);
     bool breaks_down(double product, Outcome indefinite);
     bool judge(double rr, double measured);
     bool judge_and_precondition(double local_rr, double& new_rz);
@@ -102,7 +109,8 @@ bool Run::begin() {
     norm_b = std::sqrt(bb);
     if (!std::isfinite(bb)) return end(Outcome::non_finite);
     if (judge(rr, measured)) return true;
-    least = std::max(least, round_off * std::sqrt(rr));
+    first_norm = std::sqrt(rr);
+    least = std::max(least, round_off * first_norm);
     if (bb == 0 && !test.local) { // the solution is known, and no residual is small against ||b|| = 0
         const bool constant = options.null_space == NullSpace::constant;
         const double level = constant ? comm.sum(total(x)) / matrix.global_rows() : 0.0;
@@ -131,8 +139,30 @@ bool Run::judge_and_precondition(double local_rr, double& new_rz) {
     return false;
 }
 
-// Preconditioned conjugate gradients (Hestenes and Stiefel 1952; Saad 2003, algorithm 9.1).
+// After a breakdown: r = b - A x, from which the recurrence has drifted. True when directions from there may lead on; norm
+// is that of the residual when they were begun last.
+bool Run::renew(double& norm) {
+    multiply(x, q);
+    std::array<double, 2> sums{subtract(b, mean_b, q, r), 0};
+    sums[1] = measure(r);
+    comm.sum(sums);
+    const double now = std::sqrt(sums[0]), before = std::exchange(norm, now);
+    if (!(now <= spoiled * first_norm) || judge(sums[0], sums[1])) return false;
+    if (now <= worthwhile * before) return true;
+    report.reason = "round-off keeps the residual from falling farther";
+    return !end(Outcome::stagnated);
+}
+
 void Run::iterate() {
+    double norm = first_norm;
+    do {
+        follow_directions();
+    } while ((report.outcome == Outcome::indefinite_matrix || report.outcome == Outcome::indefinite_preconditioner) &&
+             renew(norm));
+}
+
+// Preconditioned conjugate gradients (Hestenes and Stiefel 1952; Saad 2003, algorithm 9.1).
+void Run::follow_directions() {
     // z = M r,  p = z
     if (!preconditioner.is_identity()) preconditioner.apply(r, z);
     std::copy(z.begin(), z.end(), p.begin());

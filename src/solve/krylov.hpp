@@ -52,6 +52,7 @@ struct KrylovOptions {
     // boomeramg: couplings above this share of the row's strongest one; 0.5 in 3D, 0.25 in 2D.
     double strong_threshold = 0.5;
     double relaxation = 1; // omega of ssor, below 2, and of sor_jacobi, positive for omega < 2 / lambda_max(D^-1 A)
+    int sweeps = 1;        // of ssor
     // Takes the place of preconditioner when set.
     UserPreconditioner user;
 };
@@ -79,7 +80,7 @@ enum class Outcome {
     indefinite_matrix,         // p.Ap <= 0
     indefinite_preconditioner, // r.Mr <= 0
     non_finite,
-    stagnated,             // the residual is zero and the user's measure still above its threshold
+    stagnated,             // the residual is zero and the user's measure still above its threshold, or round-off holds it up
     preconditioner_failed, // cannot be set up
 };
 

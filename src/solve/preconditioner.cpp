@@ -101,6 +101,7 @@ void BuiltPreconditioner::build(Matrix& matrix, const std::string& prefix, const
     if (options.preconditioner == Preconditioner::ssor) {
         check(PCSORSetSymmetric(pc_, SOR_LOCAL_SYMMETRIC_SWEEP));
         check(PCSORSetOmega(pc_, options.relaxation));
+        check(PCSORSetIterations(pc_, options.sweeps, 1));
     }
     if (options.preconditioner == Preconditioner::sor_jacobi) set_sor_jacobi(pc_, options.relaxation);
     if (options.preconditioner == Preconditioner::boomeramg) set_boomeramg_defaults(pc_, prefix, options);

@@ -100,6 +100,9 @@ void hold_rows(const LiquidParticles& liquid, const RelativeDensity& inertia, co
     });
 }
 
+// Of the residual, what directions must have left of it to be begun anew in single precision.
+constexpr double worthwhile = 0.5;
+
 // True when it has broken down.
 bool breaks_down(double product, solve::Outcome indefinite, solve::SolveReport& report) {
     if (std::isfinite(product) && product > 0) return false;
@@ -154,7 +157,7 @@ ImplicitViscosity::Result ImplicitViscosity::solve(const ViscousScene& scene, co
     body_.q.assign(movers_.unknowns(), 0.0);
     out.solve = freely ? step_explicitly(parts) : solve_implicitly(parts, bodies);
     const ViscousParts after{scene, bodies.load_points(), friction_, moved(bodies)};
-    if (out.solve.iterations > 0) { // else the last product was of these velocities, or of those that the forces are of
+    if (!freely && !last_product_is_of_u_) { // an explicit step's forces are those of its start
         operator_.multiply(after, scene.liquid.velocity_field(), ViscousOperator::Walls::moving, product_);
         ++out.solve.products;
     }
@@ -202,11 +205,12 @@ solve::SolveReport ImplicitViscosity::solve_implicitly(const ViscousParts& parts
     const int n = liquid.store.owned();
     for (auto* array : {&residual_, &product_}) reserve(*array, static_cast<std::size_t>(n));
     const bool guessing = last_change_ >= 0, rated = rheology_.extent(0) > 0;
-    if (guessing || rated) {
+    const bool verified = multiplies_nearly(parts.options.viscosity);
+    if (guessing || rated || verified) {
         reserve(before_, static_cast<std::size_t>(n));
         copy(liquid.velocity(), n, before_);
     }
-    const auto report = rated ? solve_by_rates(parts, bodies) : solve_once({parts, bodies, liquid.velocity()});
+    const auto report = rated ? solve_by_rates(parts, bodies) : solve_once({parts, bodies, verified || guessing ? before_ : liquid.velocity()});
     if (guessing) keep_change(liquid);
     return report;
 }
@@ -248,31 +252,40 @@ std::vector<double> ImplicitViscosity::pull(const ViscousParts& parts) {
     return out;
 }
 
-// C u = before, from the present velocities on.
-solve::SolveReport ImplicitViscosity::solve_once(Progress progress) {
+// r = M u* - (C u - walls) of particles and bodies; returns r.r of all ranks.
+double ImplicitViscosity::find_residual(Progress& progress, bool nearly) {
     const auto& parts = progress.parts;
     auto& liquid = parts.liquid;
-    const int n = liquid.store.owned();
     const auto inertia = relative_density(parts.constants, liquid);
-    // r = M u* - (C u - walls), b = M u* + walls
     const ViscousParts now{parts, parts.points, parts.friction, moved(progress.bodies)};
-    operator_.multiply(now, liquid.velocity_field(), ViscousOperator::Walls::moving, product_);
+    if (nearly) operator_.multiply_nearly(now, liquid.velocity_field(), ViscousOperator::Walls::moving, product_);
+    else operator_.multiply(now, liquid.velocity_field(), ViscousOperator::Walls::moving, product_);
     hold_rows(liquid, inertia, liquid.velocity(), product_);
     ++progress.report.products;
+    last_product_is_of_u_ = !nearly;
     if (movers_.any()) {
         body_.residual = pull(now);
         add(body_.residual, -1, body_.q);
     }
-    std::array<double, 2> sums{subtract(progress.before, inertia, product_, n, residual_),
-                               sum_squares(progress.before, n, inertia)};
-    parts.comm.sum(std::span(sums));
-    sums[0] += dot(body_.residual, body_.residual);
+    return parts.comm.sum(subtract(progress.before, inertia, product_, liquid.store.owned(), residual_)) +
+           dot(body_.residual, body_.residual);
+}
+
+// C u = before, from the present velocities on.
+solve::SolveReport ImplicitViscosity::solve_once(Progress progress) {
+    const auto& parts = progress.parts;
+    const int n = parts.liquid.store.owned();
+    const bool nearly = multiplies_nearly(parts.options.viscosity);
+    double square = find_residual(progress, nearly);
     // A liquid at rest between walls that move: what these add counts.
-    progress.norm = std::sqrt(std::max(sums[0], sums[1]));
+    const double right = parts.comm.sum(sum_squares(progress.before, n, relative_density(parts.constants, parts.liquid)));
+    progress.norm = std::sqrt(std::max(square, right));
+    if (nearly && progress.ended(square)) square = find_residual(progress, false);
     const bool guessing = last_change_ >= 0 && progress.first;
-    if (!progress.ended(sums[0]) && !(guessing && start_from_last_change(progress, sums[0]))) {
+    if (!progress.ended(square) && !(guessing && start_from_last_change(progress, square))) {
         set_up(progress);
         matrix_ ? solve_assembled(progress) : iterate(progress);
+        last_product_is_of_u_ = last_product_is_of_u_ && !matrix_;
     }
     return progress.report;
 }
@@ -288,8 +301,7 @@ void ImplicitViscosity::keep_change(const LiquidParticles& liquid) {
 void ImplicitViscosity::set_up(Progress& progress) {
     const auto start = Clock::now();
     const auto& parts = progress.parts;
-    if (blocks_) blocks_->set_up(parts, operator_.walls(parts, ViscousOperator::Walls::resting), operator_.share(parts.liquid),
-                                  operator_.slip());
+    if (blocks_) blocks_->set_up(parts, operator_);
     if (matrix_) matrix_->assemble(parts, operator_);
     if (movers_.any()) {
         auto held = operator_.stiffness(parts);
@@ -311,6 +323,7 @@ bool ImplicitViscosity::start_from_last_change(Progress& progress, double square
     parts.comm.sum(std::span(sums));
     if (!(sums[0] > 0)) return progress.ended(square);
     ++progress.report.iterations;
+    last_product_is_of_u_ = false;
     return progress.ended(parts.comm.sum(step(sums[1] / sums[0], p, product_, n, parts.liquid.velocity(), residual_)));
 }
 
@@ -334,19 +347,27 @@ void ImplicitViscosity::solve_assembled(Progress& progress) {
     progress.report = report;
 }
 
+bool ImplicitViscosity::multiplies_nearly(const ViscosityOptions& options) const {
+    return options.precision == ViscosityPrecision::mixed && ViscousOperator::has_tiles(options.form) && !matrix_;
+}
+
 // Products with the directions; returns p.C p of all ranks.
-double ImplicitViscosity::multiply(const ViscousParts& parts, std::vector<double>& body_product) {
+double ImplicitViscosity::multiply(const ViscousParts& parts, bool nearly, std::vector<double>& body_product) {
     using Walls = ViscousOperator::Walls;
+    const auto apply = [&](const ViscousParts& with, Walls walls) {
+        if (nearly) operator_.multiply_nearly(with, direction_, walls, product_);
+        else operator_.multiply(with, direction_, walls, product_);
+    };
     const auto p = parts.liquid.store.get<Array3>(direction_);
     const auto inertia = relative_density(parts.constants, parts.liquid);
     const int n = parts.liquid.store.owned();
     if (!movers_.any()) {
-        operator_.multiply(parts, direction_, Walls::resting, product_);
+        apply(parts, Walls::resting);
         hold_rows(parts.liquid, inertia, p, product_);
         return parts.comm.sum(dot(p, product_, n));
     }
     const ViscousParts trial{parts, parts.points, parts.friction, movers_.trial(body_.direction)};
-    operator_.multiply(trial, direction_, Walls::moving, product_);
+    apply(trial, Walls::moving);
     hold_rows(parts.liquid, inertia, p, product_);
     body_product = body_.direction;
     add(body_product, -1, pull(trial));
@@ -361,8 +382,27 @@ double ImplicitViscosity::precondition(const LiquidParticles& liquid) {
     return dot(residual_, product_, liquid.store.owned());
 }
 
-// Preconditioned conjugate gradients (Saad 2003, algorithm 9.1).
+// Where products are in single precision the residual of the recurrence drifts from that of the velocities by some 1e-6 of the
+// first one: the directions are begun anew from the true residual until that is small enough, and go on in double precision
+// when single has nothing more to give.
 void ImplicitViscosity::iterate(Progress& progress) {
+    auto& report = progress.report;
+    bool nearly = multiplies_nearly(progress.parts.options.viscosity);
+    for (;;) {
+        const double before = report.error_measure;
+        follow_directions(progress, nearly);
+        const bool broken = report.outcome == solve::Outcome::indefinite_matrix ||
+                            report.outcome == solve::Outcome::indefinite_preconditioner;
+        if (!nearly || (!report.converged() && !broken)) return;
+        report.outcome = solve::Outcome::converged;
+        report.reason.clear();
+        if (progress.ended(find_residual(progress, false))) return;
+        nearly = !broken && report.error_measure < worthwhile * before;
+    }
+}
+
+// Preconditioned conjugate gradients (Saad 2003, algorithm 9.1).
+void ImplicitViscosity::follow_directions(Progress& progress, bool nearly) {
     const auto& parts = progress.parts;
     const auto& comm = parts.comm;
     auto& report = progress.report;
@@ -375,10 +415,11 @@ void ImplicitViscosity::iterate(Progress& progress) {
     std::vector<double> body_product;
     while (report.iterations < parts.options.viscosity.max_iterations) {
         if (breaks_down(rz, solve::Outcome::indefinite_preconditioner, report)) return;
-        const double pq = multiply(parts, body_product);
+        const double pq = multiply(parts, nearly, body_product);
         ++report.products;
         if (breaks_down(pq, solve::Outcome::indefinite_matrix, report)) return;
         ++report.iterations;
+        last_product_is_of_u_ = false;
         const double square = step(rz / pq, p, product_, n, u, residual_);
         add(body_.q, rz / pq, body_.direction);
         add(body_.residual, -rz / pq, body_product);

@@ -59,12 +59,15 @@ private:
     solve::SolveReport solve_implicitly(const ViscousParts& parts, const Bodies& bodies);
     solve::SolveReport solve_by_rates(const ViscousParts& parts, const Bodies& bodies);
     solve::SolveReport solve_once(Progress progress);
+    double find_residual(Progress& progress, bool nearly);
     void set_up(Progress& progress);
     bool start_from_last_change(Progress& progress, double square);
     void keep_change(const LiquidParticles& liquid);
     void iterate(Progress& progress);
+    void follow_directions(Progress& progress, bool nearly);
     void solve_assembled(Progress& progress);
-    double multiply(const ViscousParts& parts, std::vector<double>& body_product);
+    bool multiplies_nearly(const ViscosityOptions& options) const;
+    double multiply(const ViscousParts& parts, bool nearly, std::vector<double>& body_product);
     void precondition(const LiquidParticles& liquid, const Array3& r, const Array3& z);
     double precondition(const LiquidParticles& liquid);
     std::vector<double> pull(const ViscousParts& parts);
@@ -77,6 +80,7 @@ private:
     Array<double> friction_;
     Array<flow::FlowCurve> rheology_{"treacle::flow_curves", 0};
     double dt_ = 0;
+    bool last_product_is_of_u_ = false;
     int direction_ = -1;   // field
     int last_change_ = -1; // field, where the guess is made of it [m/s]
     Array3 residual_{"treacle::viscous_residual", 0}, before_{"treacle::velocity_before", 0};

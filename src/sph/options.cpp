@@ -216,6 +216,9 @@ void ViscosityOptions::declare(Declaration& d) {
              "set assembled: true, or take adjoint, which is symmetric"});
     d.choice("guess", guess, {{"velocity", ViscosityGuess::velocity}, {"last_change", ViscosityGuess::last_change}},
              "What the solve starts from: the velocities that it is given, or these and what the last solve changed.");
+    d.choice("precision", precision, {{"double", ViscosityPrecision::full}, {"mixed", ViscosityPrecision::mixed}},
+             "Of the products without a matrix: mixed takes single precision for the iterations of the forms with gradients, and "
+             "ends by the residual in double precision all the same.");
     d.number("residual", residual, unit::none, range_above_to(0, 0.1), "Relative residual at which the solve ends.");
     d.integer("max_iterations", max_iterations, range_between(1, 1000000), "Iterations after which the solve has failed.");
     d.choice("body_coupling", body_coupling,

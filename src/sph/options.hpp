@@ -47,6 +47,7 @@ enum class ViscosityPreconditioner {
     boomeramg
 };
 enum class ViscositySolver { conjugate_gradients, bicgstab };
+enum class ViscosityPrecision { full, mixed };
 enum class ViscosityGuess { velocity, last_change };
 enum class SurfaceTensionModel {
     none,
@@ -117,6 +118,7 @@ struct ViscosityOptions {
     ViscositySolver solver = ViscositySolver::conjugate_gradients;
     ViscosityPreconditioner preconditioner = ViscosityPreconditioner::rigid_blocks;
     ViscosityGuess guess = ViscosityGuess::velocity;
+    ViscosityPrecision precision = ViscosityPrecision::mixed;
     double residual = 1e-6;            // relative
     int max_iterations = 5000;
     BodyCoupling body_coupling = BodyCoupling::implicit;

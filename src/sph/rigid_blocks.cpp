@@ -2,6 +2,7 @@
 
 #include "sph/pair_softening.hpp"
 #include "sph/rigid_motion.hpp"
+#include "sph/symmetric.hpp"
 
 #include <algorithm>
 #include <array>
@@ -26,6 +27,46 @@ std::array<double, 6> along(const Vec3& n, const double a[3]) {
 }
 } // namespace
 
+namespace {
+// On a particle, of each unit motion of a block; room for eight, which are added to at once.
+using Forces = std::array<std::array<double, 8>, 3>;
+
+// Of its own block when each of its displacements costs a force.
+Forces stiff_forces(const Symmetric& stiffness, const double arm[3]) {
+    Forces out{};
+    for (std::size_t l = 0; l < 6; ++l) {
+        const auto moved = rigid_motion(static_cast<int>(l), {arm[0], arm[1], arm[2]});
+        double force[3];
+        stiffness.times(moved.data(), force);
+        for (std::size_t k = 0; k < 3; ++k) out[k][l] = force[k];
+    }
+    return out;
+}
+
+// What the neighbours of one particle in each of the other blocks put on it.
+class Meetings {
+public:
+    struct Meeting {
+        int block;
+        Forces forces;
+    };
+    void clear() { meetings_.clear(); }
+    Forces& with(int block) {
+        if (!meetings_.empty() && meetings_[last_].block == block) return meetings_[last_].forces;
+        for (last_ = 0; last_ < meetings_.size(); ++last_) {
+            if (meetings_[last_].block == block) return meetings_[last_].forces;
+        }
+        meetings_.push_back({block, {}});
+        return meetings_.back().forces;
+    }
+    const std::vector<Meeting>& all() const { return meetings_; }
+
+private:
+    std::vector<Meeting> meetings_;
+    std::size_t last_ = 0;
+};
+} // namespace
+
 // The blocks that those of this rank meet, filled in place: what is summed is what the matrix is made of.
 struct RigidBlocks::Rows {
     solve::BlockRows blocks;
@@ -36,29 +77,35 @@ struct RigidBlocks::Rows {
         const auto entry = std::lower_bound(first, last, block) - blocks.columns.begin();
         return &blocks.values[static_cast<std::size_t>(entry) * static_cast<std::size_t>(blocks.size * blocks.size)];
     }
-    void add(int local, int block, double c, const std::array<double, 6>& left, const std::array<double, 6>& right) {
+    // Adds sign times J^T of a point at this arm, whose velocity is J of the motions, times the forces on it.
+    void add(int local, int block, double sign, const Forces& forces, const double arm[3]) {
         const int m = blocks.size;
         double* values = at(local, block);
-        for (int k = 0; k < m; ++k) {
-            const double share = c * left[static_cast<std::size_t>(motion_of(k, m))];
-            for (int l = 0; l < m; ++l) values[m * k + l] += share * right[static_cast<std::size_t>(motion_of(l, m))];
+        for (int l = 0; l < m; ++l) {
+            const auto column = static_cast<std::size_t>(motion_of(l, m));
+            const auto moments = along({forces[0][column], forces[1][column], forces[2][column]}, arm);
+            for (int k = 0; k < m; ++k) values[m * k + l] += sign * moments[static_cast<std::size_t>(motion_of(k, m))];
         }
     }
 };
 
 namespace {
-solve::KrylovOptions coarse_options() {
+solve::KrylovOptions coarse_options(solve::Preconditioner preconditioner) {
     solve::KrylovOptions options;
-    options.preconditioner = solve::Preconditioner::gamg;
+    options.preconditioner = preconditioner;
+    options.sweeps = 2;
     return options;
 }
+// Largest nu dt over the square of a block's width for which sweeps do.
+constexpr double mild = 1;
 } // namespace
 
 RigidBlocks::RigidBlocks(const Comm& comm, LiquidParticles& liquid, const CellGrid& grid)
     : comm_(comm), grid_(grid), width_(cells_across / grid.inverse_width[0]), unknowns_(grid.dimensions == 3 ? 6 : 3),
       block_field_(liquid.store.add<Array<int>>("rigid_block", "", FieldRole::work)),
       arm_field_(liquid.acceleration_field()), rows_(std::make_unique<Rows>()),
-      solver_(comm, "viscosity_coarse", coarse_options()) {}
+      multigrid_(comm, "viscosity_coarse", coarse_options(solve::Preconditioner::gamg)),
+      sweeps_(comm, "viscosity_mild", coarse_options(solve::Preconditioner::ssor)) {}
 
 RigidBlocks::~RigidBlocks() = default;
 
@@ -150,49 +197,68 @@ void RigidBlocks::connect(const ViscousParts& parts) {
     out.values.assign(entries * static_cast<std::size_t>(unknowns_ * unknowns_), 0.0);
 }
 
+namespace {
+// Of each owned particle, what the solids that grip hold it with, over its share.
+std::vector<double> wall_stiffness(const ViscousParts& parts, const ViscousWalls& walls) {
+    const auto& constants = parts.constants;
+    std::vector<double> out(static_cast<std::size_t>(parts.liquid.store.owned()), 0.0);
+    with_kernel(parts.options.kernel, constants.dimensions, constants.support, [&](const auto& kernel) {
+        for (std::size_t i = 0; i < out.size(); ++i) {
+            walls.pairs.each(static_cast<int>(i), [&](int s, double dx, double dy, double dz, double r2) {
+                if (!walls.grips(s)) return;
+                const double w = -walls.grip * walls.volume(s) * kernel.gradient(std::sqrt(r2));
+                out[i] += 2 * w * walls.touch(s, dx, dy, dz).reach;
+            });
+        }
+    });
+    return out;
+}
+} // namespace
+
 // On the host, as the coarse levels of the pressure system are.
-void RigidBlocks::assemble(const ViscousParts& parts, const ViscousWalls& walls, const Array<double>& device_share,
-                           const WallSlip& slip) {
+void RigidBlocks::assemble(const ViscousParts& parts, const ViscousOperator& of) {
     const auto& store = parts.liquid.store;
     const auto block = on_host(store.get<Array<int>>(block_field_));
     const auto arm = on_host(store.get<Array3>(arm_field_));
-    const auto share = on_host(device_share), drag = on_host(slip.drag());
+    const auto share = on_host(of.share(parts.liquid)), drag = on_host(of.slip().drag());
+    const auto weights = on_host(of.weights());
+    const auto by_walls = wall_stiffness(parts, of.walls(parts, ViscousOperator::Walls::resting));
     const auto& constants = parts.constants;
     const double soft = pair_softening(constants.support);
     const auto relative = relative_density(constants, parts.liquid);
     const Held held(parts.liquid);
-    const auto arm_of = [&](int i) { return std::array<double, 3>{arm(i, 0), arm(i, 1), arm(i, 2)}; };
-    const auto add_all = [&](int local, double c, const double a[3]) { // the same along each axis
-        for (std::size_t k = 0; k < static_cast<std::size_t>(constants.dimensions); ++k) {
-            Vec3 n{0, 0, 0};
-            n[k] = 1;
-            rows_->add(local, first_ + local, c, along(n, a), along(n, a));
-        }
-    };
     const auto liquid = pairs(parts.neighbours.liquid, store, store);
-    with_kernel(parts.options.kernel, constants.dimensions, constants.support, [&](const auto& kernel) {
-        for (int i = 0; i < store.owned(); ++i) {
-            const int local = block(i) - first_;
-            const auto own_arm = arm_of(i);
-            add_all(local, relative(i) + (slip.any() ? drag(i) : 0), own_arm.data());
-            if (held(i)) continue;
-            liquid.each(i, [&](int j, double dx, double dy, double dz, double r2) {
-                if (block(j) == block(i) && !held(j)) return; // a rigid motion strains no pair
-                const double w = -constants.rest_volume * kernel.gradient(std::sqrt(r2));
-                const double c = (constants.dimensions + 2) * (share(i) + share(j)) * w / (r2 + soft);
-                const Vec3 line{dx, dy, dz};
-                const auto other_arm = arm_of(j);
-                const auto left = along(line, own_arm.data()), right = along(line, other_arm.data());
-                rows_->add(local, block(i), c, left, left);
-                if (!held(j)) rows_->add(local, block(j), -c, left, right);
-            });
-            walls.pairs.each(i, [&](int s, double dx, double dy, double dz, double r2) {
-                if (!walls.grips(s)) return;
-                const double w = -walls.grip * walls.volume(s) * kernel.gradient(std::sqrt(r2));
-                add_all(local, 2 * share(i) * w * walls.touch(s, dx, dy, dz).reach, own_arm.data());
-            });
+    const auto offset = on_host(liquid.offset);
+    const auto index = on_host(liquid.index);
+    const auto x = on_host(store.position());
+    const double line = constants.dimensions + 2;
+    Meetings meetings;
+    for (int i = 0; i < store.owned(); ++i) {
+        const int own_block = block(i), local = own_block - first_;
+        const double own_arm[3] = {arm(i, 0), arm(i, 1), arm(i, 2)};
+        Symmetric stiffness;
+        double all = relative(i) + (of.slip().any() ? drag(i) : 0); // the same along each axis
+        meetings.clear();
+        for (std::int64_t k = offset(i); k < offset(i + 1) && !held(i); ++k) {
+            const int j = index(k);
+            const bool moves = !held(j);
+            if (block(j) == own_block && moves) continue; // a rigid motion strains no pair
+            const Vec3 n{x(i, 0) - x(j, 0), x(i, 1) - x(j, 1), x(i, 2) - x(j, 2)};
+            const double c = line * (share(i) + share(j)) * weights(k) / (n[0] * n[0] + n[1] * n[1] + n[2] * n[2] + soft);
+            stiffness.add_square(c, n[0], n[1], n[2]);
+            if (!moves) continue;
+            const double other_arm[3] = {arm(j, 0), arm(j, 1), arm(j, 2)};
+            const auto right = along(n, other_arm);
+            auto& forces = meetings.with(block(j));
+            for (std::size_t m = 0; m < 3; ++m) {
+                for (std::size_t l = 0; l < 6; ++l) forces[m][l] += c * n[m] * right[l];
+            }
         }
-    });
+        if (!held(i)) all += share(i) * by_walls[static_cast<std::size_t>(i)];
+        stiffness.xx += all, stiffness.yy += all, stiffness.zz += all;
+        rows_->add(local, own_block, 1, stiff_forces(stiffness, own_arm), own_arm);
+        for (const auto& meeting : meetings.all()) rows_->add(local, meeting.block, -1, meeting.forces, own_arm);
+    }
 }
 
 // The blocks as a matrix of numbers.
@@ -208,15 +274,16 @@ void RigidBlocks::build() {
     rows_->blocks = {}; // before the multigrid takes as much
 }
 
-void RigidBlocks::set_up(const ViscousParts& parts, const ViscousWalls& walls, const Array<double>& share, const WallSlip& slip) {
-    solver_.release(); // the last step's multigrid and matrix, before the next ones take as much
+void RigidBlocks::set_up(const ViscousParts& parts, const ViscousOperator& of) {
+    multigrid_.release(); // the last step's multigrid and matrix, before the next ones take as much
     matrix_.clear();
     number(parts);
     connect(parts);
-    assemble(parts, walls, share, slip);
+    assemble(parts, of);
     build();
     matrix_.matrix()->set_blocks(unknowns_, rigid_motions());
-    solver_.set_up(*matrix_.matrix());
+    solver_ = of.largest_share() <= mild * width_ * width_ ? &sweeps_ : &multigrid_;
+    solver_->set_up(*matrix_.matrix());
     const auto rows = static_cast<std::size_t>(unknowns_ * count_);
     reserve(coarse_, rows);
     residual_.resize(rows);
@@ -276,7 +343,7 @@ void RigidBlocks::correct(const LiquidParticles& liquid, const Array3& r, const 
     Kokkos::deep_copy(coarse, 0.0);
     restrict_to(block, arm, r, first_, store.owned(), unknowns_, coarse_);
     Kokkos::deep_copy(Host(residual_.data(), rows), coarse);
-    solver_.precondition(residual_, correction_);
+    solver_->precondition(residual_, correction_);
     Kokkos::deep_copy(coarse, Host(correction_.data(), rows));
     prolong(block, arm, coarse_, first_, store.owned(), unknowns_, z);
 }

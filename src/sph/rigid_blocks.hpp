@@ -18,11 +18,12 @@ public:
     RigidBlocks(const Comm& comm, LiquidParticles& liquid, const CellGrid& grid);
     ~RigidBlocks();
 
-    // Collective: blocks of the present particles, the matrix and its own preconditioner. `share` is dt/m V mu of owned
-    // and ghost particles.
-    void set_up(const ViscousParts& parts, const ViscousWalls& walls, const Array<double>& share, const WallSlip& slip);
+    // Collective: blocks of the present particles, the matrix and its own preconditioner, for the operator as it was
+    // prepared.
+    void set_up(const ViscousParts& parts, const ViscousOperator& of);
 
-    // Collective: z += P M P^T r on the owned particles, M being one cycle of multigrid on the matrix.
+    // Collective: z += P M P^T r on the owned particles, M being one cycle of multigrid on the matrix, or, where
+    // the viscosity reaches no farther than a block in a step, two symmetric sweeps.
     void correct(const LiquidParticles& liquid, const Array3& r, const Array3& z);
 
     std::size_t bytes() const;
@@ -31,7 +32,7 @@ private:
     struct Rows;
     void number(const ViscousParts& parts);
     void connect(const ViscousParts& parts);
-    void assemble(const ViscousParts& parts, const ViscousWalls& walls, const Array<double>& share, const WallSlip& slip);
+    void assemble(const ViscousParts& parts, const ViscousOperator& of);
     void build();
     std::vector<std::vector<double>> rigid_motions() const;
 
@@ -44,7 +45,8 @@ private:
     int first_ = 0, count_ = 0; // of this rank's blocks
     std::vector<Vec3> centres_;
     std::unique_ptr<Rows> rows_;
-    solve::KrylovSolver solver_;
+    solve::KrylovSolver multigrid_, sweeps_;
+    solve::KrylovSolver* solver_ = nullptr; // one of these
     solve::BlockMatrix matrix_;
     Array<double> coarse_{"treacle::rigid_blocks", 0}; // [count][unknowns]
     std::vector<double> residual_, correction_;

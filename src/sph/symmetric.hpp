@@ -22,6 +22,20 @@ struct Symmetric {
     }
 };
 
+// a b a
+KOKKOS_INLINE_FUNCTION Symmetric enclosed(const Symmetric& a, const Symmetric& b) {
+    const double columns[3][3] = {{a.xx, a.xy, a.xz}, {a.xy, a.yy, a.yz}, {a.xz, a.yz, a.zz}};
+    double out[3][3];
+    for (int l = 0; l < 3; ++l) {
+        double middle[3];
+        b.times(columns[l], middle);
+        a.times(middle, out[l]);
+    }
+    return {out[0][0], out[1][1], out[2][2], out[0][1], out[0][2], out[1][2]};
+}
+
+using Array6 = Kokkos::View<double* [6], Kokkos::LayoutRight, Memory>;
+
 // Rows of a View of six numbers.
 template <class View>
 KOKKOS_INLINE_FUNCTION Symmetric read_symmetric(const View& from, int i) {
@@ -29,12 +43,13 @@ KOKKOS_INLINE_FUNCTION Symmetric read_symmetric(const View& from, int i) {
 }
 template <class View>
 KOKKOS_INLINE_FUNCTION void write_symmetric(const Symmetric& a, const View& to, int i) {
-    to(i, 0) = a.xx;
-    to(i, 1) = a.yy;
-    to(i, 2) = a.zz;
-    to(i, 3) = a.xy;
-    to(i, 4) = a.xz;
-    to(i, 5) = a.yz;
+    using Value = typename View::non_const_value_type;
+    to(i, 0) = static_cast<Value>(a.xx);
+    to(i, 1) = static_cast<Value>(a.yy);
+    to(i, 2) = static_cast<Value>(a.zz);
+    to(i, 3) = static_cast<Value>(a.xy);
+    to(i, 4) = static_cast<Value>(a.xz);
+    to(i, 5) = static_cast<Value>(a.yz);
 }
 
 // Eigenvalues and eigenvectors (columns) of a symmetric matrix by cyclic Jacobi rotations (Golub & Van Loan, 8.5).
@@ -73,22 +88,6 @@ KOKKOS_INLINE_FUNCTION Eigen3 eigen(const Symmetric& s) {
     return out;
 }
 
-// The inverse on the span of the eigenvectors whose eigenvalues exceed `least`, and the projector on that span.
-struct PartialInverse {
-    Symmetric inverse, span;
-};
-KOKKOS_INLINE_FUNCTION PartialInverse invert_above(const Symmetric& a, double least) {
-    const Eigen3 e = eigen(a);
-    PartialInverse out;
-    for (int k = 0; k < 3; ++k) {
-        if (!(e.value[k] > least)) continue;
-        const double *x = e.vector[0] + k, *y = e.vector[1] + k, *z = e.vector[2] + k;
-        out.inverse.add_square(1 / e.value[k], *x, *y, *z);
-        out.span.add_square(1, *x, *y, *z);
-    }
-    return out;
-}
-
 // The inverse of a positive definite matrix.
 KOKKOS_INLINE_FUNCTION Symmetric inverse(const Symmetric& a) {
     const double cxx = a.yy * a.zz - a.yz * a.yz, cxy = a.xz * a.yz - a.xy * a.zz, cxz = a.xy * a.yz - a.xz * a.yy;
@@ -99,6 +98,31 @@ KOKKOS_INLINE_FUNCTION Symmetric inverse(const Symmetric& a) {
             scale * cxy,
             scale * cxz,
             scale * (a.xy * a.xz - a.xx * a.yz)};
+}
+
+// Whether all eigenvalues exceed `least` for certain: the two larger ones have at most half of the trace each on average.
+KOKKOS_INLINE_FUNCTION bool surely_above(const Symmetric& a, double least) {
+    const double trace = a.xx + a.yy + a.zz;
+    const double determinant = a.xx * (a.yy * a.zz - a.yz * a.yz) - a.xy * (a.xy * a.zz - a.xz * a.yz) +
+                               a.xz * (a.xy * a.yz - a.xz * a.yy);
+    return determinant > least * 0.25 * trace * trace;
+}
+
+// The inverse on the span of the eigenvectors whose eigenvalues exceed `least`, and the projector on that span.
+struct PartialInverse {
+    Symmetric inverse, span;
+};
+KOKKOS_INLINE_FUNCTION PartialInverse invert_above(const Symmetric& a, double least) {
+    if (surely_above(a, least)) return {inverse(a), {1, 1, 1, 0, 0, 0}}; // spares the eigenvectors of nearly all
+    const Eigen3 e = eigen(a);
+    PartialInverse out;
+    for (int k = 0; k < 3; ++k) {
+        if (!(e.value[k] > least)) continue;
+        const double *x = e.vector[0] + k, *y = e.vector[1] + k, *z = e.vector[2] + k;
+        out.inverse.add_square(1 / e.value[k], *x, *y, *z);
+        out.span.add_square(1, *x, *y, *z);
+    }
+    return out;
 }
 
 } // namespace treacle::sph

@@ -64,8 +64,8 @@ BodyLoads ViscousOperator::loads(const ViscousParts& parts) const {
         };
         if (by_gradients(parts.options.viscosity.form)) {
             const auto& store = parts.liquid.store;
-            sum(StressGrip{{store.get<Array3>(stress_[0]), store.get<Array3>(stress_[1]), store.get<Array3>(stress_[2])},
-                           store.get<Array<double>>(share_), damping_});
+            sum(StressGrip<Stresses>{{{store.get<Array3>(stress_[0]), store.get<Array3>(stress_[1]), store.get<Array3>(stress_[2])}},
+                                     store.get<Array<double>>(share_), damping_});
         } else {
             sum(pair_grip(parts, parts.liquid.store.get<Array<double>>(share_)));
         }

@@ -9,6 +9,9 @@ KOKKOS_INLINE_FUNCTION bool by_gradients(ViscosityForm form) {
     return form == ViscosityForm::corrected || form == ViscosityForm::adjoint || form == ViscosityForm::printed;
 }
 
+// Copies the velocities of a field, ghosts included, and volumes over the lattice's, to where the loops read them.
+void pack_motion(LiquidParticles& liquid, int u_field, const Constants& constants);
+
 // What every loop reads; `place` has the shares dt/m V mu, `motion` the velocities.
 template <class Kernel>
 struct ViscousLoop {
@@ -50,9 +53,20 @@ struct ViscousLoop {
     }
 };
 
+// Columns l of Q_i, as the products in double and in single precision leave them.
+struct Stresses {
+    Array3 column[3];
+    KOKKOS_INLINE_FUNCTION double operator()(int i, int k, int l) const { return column[l](i, k); }
+};
+struct TileStresses {
+    Array16 tiles;
+    KOKKOS_INLINE_FUNCTION double operator()(int i, int k, int l) const { return tiles(i, 4 * l + k); }
+};
+
 // What one solid particle adds to a row of C u.
+template <class Stress>
 struct StressGrip {
-    Array3 stress[3]; // columns of Q_i
+    Stress stress;
     Array<double> share;
     double damping;
 
@@ -60,7 +74,7 @@ struct StressGrip {
     KOKKOS_INLINE_FUNCTION void operator()(int i, double w, const double x[3], const double u[3],
                                            const Contact& contact, double out[3]) const {
         for (int k = 0; k < 3; ++k) {
-            const double pull = stress[0](i, k) * x[0] + stress[1](i, k) * x[1] + stress[2](i, k) * x[2];
+            const double pull = stress(i, k, 0) * x[0] + stress(i, k, 1) * x[1] + stress(i, k, 2) * x[2];
             const double slide = damping * share(i) * contact.reach * (u[k] - contact.velocity[k]);
             out[k] = w * contact.reach * (pull + slide);
         }

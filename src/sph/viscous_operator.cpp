@@ -1,7 +1,6 @@
 #include "sph/viscous_operator.hpp"
 
 #include "kokkos/quad.hpp"
-#include "sph/symmetric.hpp"
 #include "sph/viscous_loops.hpp"
 
 namespace treacle::sph {
@@ -12,8 +11,6 @@ namespace {
 constexpr double least_spread = 0.02;
 // Particles are not taken to be nearer to a surface than that many spacings.
 constexpr double least_height = 0.25;
-
-using Array6 = Kokkos::View<double* [6], Memory>;
 
 // The weights, which a solve needs in every product; the same number for both particles of a pair.
 template <class Kernel>
@@ -45,58 +42,75 @@ struct PrepareLoop : ViscousLoop<Kernel> {
     Array<double> share;
     bool slips;
     Array<double> drag; // of walls along which the liquid slips
-    Array6 correction, span, block;
+    Array6 correction, span;
+    Kokkos::View<float* [6], Memory> block;
 
     KOKKOS_INLINE_FUNCTION void operator()(int i) const {
-        Symmetric spread;
-        double weights = 0, pull[3] = {0, 0, 0};
-        Base::each_pair(i, [&](double w, int, double dx, double dy, double dz, double) {
-            add(spread, weights, pull, w, 1, dx, dy, dz);
-        });
-        Base::each_wall(i, [&](int, double w, double dx, double dy, double dz, const auto& contact) {
-            add(spread, weights, pull, w, contact.reach, dx, dy, dz);
-        });
         PartialInverse fit{{1, 1, 1, 0, 0, 0}, {1, 1, 1, 0, 0, 0}};
-        if (form == ViscosityForm::corrected) fit = invert_above(spread, least_spread);
+        Symmetric d = by_gradients(form) ? stress_block(i, fit) : pair_block(i);
         write_symmetric(fit.inverse, correction, i);
         write_symmetric(fit.span, span, i);
-        double own[3];
-        fit.inverse.times(pull, own);
-        Symmetric d = pair_block(i, fit.inverse);
-        const double c = share(i), square = own[0] * own[0] + own[1] * own[1] + own[2] * own[2];
-        if (by_gradients(form)) {
-            d.add_square(c, own[0], own[1], own[2]);
-            const double both = c * square + 2 * damping * c * weights;
-            d.xx += both, d.yy += both, d.zz += both;
-        }
         const double inertia = relative(i) + (slips ? drag(i) : 0);
         d.xx += inertia, d.yy += inertia, d.zz += inertia;
         write_symmetric(inverse(d), block, i);
     }
 
 private:
-    KOKKOS_INLINE_FUNCTION static void add(Symmetric& spread, double& weights, double pull[3], double w, double reach,
-                                           double dx, double dy, double dz) {
-        spread.add_square(w, dx, dy, dz);
-        weights += w * reach * reach;
-        pull[0] += w * reach * dx;
-        pull[1] += w * reach * dy;
-        pull[2] += w * reach * dz;
+    // Over the neighbours of a particle.
+    struct Sums {
+        Symmetric spread, strained; // w x x^T; (s_i + s_j)/2 w^2 x x^T
+        double weights = 0, pull[3] = {0, 0, 0};
+    };
+    KOKKOS_INLINE_FUNCTION Sums sum_row(int i) const {
+        const Row row = Base::fluid.row(i);
+        const float* w = Base::weights.data() + Base::fluid.liquid.offset(i);
+        const double own = share(i);
+        Lanes n[6] = {0.0, 0.0, 0.0, 0.0, 0.0, 0.0}, m[6] = {0.0, 0.0, 0.0, 0.0, 0.0, 0.0};
+        Lanes weights = 0.0, x = 0.0, y = 0.0, z = 0.0;
+        for (int k = 0; k < row.count; k += lanes) {
+            const auto d = row.near(k);
+            const Lanes f = row.within(k, load_lanes(w + k)), g = 0.5 * (own + d.number) * f * f;
+            const Lanes squares[6] = {d.x * d.x, d.y * d.y, d.z * d.z, d.x * d.y, d.x * d.z, d.y * d.z};
+            for (int e = 0; e < 6; ++e) {
+                n[e] = n[e] + f * squares[e];
+                m[e] = m[e] + g * squares[e];
+            }
+            weights = weights + f;
+            x = x + f * d.x;
+            y = y + f * d.y;
+            z = z + f * d.z;
+        }
+        const auto symmetric = [](const Lanes e[6]) {
+            return Symmetric{sum_lanes(e[0]), sum_lanes(e[1]), sum_lanes(e[2]), sum_lanes(e[3]), sum_lanes(e[4]), sum_lanes(e[5])};
+        };
+        return {symmetric(n), symmetric(m), sum_lanes(weights), {sum_lanes(x), sum_lanes(y), sum_lanes(z)}};
     }
-    // What the strains of the neighbours, or the pairs, add. Their corrections are taken to be like this one's.
-    KOKKOS_INLINE_FUNCTION Symmetric pair_block(int i, const Symmetric& fit) const {
+    // What the strains of the particle and of its neighbours put into its diagonal block. The neighbours' corrections are taken to
+    // be like its own, which this finds.
+    KOKKOS_INLINE_FUNCTION Symmetric stress_block(int i, PartialInverse& fit) const {
+        Sums sums = sum_row(i);
+        Base::each_wall(i, [&](int, double w, double dx, double dy, double dz, const auto& contact) {
+            const double reach = contact.reach, x[3] = {dx, dy, dz};
+            sums.spread.add_square(w, dx, dy, dz);
+            sums.weights += w * reach * reach;
+            for (int k = 0; k < 3; ++k) sums.pull[k] += w * reach * x[k];
+        });
+        if (form == ViscosityForm::corrected) fit = invert_above(sums.spread, least_spread);
+        double own[3];
+        fit.inverse.times(sums.pull, own);
+        Symmetric d = enclosed(fit.inverse, sums.strained);
+        const double c = share(i), square = own[0] * own[0] + own[1] * own[1] + own[2] * own[2];
+        const double both = d.xx + d.yy + d.zz + c * square + 2 * damping * c * sums.weights;
+        d.add_square(c, own[0], own[1], own[2]);
+        d.xx += both, d.yy += both, d.zz += both;
+        return d;
+    }
+    // What the pairs put there.
+    KOKKOS_INLINE_FUNCTION Symmetric pair_block(int i) const {
         Symmetric d;
         const double soft = pair_softening(Base::kernel.h);
         const auto pair = [&](double shares, double w, double dx, double dy, double dz, double r2) {
-            if (by_gradients(form)) {
-                const double x[3] = {dx, dy, dz};
-                double g[3];
-                fit.times(x, g);
-                for (double& v : g) v *= w;
-                const double square = 0.5 * shares * (g[0] * g[0] + g[1] * g[1] + g[2] * g[2]);
-                d.add_square(0.5 * shares, g[0], g[1], g[2]);
-                d.xx += square, d.yy += square, d.zz += square;
-            } else if (form == ViscosityForm::pairwise) {
+            if (form == ViscosityForm::pairwise) {
                 d.add_square((Kernel::dimensions + 2) * shares * w / (r2 + soft), dx, dy, dz);
             } else {
                 const double along = shares * w * r2 / (r2 + soft);
@@ -106,7 +120,6 @@ private:
         Base::each_pair(i, [&](double w, int j, double dx, double dy, double dz, double r2) {
             pair(share(i) + share(j), w, dx, dy, dz, r2);
         });
-        if (by_gradients(form)) return d;
         Base::each_wall(i, [&](int, double w, double dx, double dy, double dz, const auto& contact) {
             pair(2 * share(i), w * contact.reach, dx, dy, dz, dx * dx + dy * dy + dz * dz);
         });
@@ -213,7 +226,7 @@ struct StressForceLoop : ViscousLoop<Kernel> {
         Base::read_velocity(i, u);
         double f[3];
         sum_pairs(i, f);
-        Base::add_walls(i, StressGrip{{stress[0], stress[1], stress[2]}, share, damping}, u, f);
+        Base::add_walls(i, StressGrip<Stresses>{{stress[0], stress[1], stress[2]}, share, damping}, u, f);
         const double inertia = relative(i);
         for (int k = 0; k < 3; ++k) product(i, k) = inertia * u[k] + f[k];
     }
@@ -316,19 +329,20 @@ void scale_by_volumes(const Array<double>& volume, double rest_volume, int n, co
     });
 }
 
-// Velocities, and volumes over the lattice's.
-void pack_motion(LiquidParticles& liquid, const Array3& u, double rest_volume) {
+} // namespace
+
+void pack_motion(LiquidParticles& liquid, int u_field, const Constants& constants) {
     const int n = liquid.store.total();
     reserve(liquid.motion, static_cast<std::size_t>(n));
     const auto to = liquid.motion;
+    const auto u = liquid.store.get<Array3>(u_field);
     const auto volume = liquid.volume();
+    const double rest_volume = constants.rest_volume;
     Kokkos::parallel_for("treacle::viscous_motion", n, KOKKOS_LAMBDA(int i) {
         for (int k = 0; k < 3; ++k) to(i, k) = u(i, k);
         to(i, 3) = volume(i) / rest_volume;
     });
 }
-
-} // namespace
 
 ViscousOperator::ViscousOperator(LiquidParticles& liquid, const std::vector<double>& slip_lengths) : slip_(slip_lengths) {
     const char* names[3] = {"viscous_stress_x", "viscous_stress_y", "viscous_stress_z"};
@@ -367,12 +381,15 @@ double ViscousOperator::prepare(const ViscousParts& parts, double dt) {
                      [&](const auto& liquids) { most = write_shares(liquids, scale, n, share); });
     }
     most = parts.comm.max(most);
+    largest_share_ = most;
     if (most == 0) return 0;
+    tiles_are_placed_ = false;
     if (viscosity.form == ViscosityForm::printed) scale_by_volumes(liquid.volume(), constants.rest_volume, n, share);
     if (slip_.any()) slip_.prepare(parts, parts.points, share);
     parts.halo.gather(liquid.store, {share_});
     if (!parts.forces.rheology.empty()) reserve(rate_, static_cast<std::size_t>(n));
-    for (auto* array : {&correction_, &span_, &block_}) reserve(*array, static_cast<std::size_t>(n));
+    for (auto* array : {&correction_, &span_}) reserve(*array, static_cast<std::size_t>(n));
+    reserve(block_, static_cast<std::size_t>(n));
     write_places(liquid, share);
     const auto fluid = gather_fluid(constants, liquid, parts.solid, parts.neighbours);
     // Rows are read several entries at a time, beyond their ends.
@@ -395,7 +412,7 @@ void ViscousOperator::multiply(const ViscousParts& parts, int u_field, Walls whi
     const ViscosityForm form = parts.options.viscosity.form;
     const auto share = liquid.store.get<Array<double>>(share_);
     parts.halo.gather(liquid.store, {u_field});
-    pack_motion(liquid, liquid.store.get<Array3>(u_field), constants.rest_volume);
+    pack_motion(liquid, u_field, constants);
     const auto fluid = gather_fluid(constants, liquid, parts.solid, parts.neighbours);
     const auto relative = relative_density(constants, liquid);
     with_kernel(parts.options.kernel, constants.dimensions, constants.support, [&](const auto& kernel) {
@@ -415,6 +432,10 @@ void ViscousOperator::multiply(const ViscousParts& parts, int u_field, Walls whi
         Kokkos::parallel_for("treacle::viscous_forces", fluid.count,
                              StressForceLoop<Kernel>{base, damping_, relative, share, {rows[0], rows[1], rows[2]}, product});
     });
+    add_slip(parts, which, product);
+}
+
+void ViscousOperator::add_slip(const ViscousParts& parts, Walls which, const Array3& product) const {
     if (!slip_.any()) return;
     if (which == Walls::resting) slip_.add(parts, product);
     else slip_.add(parts, parts.motion, product);
@@ -440,8 +461,8 @@ void ViscousOperator::thin(const ViscousParts& parts, const Array<flow::FlowCurv
 }
 
 std::size_t ViscousOperator::bytes() const {
-    return sizeof(double) * (correction_.span() + span_.span() + block_.span() + rate_.span()) +
-           sizeof(float) * weights_.span() + slip_.bytes();
+    return sizeof(double) * (correction_.span() + span_.span() + rate_.span()) +
+           sizeof(float) * (weights_.span() + block_.span() + tiles_.span()) + slip_.bytes();
 }
 
 } // namespace treacle::sph

@@ -9,7 +9,7 @@ namespace treacle::test {
 class OwnFolder {
 public:
     OwnFolder() {
-        std::string name = (std::filesystem::temp_directory_path() / "treacle_XXXXXX").string();
+        auto name = (std::filesystem::temp_directory_path() / "treacle_XXXXXX").string();
         if (mkdtemp(name.data()) == nullptr) std::abort();
         path_ = name;
     }

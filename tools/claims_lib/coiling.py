@@ -92,10 +92,9 @@ def coiling(context):
     of 1 of the flow rate, where H is what the heap leaves of the height. It must be higher than some five times its width to
     buckle at all (Cruickshank & Munson 1981)."""
     speeds = (0.2, 0.4) if context.quick else (0.15, 0.3, 0.6)
-    length = 10
     with scratch(context, "coiling") as folder:
         still, _, _ = pour(context, folder, LOW, speeds[-1], 4)
-        found = [pour(context, folder, HEIGHT, speed, length) for speed in speeds]
+        found = [pour(context, folder, HEIGHT, speed, 10) for speed in speeds]
     steady = still < 0.25 * RADIUS
     text = f"from {1e3 * LOW:.0f} mm {'steady' if steady else 'NOT steady'}, {1e3 * still:.1f} mm; from {1e3 * HEIGHT:.0f} mm: "
     text += ", ".join(
@@ -110,5 +109,5 @@ def coiling(context):
 
 def add_rows(table):
     table.row("coiling", claim="a poured rope buckles and coils from a height on, and the faster the more is poured",
-              asked="viscous regime, 5 particles across, rho g H^2 / (mu U) < 0.7: frequency times height of fall by flow rate to the power "
-                    "1 +- 20 %; steady from twice its width")(coiling)
+              asked="viscous regime, 5 particles across, rho g H^2 / (mu U) < 0.7: frequency times height of fall by flow rate "
+                    "to the power 1 +- 20 %; steady from twice its width")(coiling)

@@ -78,8 +78,8 @@ def number(pattern, text):
     return float(found[-1])
 
 
-def run_program(context, scene_of, name, folder):
-    """What the peer prints on a scene of that name; scene_of makes it from the file of its unit box."""
+def run_program(context, scene_of, name, folder, timeout=4 * 3600):
+    """A run of the peer on a scene of that name; scene_of makes it from the file of its unit box."""
     program = pathlib.Path(context.peer(NAME)).resolve()
     boxes = sorted(program.parent.parent.glob("**/UnitBox.obj"))
     if not boxes:
@@ -87,11 +87,11 @@ def run_program(context, scene_of, name, folder):
     scene = folder / f"{name}.json"
     scene.write_text(json.dumps(scene_of(boxes[0])))
     return execute(context, [program, scene, "--no-gui", "--no-initial-pause", "--output-dir", folder / name],
-                   env={"OMP_NUM_THREADS": str(THREADS)}, timeout=4 * 3600, cwd=folder).output
+                   env={"OMP_NUM_THREADS": str(THREADS)}, timeout=timeout, cwd=folder)
 
 
 def run_peer(context, tank, method, folder):
-    output = run_program(context, lambda box: scene_of_peer(tank, method, box), method, folder)
+    output = run_program(context, lambda box: scene_of_peer(tank, method, box), method, folder).output
 
     def average(what, name):
         return number(rf"Average {what}: {name}: ([0-9.e+-]+)", output)

@@ -11,7 +11,7 @@ import subprocess
 import tempfile
 import time
 
-from .table import CommandFailed
+from .table import CommandFailed, TimedOut
 
 # The same as tools/environment.sh: only what is unset gets a value.
 ENVIRONMENT = {
@@ -47,7 +47,7 @@ def execute(context, command, *, expect=0, timeout=3600, env=None, cwd=None):
         done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
                               errors="replace", timeout=timeout, env=environment(env), cwd=cwd or context.root)
     except subprocess.TimeoutExpired:
-        raise CommandFailed(f"no end after {timeout} s") from None
+        raise TimedOut(f"no end after {timeout} s") from None
     if expect is not None and done.returncode != expect:
         raise CommandFailed(f"exit code {done.returncode} instead of {expect}: {last_words(done.stdout)}")
     return Finished(done.returncode, done.stdout, time.monotonic() - start)

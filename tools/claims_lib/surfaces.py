@@ -90,12 +90,12 @@ def rule_settings(name):
 def judge(run):
     """What a run fails by; empty for a stable one."""
     steps = run.steps()
-    energy = steps["kinetic energy"] + steps["potential energy"]
-    rise = (energy - numpy.minimum.accumulate(energy)).max() / energy[0]
     if run.finished.code != 0:
         lost = "particles are lost" in run.finished.output
         cause = "particles lost" if lost else last_words(run.finished.output, lines=1)
         return f"at {steps['time'][-1]:.2f} s {cause}"
+    energy = steps["kinetic energy"] + steps["potential energy"]
+    rise = (energy - numpy.minimum.accumulate(energy)).max() / energy[0]
     if not rise < RISE:
         return f"energy rises by {rise:.0%}"
     compression = steps["mean compression"].max()

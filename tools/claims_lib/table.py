@@ -23,6 +23,10 @@ class CommandFailed(Exception):
     """A command behind a row ended otherwise than the row expects."""
 
 
+class TimedOut(CommandFailed):
+    """A command behind a row has not ended within its time."""
+
+
 @dataclasses.dataclass(frozen=True)
 class Figure:
     """What a row measured: the figure as text, and whether it is within what was asked."""

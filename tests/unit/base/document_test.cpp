@@ -71,9 +71,9 @@ TEST(Document, AliasesThatMultiplyOrNestWithoutEndAreErrors) {
 }
 
 TEST(Document, AFileThatIsNotThereOrAFolderIsAnError) {
-    const auto folder = std::filesystem::temp_directory_path();
-    EXPECT_THROW(Document::load(folder / "treacle_no_such_file.yaml"), InputError);
-    EXPECT_THROW(Document::load(folder), InputError);
+    const test::OwnFolder folder;
+    EXPECT_THROW(Document::load(folder.path() / "missing.yaml"), InputError);
+    EXPECT_THROW(Document::load(folder.path()), InputError);
 }
 
 TEST(Document, AFileIsNamedInMessagesAsGiven) {

@@ -68,6 +68,23 @@ TEST(Breakdown, a_preconditioner_that_is_not_positive_is_reported) {
     EXPECT_EQ(solve(system, b, options).report.outcome, Outcome::indefinite_preconditioner);
 }
 
+TEST(Breakdown, directions_that_are_spoiled_late_are_begun_anew) {
+    for (const int when : {2, 25}) { // of the applications of the preconditioner, the one that is wrong
+        const auto comm = Comm::world();
+        auto system = poisson(comm, 10, Border::dirichlet);
+        const auto b = system.product(noise);
+        int applied = 0;
+        KrylovOptions options;
+        options.user.apply = [&applied, when](std::span<const double> r, std::span<double> z) {
+            const double sign = ++applied == when ? -1 : 1;
+            for (std::size_t i = 0; i < r.size(); ++i) z[i] = sign * r[i];
+        };
+        const auto [report, x] = solve(system, b, options);
+        EXPECT_EQ(report.outcome, when == 2 ? Outcome::indefinite_preconditioner : Outcome::converged) << when;
+        EXPECT_TRUE(when == 2 || report.relative_residual <= 1e-10);
+    }
+}
+
 TEST(Breakdown, a_right_hand_side_that_is_not_finite_on_one_rank_is_reported_on_all) {
     const auto comm = Comm::world();
     auto system = diagonal(comm, 12, {1, 2, 3});

@@ -124,6 +124,74 @@ TEST(ImplicitViscosity, EveryFormIsSymmetricAndPositiveWithWallsAndTwoLiquids) {
     }
 }
 
+TEST(ImplicitViscosity, ProductsInSinglePrecisionAreThoseInDoubleNearly) {
+    double most = 0;
+    for (const auto form : every_form) {
+        if (!ViscousOperator::has_tiles(form)) continue;
+        ViscousTest one(two_liquids_on_a_wall(form));
+        auto& parts = one.parts;
+        const auto x = parts.liquid.store.add<Array3>("x", "", FieldRole::work);
+        ViscousOperator matrix(parts.liquid);
+        const auto all = one.all();
+        ASSERT_GT(matrix.prepare(all, step_of(1, {3, 4, 0.3, form})), 0);
+        fill_by_id(parts.liquid, x, 5);
+        Kokkos::deep_copy(one.motion, 0.3);
+        const auto rows = parts.liquid.store.total();
+        const Array3 right("right", rows), near("near", rows);
+        for (const auto walls : {ViscousOperator::Walls::resting, ViscousOperator::Walls::moving}) {
+            matrix.multiply(all, x, walls, right);
+            const auto wanted = matrix.loads(all);
+            matrix.multiply_nearly(all, x, walls, near);
+            double largest = 0, apart = 0;
+            for (int i = 0; i < parts.liquid.store.owned(); ++i) {
+                for (int k = 0; k < 3; ++k) {
+                    largest = std::max(largest, std::abs(on_host(right)(i, k)));
+                    apart = std::max(apart, std::abs(on_host(near)(i, k) - on_host(right)(i, k)));
+                }
+            }
+            most = std::max(most, parts.comm.max(apart) / parts.comm.max(largest));
+            if (walls == ViscousOperator::Walls::resting) continue;
+            const auto loads = matrix.loads(all);
+            for (std::size_t k = 0; k < loads.size(); ++k) EXPECT_NEAR(loads[k], wanted[k], 1e-5 * std::abs(wanted[k]) + 1e-6);
+        }
+    }
+    RecordProperty("apart", std::to_string(most * 1e9) + "e-9");
+    EXPECT_GT(most, 0); // or it was not in single precision
+    EXPECT_LT(most, 1e-5);
+}
+
+namespace {
+// Velocities after a step, with the products of a precision.
+std::map<std::int64_t, State> solved(ViscosityPrecision precision, double residual, int& iterations) {
+    const BlobSetup blob{3, 6, 0.2, ViscosityForm::corrected};
+    auto sample = turning_blob(blob);
+    for (auto& point : sample.liquid) point.u = {std::sin(9 * point.x[1]), point.x[0] * point.x[2], 0};
+    sample.setup.options.viscosity.precision = precision;
+    sample.setup.options.viscosity.residual = residual;
+    ViscousCase one(sample);
+    const auto result = one.solve(step_of(1, blob));
+    EXPECT_TRUE(result.solve.converged()) << result.solve.reason;
+    EXPECT_LE(result.solve.relative_residual, residual);
+    iterations = result.solve.iterations;
+    return all_states(one.parts.comm, one.parts.liquid);
+}
+} // namespace
+
+TEST(ImplicitViscosity, MixedPrecisionReachesAnyResidual) {
+    for (const double residual : {1e-6, 1e-12}) {
+        int few = 0, many = 0;
+        const auto right = solved(ViscosityPrecision::full, residual, few);
+        const auto mixed = solved(ViscosityPrecision::mixed, residual, many);
+        RecordProperty("iterations_" + std::to_string(std::lround(-std::log10(residual))), std::to_string(few) + " and " + std::to_string(many));
+        double apart = 0;
+        for (const auto& [id, now] : mixed) {
+            for (std::size_t k = 0; k < 3; ++k) apart = std::max(apart, std::abs(now.u[k] - right.at(id).u[k]));
+        }
+        EXPECT_LT(apart, 100 * residual);
+        EXPECT_LE(many, 2 * few);
+    }
+}
+
 TEST(ImplicitViscosity, EveryFormKeepsMomentum) {
     for (const auto form : every_form) {
         const BlobSetup blob{3, 4, 0.3, form};

@@ -1,0 +1,144 @@
+#pragma once
+#include "kokkos/lanes.hpp"
+
+namespace treacle {
+
+// Asks for the line of the cache that an address is in, whether there is anything at that address or not; on devices other
+// threads work while one waits.
+KOKKOS_INLINE_FUNCTION void prefetch([[maybe_unused]] const void* address) {
+#if !defined(__CUDA_ARCH__) && !defined(__HIP_DEVICE_COMPILE__)
+    __builtin_prefetch(address);
+#endif
+}
+
+// Four quads of four floats that go through one formula together, in one register where there are such: a row of a View of
+// sixteen floats. Three vectors and a fourth one fit, each with a number of its own in its last place.
+using Array16 = Kokkos::View<float* [16], Kokkos::LayoutRight, Memory>;
+
+// Six elements of a symmetric matrix, xx, yy, zz, xy, xz, yz, whose rows tiles are made of.
+inline constexpr int symmetric_element[3][3] = {{0, 3, 4}, {3, 1, 5}, {4, 5, 2}};
+
+#if defined(TREACLE_AVX512)
+struct Tile {
+    __m512 v;
+    Tile() = default;
+    Tile(__m512 value) : v(value) {}
+    Tile(float value) : v(_mm512_set1_ps(value)) {}
+    static Tile load(const float* row) { return _mm512_loadu_ps(row); }
+    void store(float* row) const { _mm512_storeu_ps(row, v); }
+    // But for the last places and the last quad.
+    void store_vectors(float* row) const { _mm512_mask_storeu_ps(row, 0x0777, v); }
+    friend Tile operator+(Tile a, Tile b) { return _mm512_add_ps(a.v, b.v); }
+    friend Tile operator-(Tile a, Tile b) { return _mm512_sub_ps(a.v, b.v); }
+    friend Tile operator*(Tile a, Tile b) { return _mm512_mul_ps(a.v, b.v); }
+    // this += a b
+    void add(Tile a, Tile b) { v = _mm512_fmadd_ps(a.v, b.v, v); }
+    // All of each quad are its k-th one.
+    template <int k>
+    Tile all() const {
+        return _mm512_maskz_permute_ps(0xffff, v, k * 0x55);
+    }
+    // All quads are the q-th one.
+    template <int q>
+    Tile quad() const {
+        return _mm512_maskz_shuffle_f32x4(0xffff, v, v, q * 0x55);
+    }
+    // Of the 3 x 3 elements; the others stay as they are.
+    Tile transposed() const {
+        const __m512i from = _mm512_setr_epi32(0, 4, 8, 3, 1, 5, 9, 7, 2, 6, 10, 11, 12, 13, 14, 15);
+        return _mm512_maskz_permutexvar_ps(0xffff, from, v);
+    }
+    // All of quad l are the matrix' element (m, l); the last quad is 0.
+    template <int m>
+    static Tile spread(const double* matrix) {
+        constexpr const int* e = symmetric_element[m];
+        return pick(matrix, _mm512_setr_epi32(e[0], e[0], e[0], e[0], e[1], e[1], e[1], e[1], e[2], e[2], e[2], e[2], 6, 6, 6, 6));
+    }
+    // Each quad is the matrix' row m, and 0.
+    template <int m>
+    static Tile repeat(const double* matrix) {
+        constexpr const int* e = symmetric_element[m];
+        return pick(matrix, _mm512_setr_epi32(e[0], e[1], e[2], 6, e[0], e[1], e[2], 6, e[0], e[1], e[2], 6, e[0], e[1], e[2], 6));
+    }
+
+private:
+    static Tile pick(const double* matrix, __m512i elements) {
+        const __m256 six = _mm512_maskz_cvtpd_ps(0xff, _mm512_maskz_loadu_pd(0x3f, matrix));
+        return _mm512_maskz_permutexvar_ps(0xffff, elements, _mm512_maskz_broadcast_f32x8(0xffff, six));
+    }
+};
+#else
+struct Tile {
+    float v[16];
+    Tile() = default;
+    KOKKOS_INLINE_FUNCTION Tile(float value) {
+        for (float& one : v) one = value;
+    }
+    KOKKOS_INLINE_FUNCTION static Tile load(const float* row) {
+        Tile out;
+        for (int k = 0; k < 16; ++k) out.v[k] = row[k];
+        return out;
+    }
+    KOKKOS_INLINE_FUNCTION void store(float* row) const {
+        for (int k = 0; k < 16; ++k) row[k] = v[k];
+    }
+    KOKKOS_INLINE_FUNCTION void store_vectors(float* row) const {
+        for (int k = 0; k < 12; ++k) {
+            if (k % 4 < 3) row[k] = v[k];
+        }
+    }
+    KOKKOS_INLINE_FUNCTION friend Tile operator+(const Tile& a, const Tile& b) {
+        Tile out;
+        for (int k = 0; k < 16; ++k) out.v[k] = a.v[k] + b.v[k];
+        return out;
+    }
+    KOKKOS_INLINE_FUNCTION friend Tile operator-(const Tile& a, const Tile& b) {
+        Tile out;
+        for (int k = 0; k < 16; ++k) out.v[k] = a.v[k] - b.v[k];
+        return out;
+    }
+    KOKKOS_INLINE_FUNCTION friend Tile operator*(const Tile& a, const Tile& b) {
+        Tile out;
+        for (int k = 0; k < 16; ++k) out.v[k] = a.v[k] * b.v[k];
+        return out;
+    }
+    KOKKOS_INLINE_FUNCTION void add(const Tile& a, const Tile& b) {
+        for (int k = 0; k < 16; ++k) v[k] += a.v[k] * b.v[k];
+    }
+    template <int k>
+    KOKKOS_INLINE_FUNCTION Tile all() const {
+        Tile out;
+        for (int l = 0; l < 16; ++l) out.v[l] = v[l / 4 * 4 + k];
+        return out;
+    }
+    template <int q>
+    KOKKOS_INLINE_FUNCTION Tile quad() const {
+        Tile out;
+        for (int l = 0; l < 16; ++l) out.v[l] = v[4 * q + l % 4];
+        return out;
+    }
+    KOKKOS_INLINE_FUNCTION Tile transposed() const {
+        Tile out = *this;
+        for (int k = 0; k < 3; ++k) {
+            for (int l = 0; l < 3; ++l) out.v[4 * l + k] = v[4 * k + l];
+        }
+        return out;
+    }
+    template <int m>
+    KOKKOS_INLINE_FUNCTION static Tile spread(const double* matrix) {
+        Tile out(0.0f);
+        for (int l = 0; l < 12; ++l) out.v[l] = static_cast<float>(matrix[symmetric_element[m][l / 4]]);
+        return out;
+    }
+    template <int m>
+    KOKKOS_INLINE_FUNCTION static Tile repeat(const double* matrix) {
+        Tile out(0.0f);
+        for (int l = 0; l < 16; ++l) {
+            if (l % 4 < 3) out.v[l] = static_cast<float>(matrix[symmetric_element[m][l % 4]]);
+        }
+        return out;
+    }
+};
+#endif
+
+} // namespace treacle

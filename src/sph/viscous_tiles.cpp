@@ -1,0 +1,200 @@
+#include "sph/viscous_loops.hpp"
+
+// Products in single precision. The tile of a particle is all that its neighbours read of it, one line of the cache: its
+// velocity and its share dt/m V mu in the last quad, the columns of Q in the others, and its place, from that of the rank's
+// first particle, behind these. A particle's tile less another's then has in it all that a pair is made of.
+namespace treacle::sph {
+
+namespace {
+void write_places(const Array3& x, const Array<double>& share, int n, const Array16& tiles) {
+    Kokkos::parallel_for("treacle::place_tiles", n, KOKKOS_LAMBDA(int i) {
+        for (int l = 0; l < 3; ++l) {
+            for (int k = 0; k < 3; ++k) tiles(i, 4 * l + k) = 0;
+            tiles(i, 4 * l + 3) = static_cast<float>(x(i, l) - x(0, l));
+        }
+        tiles(i, 15) = static_cast<float>(share(i));
+    });
+}
+
+void write_velocities(const Array3& u, int n, const Array16& tiles) {
+    Kokkos::parallel_for("treacle::velocity_tiles", n, KOKKOS_LAMBDA(int i) {
+        for (int k = 0; k < 3; ++k) tiles(i, 12 + k) = static_cast<float>(u(i, k));
+    });
+}
+
+KOKKOS_INLINE_FUNCTION void read_stress(const Array16& tiles, int i, const Array3& x, const Array3& y, const Array3& z) {
+    for (int k = 0; k < 3; ++k) {
+        x(i, k) = tiles(i, k);
+        y(i, k) = tiles(i, 4 + k);
+        z(i, k) = tiles(i, 8 + k);
+    }
+}
+
+void read_stresses(const Array16& tiles, int n, const Array3& x, const Array3& y, const Array3& z) {
+    Kokkos::parallel_for("treacle::stresses_of_tiles", n, KOKKOS_LAMBDA(int i) { read_stress(tiles, i, x, y, z); });
+}
+
+void read_sent_stresses(const Array16& tiles, const Array<int>& rows, int n, const Array3& x, const Array3& y,
+                        const Array3& z) {
+    Kokkos::parallel_for("treacle::sent_stresses", n, KOKKOS_LAMBDA(int k) { read_stress(tiles, rows(k), x, y, z); });
+}
+
+void write_stresses(const Array3& x, const Array3& y, const Array3& z, int first, int last, const Array16& tiles) {
+    Kokkos::parallel_for("treacle::tiles_of_ghosts", last - first, KOKKOS_LAMBDA(int k) {
+        const int i = first + k;
+        for (int l = 0; l < 3; ++l) {
+            tiles(i, l) = static_cast<float>(x(i, l));
+            tiles(i, 4 + l) = static_cast<float>(y(i, l));
+            tiles(i, 8 + l) = static_cast<float>(z(i, l));
+        }
+    });
+}
+
+// The list and its weights are read once a product, faster than the processor foresees by itself: 260 bytes of each a row.
+constexpr int row_ahead = 64, lines_ahead = 6;
+
+// sum += of each liquid particle around i what visit makes of its tile and of V0 |W'|/r.
+template <class Visit>
+KOKKOS_INLINE_FUNCTION Tile sum_tiles(const Fluid& fluid, const Array<float>& weights, const Array16& tiles, int i,
+                                      const Visit& visit) {
+    const float* rows = tiles.data();
+    const int* index = fluid.liquid.index.data();
+    Tile sum = 0.0f, other = 0.0f; // two, since each addition waits for the one before
+    const std::int64_t last = fluid.liquid.offset(i + 1);
+    std::int64_t k = fluid.liquid.offset(i);
+    for (int line = 0; line < lines_ahead; ++line) { // of the row after the next
+        prefetch(index + last + row_ahead + 16 * line);
+        prefetch(weights.data() + last + row_ahead + 16 * line);
+    }
+    for (; k + 1 < last; k += 2) {
+        visit(sum, weights(k), Tile::load(rows + 16 * std::int64_t(index[k])));
+        visit(other, weights(k + 1), Tile::load(rows + 16 * std::int64_t(index[k + 1])));
+    }
+    if (k < last) visit(sum, weights(k), Tile::load(rows + 16 * std::int64_t(index[k])));
+    return sum + other;
+}
+
+// As StressLoop.
+template <class Kernel>
+struct TileStressLoop : ViscousLoop<Kernel> {
+    using Base = ViscousLoop<Kernel>;
+    float damping;
+    Array<double> share;
+    Array6 correction, span;
+    Array16 tiles;
+
+    KOKKOS_INLINE_FUNCTION void operator()(int i) const {
+        float* row = tiles.data() + 16 * std::int64_t(i);
+        const Tile own = Tile::load(row);
+        Tile n = sum_tiles(Base::fluid, Base::weights, tiles, i, [&](Tile& sum, float w, const Tile& other) {
+            const Tile apart = own - other;
+            sum.add(Tile(w) * apart.all<3>(), apart.quad<3>());
+        });
+        if (Base::walls.pairs.count(i) > 0) n = n + walls(i);
+        const double *fit = correction.data() + 6 * std::int64_t(i), *within = span.data() + 6 * std::int64_t(i);
+        const Tile rows[3] = {Tile::spread<0>(fit), Tile::spread<1>(fit), Tile::spread<2>(fit)};
+        const Tile g = times(n, rows);
+        Tile half = 0.0f; // see StressLoop::strain
+        half.add(Tile::repeat<0>(within), g.all<0>());
+        half.add(Tile::repeat<1>(within), g.all<1>());
+        half.add(Tile::repeat<2>(within), g.all<2>());
+        const Tile q = times(half + half.transposed(), rows);
+        (Tile(static_cast<float>(share(i))) * (q - Tile(damping) * g)).store_vectors(row);
+    }
+
+private:
+    // The matrix of columns a times the symmetric one of these rows.
+    KOKKOS_INLINE_FUNCTION static Tile times(const Tile& a, const Tile rows[3]) {
+        Tile out = a.quad<0>() * rows[0];
+        out.add(a.quad<1>(), rows[1]);
+        out.add(a.quad<2>(), rows[2]);
+        return out;
+    }
+    KOKKOS_INLINE_FUNCTION Tile walls(int i) const {
+        float sum[16] = {};
+        double u[3];
+        Base::read_velocity(i, u);
+        Base::each_wall(i, [&](int, double w, double dx, double dy, double dz, const auto& contact) {
+            const double x[3] = {dx, dy, dz};
+            for (int l = 0; l < 3; ++l) {
+                for (int k = 0; k < 3; ++k) {
+                    sum[4 * l + k] += static_cast<float>(w * contact.reach * (u[k] - contact.velocity[k]) * x[l]);
+                }
+            }
+        });
+        return Tile::load(sum);
+    }
+};
+
+// As StressForceLoop.
+template <class Kernel>
+struct TileForceLoop : ViscousLoop<Kernel> {
+    using Base = ViscousLoop<Kernel>;
+    double damping;
+    RelativeDensity relative;
+    Array<double> share;
+    Array16 tiles;
+    Array3 product;
+
+    KOKKOS_INLINE_FUNCTION void operator()(int i) const {
+        constexpr float for_pairs[16] = {1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, -1};   // less another: -(s_i + s_j)
+        constexpr float for_values[16] = {1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, -1, -1, -1, 1}; // and another: u_j - u_i
+        const Tile own = Tile::load(tiles.data() + 16 * std::int64_t(i));
+        const Tile from = own * Tile::load(for_pairs), with = own * Tile::load(for_values);
+        const Tile sum = sum_tiles(Base::fluid, Base::weights, tiles, i, [&](Tile& to, float w, const Tile& other) {
+            to.add(Tile(w) * (from - other).all<3>(), with + other);
+        });
+        float s[16];
+        sum.store(s);
+        double f[3], u[3];
+        for (int k = 0; k < 3; ++k) f[k] = s[k] + s[4 + k] + s[8 + k] + damping * s[12 + k];
+        Base::read_velocity(i, u);
+        if (Base::walls.pairs.count(i) > 0) Base::add_walls(i, StressGrip<TileStresses>{{tiles}, share, damping}, u, f);
+        const double inertia = relative(i);
+        for (int k = 0; k < 3; ++k) product(i, k) = inertia * u[k] + f[k];
+    }
+};
+} // namespace
+
+void ViscousOperator::write_tiles(LiquidParticles& liquid, const Array<double>& share) {
+    const int n = liquid.store.total();
+    reserve(tiles_, static_cast<std::size_t>(n));
+    write_places(liquid.store.position(), share, n, tiles_);
+    tiles_are_placed_ = true;
+}
+
+// The ghosts' columns of Q go through the fields of the double products.
+void ViscousOperator::exchange_tiles(const ViscousParts& parts) {
+    const auto& store = parts.liquid.store;
+    const auto x = store.get<Array3>(stress_[0]), y = store.get<Array3>(stress_[1]), z = store.get<Array3>(stress_[2]);
+    read_sent_stresses(tiles_, parts.halo.rows(), static_cast<int>(parts.halo.sent_rows()), x, y, z);
+    parts.halo.gather(store, {stress_[0], stress_[1], stress_[2]});
+    write_stresses(x, y, z, store.owned(), store.total(), tiles_);
+}
+
+void ViscousOperator::multiply_nearly(const ViscousParts& parts, int u_field, Walls which, const Array3& product) {
+    auto& liquid = parts.liquid;
+    const auto& store = liquid.store;
+    const auto& constants = parts.constants;
+    const auto share = store.get<Array<double>>(share_);
+    if (!tiles_are_placed_) write_tiles(liquid, share);
+    parts.halo.gather(store, {u_field});
+    pack_motion(liquid, u_field, constants);
+    write_velocities(store.get<Array3>(u_field), store.total(), tiles_);
+    const auto fluid = gather_fluid(constants, liquid, parts.solid, parts.neighbours);
+    const auto relative = relative_density(constants, liquid);
+    with_kernel(parts.options.kernel, constants.dimensions, constants.support, [&](const auto& kernel) {
+        using Kernel = std::decay_t<decltype(kernel)>;
+        const ViscousLoop<Kernel> base{kernel, fluid, walls(parts, which), weights_};
+        Kokkos::parallel_for("treacle::viscous_tile_stress", fluid.count,
+                             TileStressLoop<Kernel>{base, static_cast<float>(damping_), share, correction_, span_, tiles_});
+        exchange_tiles(parts);
+        if (which == Walls::moving) read_stresses(tiles_, fluid.count, store.get<Array3>(stress_[0]), store.get<Array3>(stress_[1]),
+                                                  store.get<Array3>(stress_[2])); // for loads()
+        Kokkos::parallel_for("treacle::viscous_tile_forces", fluid.count,
+                             TileForceLoop<Kernel>{base, damping_, relative, share, tiles_, product});
+    });
+    add_slip(parts, which, product);
+}
+
+} // namespace treacle::sph
