@@ -15,8 +15,8 @@ KOKKOS_INLINE_FUNCTION void prefetch([[maybe_unused]] const void* address) {
 // sixteen floats. Three vectors and a fourth one fit, each with a number of its own in its last place.
 using Array16 = Kokkos::View<float* [16], Kokkos::LayoutRight, Memory>;
 
-// Six elements of a symmetric matrix, xx, yy, zz, xy, xz, yz, whose rows tiles are made of.
-inline constexpr int symmetric_element[3][3] = {{0, 3, 4}, {3, 1, 5}, {4, 5, 2}};
+// Where the element (k, l) of a symmetric matrix is among six: xx, yy, zz, xy, xz, yz.
+KOKKOS_INLINE_FUNCTION constexpr int symmetric_element(int k, int l) { return k == l ? k : k + l + 2; }
 
 #if defined(TREACLE_AVX512)
 struct Tile {
@@ -51,14 +51,14 @@ struct Tile {
     // All of quad l are the matrix' element (m, l); the last quad is 0.
     template <int m>
     static Tile spread(const double* matrix) {
-        constexpr const int* e = symmetric_element[m];
-        return pick(matrix, _mm512_setr_epi32(e[0], e[0], e[0], e[0], e[1], e[1], e[1], e[1], e[2], e[2], e[2], e[2], 6, 6, 6, 6));
+        constexpr int x = symmetric_element(m, 0), y = symmetric_element(m, 1), z = symmetric_element(m, 2);
+        return pick(matrix, _mm512_setr_epi32(x, x, x, x, y, y, y, y, z, z, z, z, 6, 6, 6, 6));
     }
     // Each quad is the matrix' row m, and 0.
     template <int m>
     static Tile repeat(const double* matrix) {
-        constexpr const int* e = symmetric_element[m];
-        return pick(matrix, _mm512_setr_epi32(e[0], e[1], e[2], 6, e[0], e[1], e[2], 6, e[0], e[1], e[2], 6, e[0], e[1], e[2], 6));
+        constexpr int x = symmetric_element(m, 0), y = symmetric_element(m, 1), z = symmetric_element(m, 2);
+        return pick(matrix, _mm512_setr_epi32(x, y, z, 6, x, y, z, 6, x, y, z, 6, x, y, z, 6));
     }
 
 private:
@@ -127,14 +127,14 @@ struct Tile {
     template <int m>
     KOKKOS_INLINE_FUNCTION static Tile spread(const double* matrix) {
         Tile out(0.0f);
-        for (int l = 0; l < 12; ++l) out.v[l] = static_cast<float>(matrix[symmetric_element[m][l / 4]]);
+        for (int l = 0; l < 12; ++l) out.v[l] = static_cast<float>(matrix[symmetric_element(m, l / 4)]);
         return out;
     }
     template <int m>
     KOKKOS_INLINE_FUNCTION static Tile repeat(const double* matrix) {
         Tile out(0.0f);
         for (int l = 0; l < 16; ++l) {
-            if (l % 4 < 3) out.v[l] = static_cast<float>(matrix[symmetric_element[m][l % 4]]);
+            if (l % 4 < 3) out.v[l] = static_cast<float>(matrix[symmetric_element(m, l % 4)]);
         }
         return out;
     }

@@ -210,7 +210,8 @@ solve::SolveReport ImplicitViscosity::solve_implicitly(const ViscousParts& parts
         reserve(before_, static_cast<std::size_t>(n));
         copy(liquid.velocity(), n, before_);
     }
-    const auto report = rated ? solve_by_rates(parts, bodies) : solve_once({parts, bodies, verified || guessing ? before_ : liquid.velocity()});
+    const auto& before = guessing || verified ? before_ : liquid.velocity();
+    const auto report = rated ? solve_by_rates(parts, bodies) : solve_once({parts, bodies, before});
     if (guessing) keep_change(liquid);
     return report;
 }
@@ -258,8 +259,7 @@ double ImplicitViscosity::find_residual(Progress& progress, bool nearly) {
     auto& liquid = parts.liquid;
     const auto inertia = relative_density(parts.constants, liquid);
     const ViscousParts now{parts, parts.points, parts.friction, moved(progress.bodies)};
-    if (nearly) operator_.multiply_nearly(now, liquid.velocity_field(), ViscousOperator::Walls::moving, product_);
-    else operator_.multiply(now, liquid.velocity_field(), ViscousOperator::Walls::moving, product_);
+    multiply(now, liquid.velocity_field(), ViscousOperator::Walls::moving, nearly);
     hold_rows(liquid, inertia, liquid.velocity(), product_);
     ++progress.report.products;
     last_product_is_of_u_ = !nearly;
@@ -351,23 +351,25 @@ bool ImplicitViscosity::multiplies_nearly(const ViscosityOptions& options) const
     return options.precision == ViscosityPrecision::mixed && ViscousOperator::has_tiles(options.form) && !matrix_;
 }
 
+// Into product_.
+void ImplicitViscosity::multiply(const ViscousParts& parts, int u_field, ViscousOperator::Walls walls, bool nearly) {
+    if (nearly) operator_.multiply_nearly(parts, u_field, walls, product_);
+    else operator_.multiply(parts, u_field, walls, product_);
+}
+
 // Products with the directions; returns p.C p of all ranks.
-double ImplicitViscosity::multiply(const ViscousParts& parts, bool nearly, std::vector<double>& body_product) {
+double ImplicitViscosity::multiply_directions(const ViscousParts& parts, bool nearly, std::vector<double>& body_product) {
     using Walls = ViscousOperator::Walls;
-    const auto apply = [&](const ViscousParts& with, Walls walls) {
-        if (nearly) operator_.multiply_nearly(with, direction_, walls, product_);
-        else operator_.multiply(with, direction_, walls, product_);
-    };
     const auto p = parts.liquid.store.get<Array3>(direction_);
     const auto inertia = relative_density(parts.constants, parts.liquid);
     const int n = parts.liquid.store.owned();
     if (!movers_.any()) {
-        apply(parts, Walls::resting);
+        multiply(parts, direction_, Walls::resting, nearly);
         hold_rows(parts.liquid, inertia, p, product_);
         return parts.comm.sum(dot(p, product_, n));
     }
     const ViscousParts trial{parts, parts.points, parts.friction, movers_.trial(body_.direction)};
-    apply(trial, Walls::moving);
+    multiply(trial, direction_, Walls::moving, nearly);
     hold_rows(parts.liquid, inertia, p, product_);
     body_product = body_.direction;
     add(body_product, -1, pull(trial));
@@ -415,7 +417,7 @@ void ImplicitViscosity::follow_directions(Progress& progress, bool nearly) {
     std::vector<double> body_product;
     while (report.iterations < parts.options.viscosity.max_iterations) {
         if (breaks_down(rz, solve::Outcome::indefinite_preconditioner, report)) return;
-        const double pq = multiply(parts, nearly, body_product);
+        const double pq = multiply_directions(parts, nearly, body_product);
         ++report.products;
         if (breaks_down(pq, solve::Outcome::indefinite_matrix, report)) return;
         ++report.iterations;

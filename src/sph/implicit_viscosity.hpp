@@ -67,7 +67,8 @@ private:
     void follow_directions(Progress& progress, bool nearly);
     void solve_assembled(Progress& progress);
     bool multiplies_nearly(const ViscosityOptions& options) const;
-    double multiply(const ViscousParts& parts, bool nearly, std::vector<double>& body_product);
+    void multiply(const ViscousParts& parts, int u_field, ViscousOperator::Walls walls, bool nearly);
+    double multiply_directions(const ViscousParts& parts, bool nearly, std::vector<double>& body_product);
     void precondition(const LiquidParticles& liquid, const Array3& r, const Array3& z);
     double precondition(const LiquidParticles& liquid);
     std::vector<double> pull(const ViscousParts& parts);
