@@ -77,7 +77,7 @@ struct ViscousMatrix::Assembly {
     ViscousWalls walls;
     Array<int>::HostMirror row;
     Array<double>::HostMirror share, volume;
-    Kokkos::View<double*[6], Memory>::HostMirror correction, span;
+    Array6::HostMirror correction, span;
     Array<float>::HostMirror weights;
     int owned, total;
     int first; // global number of this rank's first row

@@ -282,7 +282,7 @@ struct PairForceLoop : ViscousLoop<Kernel> {
             const auto d = row.near(k);
             const auto v = Base::fluid.motions(row, k);
             const Lanes w = row.within(k, load_lanes(&Base::weights(first + k)));
-            const Lanes c = w * (own + d.number) * inverse(d.r2 + soft);
+            const Lanes c = w * (own + d.number) * treacle::inverse(d.r2 + soft);
             const Lanes ax = u[0] - v.x, ay = u[1] - v.y, az = u[2] - v.z;
             if (line > 0) {
                 const Lanes pull = line * c * (ax * d.x + ay * d.y + az * d.z);
