@@ -227,9 +227,8 @@ void RigidBlocks::assemble(const ViscousParts& parts, const ViscousOperator& of)
     const double soft = pair_softening(constants.support);
     const auto relative = relative_density(constants, parts.liquid);
     const Held held(parts.liquid);
-    const auto liquid = pairs(parts.neighbours.liquid, store, store);
-    const auto offset = on_host(liquid.offset);
-    const auto index = on_host(liquid.index);
+    const auto offset = on_host(parts.neighbours.liquid.offset);
+    const auto index = on_host(parts.neighbours.liquid.index);
     const auto x = on_host(store.position());
     const double line = constants.dimensions + 2;
     Meetings meetings;
@@ -275,7 +274,7 @@ void RigidBlocks::build() {
 }
 
 void RigidBlocks::set_up(const ViscousParts& parts, const ViscousOperator& of) {
-    multigrid_.release(); // the last step's multigrid and matrix, before the next ones take as much
+    if (solver_ != nullptr) solver_->release(); // the last step's multigrid and matrix, before the next ones take as much
     matrix_.clear();
     number(parts);
     connect(parts);

@@ -163,11 +163,12 @@ void ViscousOperator::write_tiles(LiquidParticles& liquid, const Array<double>& 
     tiles_are_placed_ = true;
 }
 
-// The ghosts' columns of Q go through the fields of the double products.
-void ViscousOperator::exchange_tiles(const ViscousParts& parts) {
+// The ghosts' columns of Q go through the fields of the double products; beside moving walls loads() takes all from there.
+void ViscousOperator::exchange_tiles(const ViscousParts& parts, Walls which) {
     const auto& store = parts.liquid.store;
     const auto x = store.get<Array3>(stress_[0]), y = store.get<Array3>(stress_[1]), z = store.get<Array3>(stress_[2]);
-    read_sent_stresses(tiles_, parts.halo.rows(), static_cast<int>(parts.halo.sent_rows()), x, y, z);
+    if (which == Walls::moving) read_stresses(tiles_, store.owned(), x, y, z);
+    else read_sent_stresses(tiles_, parts.halo.rows(), static_cast<int>(parts.halo.sent_rows()), x, y, z);
     parts.halo.gather(store, {stress_[0], stress_[1], stress_[2]});
     write_stresses(x, y, z, store.owned(), store.total(), tiles_);
 }
@@ -188,9 +189,7 @@ void ViscousOperator::multiply_nearly(const ViscousParts& parts, int u_field, Wa
         const ViscousLoop<Kernel> base{kernel, fluid, walls(parts, which), weights_};
         Kokkos::parallel_for("treacle::viscous_tile_stress", fluid.count,
                              TileStressLoop<Kernel>{base, static_cast<float>(damping_), share, correction_, span_, tiles_});
-        exchange_tiles(parts);
-        if (which == Walls::moving) read_stresses(tiles_, fluid.count, store.get<Array3>(stress_[0]), store.get<Array3>(stress_[1]),
-                                                  store.get<Array3>(stress_[2])); // for loads()
+        exchange_tiles(parts, which);
         Kokkos::parallel_for("treacle::viscous_tile_forces", fluid.count,
                              TileForceLoop<Kernel>{base, damping_, relative, share, tiles_, product});
     });

@@ -9,7 +9,7 @@ namespace treacle::test {
 class OwnFolder {
 public:
     OwnFolder() {
-        auto name = (std::filesystem::temp_directory_path() / "treacle_XXXXXX").string();
+        std::string name = (std::filesystem::temp_directory_path() / "treacle_").string() + std::string(6, 'X');
         if (mkdtemp(name.data()) == nullptr) std::abort();
         path_ = name;
     }
