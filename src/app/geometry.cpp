@@ -6,6 +6,7 @@
 #include "base/text.hpp"
 #include "grid/seeding.hpp"
 #include "sph/forces.hpp"
+#include "sph/near_pairs.hpp"
 #include "sph/slip_lattice.hpp"
 #include "sph/surface_tension.hpp"
 
@@ -277,8 +278,9 @@ sph::Constants make_constants(const Input& input) {
     out.number_density = lattice.number_density;
     out.laplacian_diagonal = lattice.laplacian_diagonal;
     const sph::WallSetup wall{input.method.kernel, domain.dimensions, out.support, domain.spacing, domain.spacing};
-    if (limiting_viscosity(input) > 0) out.wall_grip = sph::wall_grip(wall, input.method.density);
-    if (any_slip_length(input)) sph::measure_slip(wall, input.method.density, out);
+    const double viscous = sph::viscous_support(input.method, domain.spacing);
+    if (limiting_viscosity(input) > 0) out.wall_grip = sph::wall_grip(wall, input.method.density, viscous);
+    if (any_slip_length(input)) sph::measure_slip(wall, input.method.density, viscous, out);
     if (input.method.pressure.dirichlet == sph::DirichletRule::ghosts) {
         out.wall_cover = sph::wall_cover(wall, input.method.density);
     }

@@ -137,7 +137,7 @@ void ImplicitViscosity::start(const LiquidParticles& liquid) {
 }
 
 std::size_t ImplicitViscosity::bytes() const {
-    std::size_t out = operator_.bytes();
+    std::size_t out = operator_.bytes() + near_.bytes();
     if (blocks_) out += blocks_->bytes();
     if (matrix_) out += matrix_->bytes();
     for (const auto* array : {&residual_, &product_, &before_}) out += sizeof(double) * array->span();
@@ -146,9 +146,10 @@ std::size_t ImplicitViscosity::bytes() const {
     return out;
 }
 
-ImplicitViscosity::Result ImplicitViscosity::solve(const ViscousScene& scene, const Bodies& bodies, double dt) {
+ImplicitViscosity::Result ImplicitViscosity::solve(const ViscousScene& step, const Bodies& bodies, double dt) {
     const auto start = Clock::now();
     dt_ = dt;
+    const ViscousScene scene = near_.among(step);
     const ViscousParts parts{scene, bodies.load_points(), friction_, bodies.motion()};
     Result out;
     if (operator_.prepare(parts, dt) == 0) return out;

@@ -1,5 +1,6 @@
 #pragma once
 #include "solve/krylov.hpp"
+#include "sph/near_pairs.hpp"
 #include "sph/rigid_blocks.hpp"
 #include "sph/viscous_bodies.hpp"
 #include "sph/viscous_matrix.hpp"
@@ -73,6 +74,7 @@ private:
     double precondition(const LiquidParticles& liquid);
     std::vector<double> pull(const ViscousParts& parts);
 
+    NearPairs near_;
     ViscousOperator operator_;
     std::unique_ptr<RigidBlocks> blocks_; // null: the diagonal blocks alone precondition
     std::optional<ViscousMatrix> matrix_; // empty: products without a matrix

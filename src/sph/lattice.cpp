@@ -162,13 +162,13 @@ struct LayerSums {
 };
 template <class Kernel>
 LayerSums see_layer(const Kernel& kernel, const WallSetup& setup, double volume, double spacing, double height) {
-    const int reach = static_cast<int>(std::ceil(setup.support / spacing)) + 1;
+    const int reach = static_cast<int>(std::ceil(kernel.h / spacing)) + 1;
     const int depth = setup.dimensions == 3 ? reach : 0;
     LayerSums out;
     for (int k = -depth; k <= depth; ++k) {
         for (int i = -reach; i <= reach; ++i) {
             const double r = std::sqrt(spacing * spacing * double(i * i + k * k) + height * height);
-            if (r >= setup.support * edge) continue;
+            if (r >= kernel.h * edge) continue;
             out.push -= volume * kernel.gradient(r) * height;
             out.spread -= volume * kernel.gradient(r) * height * height;
         }
@@ -187,7 +187,7 @@ Layers see_layers(const Kernel& kernel, const WallSetup& setup, double gap) {
     const auto wall = measure_aligned(setup, gap);
     const double d = setup.spacing;
     Layers out{{{}}, {see_layer(kernel, setup, wall.wall_volume, setup.wall_spacing, gap)}, gap, d};
-    for (int layer = 1; layer <= static_cast<int>(std::ceil(setup.support / d)); ++layer) {
+    for (int layer = 1; layer <= static_cast<int>(std::ceil(kernel.h / d)); ++layer) {
         out.liquid.push_back(see_layer(kernel, setup, lattice.volume, d, layer * d));
         out.solid.push_back(see_layer(kernel, setup, wall.wall_volume, setup.wall_spacing, gap + layer * d));
     }
@@ -212,10 +212,10 @@ double layer_imbalance(const Layers& layers, double grip) {
 }
 } // namespace
 
-double wall_grip(const WallSetup& setup, const DensityOptions& density) {
+double wall_grip(const WallSetup& setup, const DensityOptions& density, double viscous_support) {
     const double gap = rest_gap(setup, density);
     double lo = 0, hi = 10;
-    with_kernel(setup.kind, setup.dimensions, setup.support, [&](const auto& kernel) {
+    with_kernel(setup.kind, setup.dimensions, viscous_support, [&](const auto& kernel) {
         const Layers layers = see_layers(kernel, setup, gap);
         for (int k = 0; k < 60; ++k) {
             const double grip = (lo + hi) / 2;

@@ -191,6 +191,8 @@ void ViscosityOptions::declare(Declaration& d) {
     d.number("checkerboard_damping", checkerboard_damping, unit::none, range_between(0, 1),
              "Share of the viscosity that acts on what `corrected` gradients do not see of the velocities around a "
              "particle.");
+    d.number("support_ratio", support_ratio, unit::none, range_between(1.5, 4),
+             "Support radius of the `corrected` form's sums in particle spacings, at most that of all others.");
     d.boolean("assembled", assembled,
               "Solve with the matrix, whose rows reach to the neighbours' neighbours (dissertation, Algorithm 8), and not "
               "with products that need none; up to 50 kB a particle.");

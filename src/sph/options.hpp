@@ -114,6 +114,7 @@ struct ViscosityOptions {
     ViscosityIntegration integration = ViscosityIntegration::automatic;
     ViscosityForm form = ViscosityForm::corrected;
     double checkerboard_damping = 1;   // kappa of the corrected form (README)
+    double support_ratio = 2.2;        // of the corrected form's sums, h / d
     bool assembled = false;            // the matrix with its second ring, in place of products without one
     ViscositySolver solver = ViscositySolver::conjugate_gradients;
     ViscosityPreconditioner preconditioner = ViscosityPreconditioner::rigid_blocks;

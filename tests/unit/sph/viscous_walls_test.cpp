@@ -43,8 +43,9 @@ void measure_walls(Sample& sample) {
     const auto& options = sample.setup.options;
     const WallSetup wall{options.kernel, c.dimensions, c.support, c.spacing, c.spacing};
     c.wall_depth = rest_gap(wall, options.density) - 0.5 * spacing;
-    c.wall_grip = wall_grip(wall, options.density);
-    measure_slip(wall, options.density, c);
+    const double viscous = viscous_support(options, c.spacing);
+    c.wall_grip = wall_grip(wall, options.density, viscous);
+    measure_slip(wall, options.density, viscous, c);
 }
 
 // A plane channel between the solids 0 below, at rest, and 1 above.
