@@ -62,7 +62,8 @@ struct InflowLoop {
             particles += weight * within(n);
             cells += weight;
         });
-        inflow(at) = rate * math::max(1 - particles / (full * cells) - slack, 0.0);
+        const double missing = 1 - particles / (full * cells);
+        inflow(at) = rate * (missing - math::max(-slack, math::min(slack, missing)));
     }
 };
 } // namespace

@@ -6,14 +6,15 @@
 namespace treacle::grid {
 
 struct ContractionOptions {
-    double steps = 10;   // in which sparse liquid is dense again; 0: never
-    double slack = 0.05; // share of the rest density that may be missing
+    double steps = 10;   // in which the density is that of rest again; 0: never
+    double slack = 0.05; // share of the rest density that may be missing, or too much
 };
 
 // Liquid that has become sparse draws together. What is torn, splashes, or is poured in jets thinner than the cells comes to
 // lie with its particles farther apart than the lattice's; velocities without divergence would keep it so, and its volume
-// too large. Within the liquid the projections aim at a divergence of -(deficit - slack)/(steps dt) in its place: the
-// missing share of particles, as a mean over a cell and those around it.
+// too large; and if liquid only drew together, what flows for long would be pressed together by the slack of the position
+// correction. Within the liquid the projections aim at a divergence of -(deficit - slack)/(steps dt) in its place, or of
+// (surplus - slack)/(steps dt): the share of particles missing or too much, as a mean over a cell and those around it.
 class Contraction {
 public:
     struct Scene {

@@ -107,10 +107,10 @@ void declare_correction(Declaration& d, GridOptions& options) {
 
 void declare_contraction(Declaration& d, ContractionOptions& options) {
     d.number("steps", options.steps, unit::none, range_at_least(0),
-             "Steps in which liquid that has become sparse, as what is torn or splashes does, draws together again; 0: never. "
-             "Fewer than 3 overshoot.");
+             "Steps in which liquid that has become sparse, as what is torn or splashes does, draws together again, and liquid "
+             "that has become too dense spreads; 0: never. Fewer than 3 overshoot.");
     d.number("slack", options.slack, unit::none, range_between(0, 1),
-             "Share of the rest density that may be missing: particles in motion are never spread quite evenly.");
+             "Share of the rest density that may be missing or too much: particles in motion are never spread quite evenly.");
 }
 } // namespace
 
