@@ -37,6 +37,38 @@ TEST(ImplicitViscosity, CorrectedFormKeepsRigidRotationOfDiscAndBall) {
 }
 
 namespace {
+// Row by row.
+void expect_near_pairs(const NeighbourList& near, const Pairs& pairs, int rows, double support) {
+    std::vector<int> expected;
+    for (int i = 0; i < rows; ++i) {
+        expected.clear();
+        pairs.each(i, [&](int j, double, double, double, double r2) {
+            if (std::sqrt(r2) < support) expected.push_back(j);
+        });
+        const std::vector<int> kept(near.index.data() + near.offset(i), near.index.data() + near.offset(i + 1));
+        ASSERT_EQ(kept, expected) << "row " << i;
+    }
+}
+} // namespace
+
+TEST(NearPairs, AreThoseWithinTheSupportOfTheViscousSums) {
+    for (const auto form : {ViscosityForm::corrected, ViscosityForm::adjoint}) {
+        ViscousCase one(two_liquids_on_a_wall(form));
+        const auto scene = one.scene();
+        NearPairs near;
+        const auto narrow = near.among(scene);
+        const double support = viscous_support(scene.options, spacing);
+        EXPECT_EQ(narrow.constants.support, support);
+        EXPECT_EQ(support, form == ViscosityForm::corrected ? 2.2 * spacing : scene.constants.support);
+        const auto& liquid = scene.liquid.store;
+        const auto& all = scene.neighbours;
+        expect_near_pairs(narrow.neighbours.liquid, pairs(all.liquid, liquid, liquid), liquid.owned(), support);
+        expect_near_pairs(narrow.neighbours.solid, pairs(all.solid, liquid, scene.solid.store), liquid.owned(), support);
+        EXPECT_EQ(narrow.neighbours.liquid.size < all.liquid.size, form == ViscosityForm::corrected);
+    }
+}
+
+namespace {
 // The error is of first order: a surface is known to a share of a spacing.
 void expect_heat_equation(double disc_radius, double ball_radius, double tolerance) {
     const BlobSetup disc{2, disc_radius, 0, ViscosityForm::laplacian}, ball{3, ball_radius, 0, ViscosityForm::laplacian};
