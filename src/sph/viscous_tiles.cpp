@@ -50,7 +50,7 @@ void write_stresses(const Array3& x, const Array3& y, const Array3& z, int first
     });
 }
 
-// The list and its weights are read once a product, faster than the processor foresees by itself: 260 bytes of each a row.
+// The list and its weights are read once a product, faster than the processor foresees by itself: 180 bytes of each a row.
 constexpr int row_ahead = 64, lines_ahead = 6;
 
 // sum += of each liquid particle around i what visit makes of its tile and of V0 |W'|/r.
