@@ -191,12 +191,18 @@ TEST_P(TransferCase, ViscositiesAreMeansOfTheParticlesAround) {
         if (here == 0) continue;
         ASSERT_GE(here, 2 * (1 - 1e-14));
         ASSERT_LE(here, 50 * (1 + 1e-14));
-        if (x[0] < 0.5 - 1.01 * dx) ASSERT_NEAR(here, 2, 1e-13 * 2);
-        if (x[0] > 0.5 + 1.01 * dx) ASSERT_NEAR(here, 50, 1e-13 * 50);
+        if (x[0] < 0.5 - 1.01 * dx) {
+            ASSERT_NEAR(here, 2, 1e-13 * 2);
+        }
+        if (x[0] > 0.5 + 1.01 * dx) {
+            ASSERT_NEAR(here, 50, 1e-13 * 50);
+        }
         (here < 2.001 ? pure[0] : here > 49.999 ? pure[1] : mixed) += 1;
         liquid.grid.edge(2, c, x.data());
         const double edge = shear(std::size_t(liquid.faces.window().index(c[0], c[1], c[2])));
-        if (edge != 0 && x[0] > 0.5 + 1.01 * dx) ASSERT_NEAR(edge, 50, 1e-13 * 50);
+        if (edge != 0 && x[0] > 0.5 + 1.01 * dx) {
+            ASSERT_NEAR(edge, 50, 1e-13 * 50);
+        }
     }
     for (const auto n : {pure[0], pure[1], mixed}) EXPECT_GT(liquid.decomposition.comm().sum(n), 0);
 }
@@ -219,7 +225,7 @@ TEST_P(TransferCase, MotionAlongCirclesHasTheOrderOfTheScheme) {
         Kokkos::deep_copy(velocity.axis[a], u);
     }
     const Advection base{FaceSampler(liquid.grid, window, velocity), liquid.solids.sampler(),
-                         make_domain_sides(liquid.grid, liquid.domain), {}};
+                         make_domain_sides(liquid.grid, liquid.domain), {}, {}};
     for (const auto& [scheme, order] : {std::pair(AdvectionScheme::euler, 2), {AdvectionScheme::ralston2, 3}, {AdvectionScheme::ralston3, 4}}) {
         Advection how = base;
         how.options.scheme = scheme;
@@ -274,7 +280,9 @@ TEST_P(TransferCase, WallsPushParticlesBackAndOpenSidesLetThemGo) {
         ASSERT_GE(x(i, 0), 0.049 * dx);
         ASSERT_GE(x(i, 1), 0);
         ASSERT_LT(x(i, 1), 1);
-        if (dimensions == 3) ASSERT_GE(x(i, 2), 0.049 * dx);
+        if (dimensions == 3) {
+            ASSERT_GE(x(i, 2), 0.049 * dx);
+        }
     }
     // To the open side: what is nearer than the way leaves, and is reported with its cause.
     tank.settle();
