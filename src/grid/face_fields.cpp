@@ -58,8 +58,20 @@ struct TurnLoop {
     Array<int> number;
     BodyMotion motion;
     FaceSampler from;
+    WallGrip grip;
     FaceField to;
 
+    // The velocity less that of the solid, there, of what falls linearly towards the surface.
+    KOKKOS_INLINE_FUNCTION double slide(int a, int c, int nearest, double depth, const double x[3], const double n[3], double u, double v) const {
+        const double b = grip.length(nearest >= 0 ? 6 + nearest : -1 - nearest), dx = grid.dx;
+        if (depth > 1.5 * dx || !(b < 1e300)) return u - v;
+        const double nu = math::max(grip.viscosity(c), grip.viscosity(c - faces.stride[a])) / grip.density * grip.dt, grown = nu / (nu + 0.25 * dx * dx);
+        double off[3] = {0, 0, 0}, w[3];
+        for (int k = 0; k < faces.dimensions; ++k) off[k] = x[k] + (depth + dx) * n[k];
+        motion.velocity(nearest, off, w);
+        const double there = from.component(a, off) - w[a];
+        return u - v + grown * ((b - depth) / (b + dx) * there - (u - v));
+    }
     KOKKOS_INLINE_FUNCTION void operator()(int i) const {
         int c[3];
         owned.cell(i, c);
@@ -68,7 +80,7 @@ struct TurnLoop {
             if (faces.open(a, static_cast<std::size_t>(at)) > 0) continue;
             double x[3], n[3], u[3], v[3];
             grid.face(a, c, x);
-            solid.at(x, n);
+            const double distance = solid.at(x, n);
             const double square = n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
             if (!(square > 1e-12)) continue; // in the middle of a solid
             // The fine node in the middle of the face.
@@ -76,22 +88,27 @@ struct TurnLoop {
             const int nearest = number(FineNodes::per_cell * at + (all & ~(1 << a)));
             motion.velocity(nearest, x, v);
             from.velocity(x, u);
+            const double steep = 1 / math::sqrt(square);
+            for (int k = 0; k < 3; ++k) n[k] *= steep;
             double along = 0;
-            for (int k = 0; k < faces.dimensions; ++k) along += (u[k] - v[k]) * n[k];
-            to.axis[a](at) = u[a] - along * n[a] / square;
+            for (int k = 0; k < faces.dimensions; ++k) {
+                u[k] = grip.any ? slide(k, at, nearest, math::max(-distance, 0.0), x, n, u[k], v[k]) : u[k] - v[k];
+                along += u[k] * n[k];
+            }
+            to.axis[a](at) = v[a] + u[a] - along * n[a];
         }
     }
 };
 } // namespace
 
 void turn_along_solids(const MacGrid& grid, CellHalo& halo, const Solids& solids, const PressureFaces& faces,
-                       const FaceField& velocity, FaceField& scratch) {
+                       const WallGrip& grip, const FaceField& velocity, FaceField& scratch) {
     const CellBox owned = halo.owned();
     if (!owned.empty()) {
         copy_faces(grid, halo.window(), velocity, scratch);
         Kokkos::parallel_for("treacle::turn_along_solids", static_cast<int>(owned.size()),
                              TurnLoop{grid, owned, faces, solids.sampler(), solids.number(), solids.motion(),
-                                      FaceSampler(grid, halo.window(), scratch), velocity});
+                                      FaceSampler(grid, halo.window(), scratch), grip, velocity});
     }
     gather_faces(grid, halo, velocity);
 }
@@ -105,17 +122,20 @@ void find_changes(int n, const Array<double>& velocity, const Array<double>& sta
     });
 }
 
-void add_changes(int n, const Array<double>& velocity, const Array<double>& start, const Array<double>& mass,
-                 const Array<double>& change, const Array<int>& known, const Array<int>& reached) {
-    Kokkos::parallel_for("treacle::add_changes", n, KOKKOS_LAMBDA(int i) {
-        if (known(i) != 0 || reached(i) == 0 || !(mass(i) > 0)) return;
+void add_changes(int axis, const PressureFaces& faces, const Continued& with, const Array<int>& known, const Array<double>& velocity) {
+    const auto start = with.start.axis[axis], mass = with.mass.axis[axis], change = with.change.axis[axis];
+    const auto reached = with.reached.axis[axis];
+    Kokkos::parallel_for("treacle::add_changes", static_cast<int>(faces.window.size()), KOKKOS_LAMBDA(int i) {
+        const bool in_air = faces.open(axis, static_cast<std::size_t>(i)) > 0;
+        if (known(i) != 0 || reached(i) == 0 || !(mass(i) > 0) || !in_air) return;
         velocity(i) = start(i) + change(i);
         known(i) = 1;
     });
 }
 } // namespace
 
-void continue_changes(const MacGrid& grid, CellHalo& halo, const Continued& with, FaceMarks& known, const FaceField& velocity) {
+void continue_changes(const MacGrid& grid, CellHalo& halo, const PressureFaces& faces, const Continued& with, FaceMarks& known,
+                      const FaceField& velocity) {
     const int n = static_cast<int>(halo.window().size());
     reserve_faces(with.change, grid, halo.window());
     for (int a = 0; a < grid.dimensions; ++a) {
@@ -123,10 +143,7 @@ void continue_changes(const MacGrid& grid, CellHalo& halo, const Continued& with
         find_changes(n, velocity.axis[a], with.start.axis[a], with.change.axis[a], known.axis[a], with.reached.axis[a]);
     }
     extrapolate(grid, halo, with.change, with.reached, 2);
-    for (int a = 0; a < grid.dimensions; ++a) {
-        add_changes(n, velocity.axis[a], with.start.axis[a], with.mass.axis[a], with.change.axis[a], known.axis[a],
-                    with.reached.axis[a]);
-    }
+    for (int a = 0; a < grid.dimensions; ++a) add_changes(a, faces, with, known.axis[a], velocity.axis[a]);
 }
 
 } // namespace treacle::grid

@@ -19,21 +19,31 @@ void accelerate(const MacGrid& grid, const CellBox& window, const std::array<dou
 // Marks the faces whose velocity the solves found: open ones beside liquid, and those with `wet` shares from `least` on.
 void mark_solved(const PressureFaces& faces, const FaceField& wet, double least, FaceMarks& known);
 
-// (A2) Collective: velocities of closed faces, found by extrapolation, lose what leads into or out of their solid, so that
-// particles near solids move along them. `scratch` takes a copy.
-void turn_along_solids(const MacGrid& grid, CellHalo& halo, const Solids& solids, const PressureFaces& faces,
-                       const FaceField& velocity, FaceField& scratch);
+// How solids hold the liquid along them, for a step of dt [s].
+struct WallGrip {
+    bool any = false;       // without viscosity: none
+    Array<double> length;   // [6 sides, then bodies] slip lengths [m], 0: grips, infinity: does not hold
+    Array<double> viscosity; // of cells [Pa s]
+    double density = 1, dt = 0;
+};
 
-// (A6) Collective: what the step has changed since `start` at the faces that are known goes on to faces around them that
+// (A2) Collective: velocities of closed faces, found by extrapolation, lose what leads into or out of their solid, so that
+// particles near solids move along them; and are those of a velocity that falls linearly to the solid's a slip length behind
+// its surface, as far as viscosity spreads within the step: nu dt over that and (dx/2)^2. `scratch` takes a copy.
+void turn_along_solids(const MacGrid& grid, CellHalo& halo, const Solids& solids, const PressureFaces& faces,
+                       const WallGrip& grip, const FaceField& velocity, FaceField& scratch);
+
+// (A6) Collective: what the step has changed since `start` at the faces that are known goes on to open faces around them that
 // particles gave a velocity, which have a mass: start + change, and known from then on. A mean of the neighbours'
-// velocities in its place would slow whatever turns.
+// velocities in its place would slow whatever turns. In solids no one would ever set such a face right.
 struct Continued {
     const FaceField& start;
     const FaceField& mass;
     FaceField& change; // scratch
     FaceMarks& reached; // scratch
 };
-void continue_changes(const MacGrid& grid, CellHalo& halo, const Continued& with, FaceMarks& known, const FaceField& velocity);
+void continue_changes(const MacGrid& grid, CellHalo& halo, const PressureFaces& faces, const Continued& with, FaceMarks& known,
+                      const FaceField& velocity);
 // Copies the numbers of the window.
 void copy_faces(const MacGrid& grid, const CellBox& window, const FaceField& from, FaceField& to);
 

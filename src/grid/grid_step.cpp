@@ -230,7 +230,7 @@ PressureScene GridStep::pressure_scene() {
 void GridStep::apply_viscosity(StepReport& report, double dt) {
     if (!viscous()) return;
     // Faces in solids that liquid slides along are unknowns too: what gravity made of them would drag the liquid down.
-    if (slip_.any()) continue_velocity();
+    if (slip_.any()) continue_velocity({});
     report.viscosity = viscosity_.solve(viscous_scene(), velocity_, bodies_, dt);
     report.viscous_loads = report.viscosity.loads;
     // Faces that hardly any liquid reaches have stresses and no mass: what the solve leaves there is arbitrary.
@@ -289,7 +289,7 @@ void GridStep::together(StepReport& report, double dt) {
         project(report, dt, Pressure::Surface::tense);
     }
     const auto phase = timers_.scope("viscosity");
-    if (slip_.any()) continue_velocity();
+    if (slip_.any()) continue_velocity({});
     problem.build(scene, velocity_, bodies_, dt);
     report.stokes = stokes_.solve({pressure_, problem, scene, dt}, velocity_, bodies_);
     gather_faces(grid_, cells_halo_, velocity_);
@@ -299,14 +299,14 @@ void GridStep::together(StepReport& report, double dt) {
 }
 
 // Velocities beyond the liquid's own faces, as far as particles may come in a step.
-void GridStep::continue_velocity() {
+void GridStep::continue_velocity(const WallGrip& grip) {
     const double least = viscous() ? least_wet : 2; // a pressure gives velocities to faces beside centres alone
     const auto faces = pressure_.describe(pressure_scene());
     mark_solved(faces, fractions_.face_wet, least, known_);
-    continue_changes(grid_, cells_halo_, {start_, mass_, scratch_, reached_}, known_, velocity_); // (A6)
+    continue_changes(grid_, cells_halo_, faces, {start_, mass_, scratch_, reached_}, known_, velocity_); // (A6)
     const int reach = static_cast<int>(std::ceil(setup_.options.cfl)) + 1;
     extrapolate(grid_, cells_halo_, velocity_, known_, reach);
-    turn_along_solids(grid_, cells_halo_, solids_, faces, velocity_, scratch_); // (A2)
+    turn_along_solids(grid_, cells_halo_, solids_, faces, grip, velocity_, scratch_); // (A2)
 }
 
 void GridStep::move(StepReport& report, double dt) {
@@ -368,7 +368,7 @@ StepReport GridStep::advance(double dt) {
     }
     {
         const auto phase = timers_.scope("move");
-        continue_velocity();
+        continue_velocity({viscous(), slip_.lengths(), viscosities_.cell, setup_.density, dt});
         move(report, dt); // (A4), (A5)
     }
     {

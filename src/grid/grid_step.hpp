@@ -121,7 +121,7 @@ private:
     bool viscous() const { return setup_.viscosity_varies || setup_.viscosity > 0 || rheology_.any(); }
     void find_viscosities_by_rate();
     void find_viscosities();
-    void continue_velocity();
+    void continue_velocity(const WallGrip& grip);
     void move(StepReport& report, double dt);
     void correct(StepReport& report);
     void collect(StepReport& report);

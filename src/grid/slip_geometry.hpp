@@ -27,6 +27,7 @@ public:
                 FractionMethod method);
     const SlipSolids& slip() const { return slip_; }
     const FaceShares& shares() const { return shares_; } // of bodies that grip
+    const Array<double>& lengths() const { return lengths_; } // [6 sides, then bodies] 0: grips, infinity: does not hold [m]
 
     // Part of update(); not private, since nvcc takes no kernel in a private function.
     void find_lengths(const Solids& solids);
