@@ -206,8 +206,35 @@ TEST_F(Steps, AreHeldUpByABodyAtRest) {
     EXPECT_LT(std::fabs(totals.momentum[1]) + std::fabs(totals.momentum[2]), 0.01 * pulled);
 }
 
-// A ball in a blob in free space: what the liquid loses the ball gets, but for half a percent in ten steps, since particles
-// weigh the faces at surfaces otherwise than the solves do, which lose nothing (pressure_bodies_test, viscosity_test).
+// Syrup spreads over a floor that grips, or that it slides along.
+TEST_F(Steps, LetParticlesAtAFloorMoveAsItHoldsThem) {
+    for (const auto slip : {scene::Slip::no_slip, scene::Slip::free_slip}) {
+        auto sample = sample_of(32, 2);
+        sample.setup.viscosity = 20;
+        sample.setup.domain.faces[2].slip = slip;
+        sample.liquid = [](const Vec3& x) { return std::max(x[0] - 0.3, x[1] - 0.4); };
+        auto step = started(comm, sample);
+        const double dx = sample.setup.domain.spacing;
+        for (double time = 0; time < 1;) {
+            const double dt = std::min(0.02, step->stable_step(1));
+            step->advance(dt);
+            time += dt;
+        }
+        double low = 0, most = 0; // fastest of the particles below a quarter of a cell, and of all
+        for (const auto& [id, state] : states(*step)) {
+            most = std::max(most, std::fabs(state[3]));
+            if (state[1] < 0.25 * dx) low = std::max(low, std::fabs(state[3]));
+        }
+        const double share = comm.max(low) / comm.max(most);
+        RecordProperty(slip == scene::Slip::no_slip ? "gripped" : "sliding", std::to_string(share));
+        if (slip == scene::Slip::no_slip) {
+            EXPECT_LT(share, 0.15);
+        } else {
+            EXPECT_GT(share, 0.8);
+        }
+    }
+}
+
 // Liquid falls around a ball that grips, or that it slides along.
 TEST_F(Steps, TreatAStaticBodyAsOneThatIsMovedNowhere) {
     for (const auto slip : {scene::Slip::no_slip, scene::Slip::free_slip}) {
@@ -229,6 +256,8 @@ TEST_F(Steps, TreatAStaticBodyAsOneThatIsMovedNowhere) {
     }
 }
 
+// A ball in a blob in free space: what the liquid loses the ball gets, but for half a percent in ten steps, since particles
+// weigh the faces at surfaces otherwise than the solves do, which lose nothing (pressure_bodies_test, viscosity_test).
 TEST_F(Steps, KeepTheMomentumOfLiquidAndBody) {
     auto sample = ball_of_liquid(20, 0.32);
     sample.setup.viscosity = 5;
