@@ -6,7 +6,7 @@
 namespace treacle::grid {
 
 struct ContractionOptions {
-    double steps = 10;   // in which the density is that of rest again; 0: never
+    double steps = 15;   // in which the density is that of rest again; 0: never
     double slack = 0.05; // share of the rest density that may be missing, or too much
 };
 

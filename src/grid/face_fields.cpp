@@ -61,16 +61,24 @@ struct TurnLoop {
     WallGrip grip;
     FaceField to;
 
-    // The velocity less that of the solid, there, of what falls linearly towards the surface.
-    KOKKOS_INLINE_FUNCTION double slide(int a, int c, int nearest, double depth, const double x[3], const double n[3], double u, double v) const {
-        const double b = grip.length(nearest >= 0 ? 6 + nearest : -1 - nearest), dx = grid.dx;
-        if (depth > 1.5 * dx || !(b < 1e300)) return u - v;
-        const double nu = math::max(grip.viscosity(c), grip.viscosity(c - faces.stride[a])) / grip.density * grip.dt, grown = nu / (nu + 0.25 * dx * dx);
-        double off[3] = {0, 0, 0}, w[3];
-        for (int k = 0; k < faces.dimensions; ++k) off[k] = x[k] + (depth + dx) * n[k];
-        motion.velocity(nearest, off, w);
-        const double there = from.component(a, off) - w[a];
-        return u - v + grown * ((b - depth) / (b + dx) * there - (u - v));
+    // u, relative to the solid at x in it, becomes that of a velocity that falls linearly to the solid's.
+    KOKKOS_INLINE_FUNCTION void hold(int solid_number, double depth, const double x[3], const double n[3], double u[3]) const {
+        const double dx = grid.dx;
+        if (solid_number == Solids::nothing || depth > 1.5 * dx) return;
+        const double length = grip.length(solid_number >= 0 ? 6 + solid_number : -1 - solid_number);
+        if (!math::isfinite(length)) return; // free slip
+        double off[3], there[3], moved[3];
+        int c[3] = {0, 0, from.window.lo[2]};
+        for (int k = 0; k < 3; ++k) off[k] = x[k] + (depth + dx) * n[k]; // a cell off the surface
+        for (int k = 0; k < faces.dimensions; ++k) {
+            const int cell = static_cast<int>(math::floor((off[k] - from.lower[k]) * from.inverse_width));
+            c[k] = math::min(math::max(cell, from.window.lo[k]), from.window.hi[k] - 1);
+        }
+        from.velocity(off, there);
+        motion.velocity(solid_number, off, moved);
+        const double spread = grip.viscosity(from.window.index(c[0], c[1], c[2])) / grip.density * grip.dt;
+        const double grown = spread / (spread + 0.25 * dx * dx), share = (length - depth) / (length + dx);
+        for (int k = 0; k < faces.dimensions; ++k) u[k] += grown * (share * (there[k] - moved[k]) - u[k]);
     }
     KOKKOS_INLINE_FUNCTION void operator()(int i) const {
         int c[3];
@@ -89,12 +97,10 @@ struct TurnLoop {
             motion.velocity(nearest, x, v);
             from.velocity(x, u);
             const double steep = 1 / math::sqrt(square);
-            for (int k = 0; k < 3; ++k) n[k] *= steep;
+            for (int k = 0; k < 3; ++k) n[k] *= steep, u[k] -= v[k];
+            if (grip.any) hold(nearest, math::max(-distance, 0.0), x, n, u);
             double along = 0;
-            for (int k = 0; k < faces.dimensions; ++k) {
-                u[k] = grip.any ? slide(k, at, nearest, math::max(-distance, 0.0), x, n, u[k], v[k]) : u[k] - v[k];
-                along += u[k] * n[k];
-            }
+            for (int k = 0; k < faces.dimensions; ++k) along += u[k] * n[k];
             to.axis[a](at) = v[a] + u[a] - along * n[a];
         }
     }
@@ -122,7 +128,8 @@ void find_changes(int n, const Array<double>& velocity, const Array<double>& sta
     });
 }
 
-void add_changes(int axis, const PressureFaces& faces, const Continued& with, const Array<int>& known, const Array<double>& velocity) {
+void add_changes(int axis, const PressureFaces& faces, const Continued& with, const Array<int>& known,
+                 const Array<double>& velocity) {
     const auto start = with.start.axis[axis], mass = with.mass.axis[axis], change = with.change.axis[axis];
     const auto reached = with.reached.axis[axis];
     Kokkos::parallel_for("treacle::add_changes", static_cast<int>(faces.window.size()), KOKKOS_LAMBDA(int i) {
