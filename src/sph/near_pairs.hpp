@@ -10,7 +10,8 @@ double viscous_support(const SphOptions& options, double spacing);
 // Those of a step's pairs that are within the support of the viscous sums, in the same order.
 class NearPairs {
 public:
-    // The scene with these pairs and this support; refers to this object, which may be the scene's own.
+    // The scene with these pairs and this support, which refers to this object until the next call; the scene as it is where all
+    // sums have one support. Local.
     ViscousScene among(const ViscousScene& scene);
 
     std::size_t bytes() const;

@@ -37,7 +37,7 @@ TEST(ImplicitViscosity, CorrectedFormKeepsRigidRotationOfDiscAndBall) {
 }
 
 namespace {
-// Row by row.
+// Row by row, those of `pairs` within the support, in their order.
 void expect_near_pairs(const NeighbourList& near, const Pairs& pairs, int rows, double support) {
     std::vector<int> expected;
     for (int i = 0; i < rows; ++i) {
