@@ -64,14 +64,15 @@ struct TurnLoop {
     // u, relative to the solid at x in it, becomes that of a velocity that falls linearly to the solid's.
     KOKKOS_INLINE_FUNCTION void hold(int solid_number, double depth, const double x[3], const double n[3], double u[3]) const {
         const double dx = grid.dx;
-        if (solid_number == Solids::nothing || depth > 1.5 * dx) return;
+        if (solid_number == Solids::nothing || depth > 1.25 * dx) return;
         const double length = grip.length(solid_number >= 0 ? 6 + solid_number : -1 - solid_number);
         if (!math::isfinite(length)) return; // free slip
         double off[3], there[3], moved[3];
         int c[3] = {0, 0, from.window.lo[2]};
         for (int k = 0; k < 3; ++k) off[k] = x[k] + (depth + dx) * n[k]; // a cell off the surface
         for (int k = 0; k < faces.dimensions; ++k) {
-            const int cell = static_cast<int>(math::floor((off[k] - from.lower[k]) * from.inverse_width));
+            const double beside = off[k] - 0.5 * dx * n[k]; // in the cell at the surface
+            const int cell = static_cast<int>(math::floor((beside - from.lower[k]) * from.inverse_width));
             c[k] = math::min(math::max(cell, from.window.lo[k]), from.window.hi[k] - 1);
         }
         from.velocity(off, there);
