@@ -65,7 +65,7 @@ struct TurnLoop {
     KOKKOS_INLINE_FUNCTION void hold(int solid_number, double depth, const double x[3], const double n[3], double u[3]) const {
         const double dx = grid.dx;
         if (solid_number == Solids::nothing || depth > 1.25 * dx) return;
-        const double length = grip.length(solid_number >= 0 ? 6 + solid_number : -1 - solid_number);
+        const double length = grip.length(Solids::place(solid_number));
         if (!math::isfinite(length)) return; // free slip
         double off[3], there[3], moved[3];
         int c[3] = {0, 0, from.window.lo[2]};

@@ -55,7 +55,7 @@ void SlipGeometry::find_lengths(const Solids& solids) {
     Kokkos::parallel_for("treacle::slip_lengths", static_cast<int>(n), KOKKOS_LAMBDA(int i) {
         const int nearest = number(FineNodes::per_cell * i + middle);
         body(i) = nearest >= 0 ? nearest : -1;
-        length(i) = nearest == Solids::nothing ? 0 : of(nearest >= 0 ? 6 + nearest : -1 - nearest);
+        length(i) = nearest == Solids::nothing ? 0 : of(Solids::place(nearest));
     });
 }
 
