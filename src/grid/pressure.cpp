@@ -56,7 +56,8 @@ struct JumpLoop {
 } // namespace
 
 Pressure::Pressure(const Comm& comm, const PressureOptions& options, Coupling coupling, int dimensions)
-    : comm_(comm), options_(options), coupling_kind_(coupling), multilevel_(comm, {.overcorrection = 1.75, .relaxation = 1.2}),
+    : comm_(comm), options_(options), coupling_kind_(coupling),
+      multilevel_(comm, {.overcorrection = 1.75, .relaxation = 1.2, .border_sweeps = true}),
       solver_(comm, "pressure", krylov(dimensions)) {}
 
 solve::KrylovOptions Pressure::krylov(int dimensions) {

@@ -61,18 +61,22 @@ void Level::refer_to(const Matrix& matrix) {
     global_rows = matrix.global_rows();
     own_ = {blocks.diagonal_offsets, blocks.diagonal_columns, blocks.diagonal_values};
     other_ = {blocks.off_offsets, blocks.off_columns, blocks.off_values};
-    find_diagonals();
+    find_places();
     borrowed_halo_ = blocks.halo;
     t.resize(static_cast<std::size_t>(rows));
 }
 
-void Level::find_diagonals() {
+void Level::find_places() {
     secured_.clear();
     diagonal_.resize(static_cast<std::size_t>(rows));
     for (Index i = 0; i < rows; ++i) {
         const Index* const begin = own_.columns + own_.offsets[i];
         const Index* const end = own_.columns + own_.offsets[i + 1];
         diagonal_[static_cast<std::size_t>(i)] = static_cast<Index>(std::lower_bound(begin, end, i) - own_.columns);
+    }
+    border_.clear();
+    for (Index i = 0; i < rows; ++i) {
+        if (other_.offsets[i] < other_.offsets[i + 1]) border_.push_back(i);
     }
 }
 
@@ -126,7 +130,7 @@ void Level::take(const Comm& comm, MadeRows& made, Index first, Index global) {
     }
     own_ = {own_store_.offsets.data(), own_store_.columns.data(), own_store_.values.data()};
     other_ = {other_store_.offsets.data(), other_store_.columns.data(), other_store_.values.data()};
-    find_diagonals();
+    find_places();
     halo_.connect(comm, first, others);
     for (auto* vector : {&r, &z, &t}) vector->resize(static_cast<std::size_t>(rows));
 }
@@ -150,9 +154,12 @@ void Level::sweep_down_from_zero(std::span<const double> r_, std::span<double> z
         scatter(columns, values, begin, diagonal, z_[at], t_.data());
         t_[at] += (divisor(at) - values[diagonal]) * z_[at];
     }
-    const auto around = halo().gather(z_);
-    for (Index i = 0; i < rows; ++i) {
-        if (other_.offsets[i] == other_.offsets[i + 1]) continue;
+    subtract_others(halo().gather(z_), t_);
+}
+
+// t -= A_off z, z of other ranks.
+void Level::subtract_others(std::span<const double> around, std::span<double> t_) const {
+    for (const Index i : border_) {
         t_[static_cast<std::size_t>(i)] -=
             gather_sum(other_.columns, other_.values, other_.offsets[i], other_.offsets[i + 1], around.data());
     }
@@ -181,6 +188,26 @@ void Level::sweep_up(std::span<const double> r_, std::span<double> z_) {
     }
 }
 
+void Level::sweep_border_down(std::span<double> z_, std::span<double> t_) {
+    change_.assign(static_cast<std::size_t>(rows), 0.0);
+    for (const Index i : border_) {
+        const auto at = static_cast<std::size_t>(i);
+        if (is_fixed(at)) continue;
+        change_[at] = divide(t_[at], divisor(at));
+        z_[at] += change_[at];
+        scatter(own_.columns, own_.values, own_.offsets[i], own_.offsets[i + 1], change_[at], t_.data());
+    }
+    subtract_others(halo().gather(change_), t_);
+}
+
+void Level::sweep_border_up(std::span<const double> r_, std::span<double> z_) {
+    const auto around = halo().gather(z_);
+    for (std::size_t k = border_.size(); k-- > 0;) {
+        const auto at = static_cast<std::size_t>(border_[k]);
+        if (!is_fixed(at)) z_[at] += divide(r_[at] - product(z_, around, at), divisor(at));
+    }
+}
+
 void Level::residual(std::span<const double> r_, std::span<const double> z_, std::span<double> t_) {
     const auto around = halo().gather(z_);
     for (std::size_t i = 0; i < static_cast<std::size_t>(rows); ++i) {
@@ -189,9 +216,11 @@ void Level::residual(std::span<const double> r_, std::span<const double> z_, std
 }
 
 std::size_t Level::bytes() const {
-    return own_store_.bytes() + other_store_.bytes() + halo_.bytes() + 16 * runs.capacity() +
-           8 * (keys.capacity() + walls.capacity() + centres.capacity() + r.capacity() + z.capacity() + t.capacity() + secured_.capacity()) +
-           fixed.capacity() + 4 * (halo_columns_.capacity() + diagonal_.capacity() + aggregate.capacity() + group.capacity());
+    std::size_t reals = keys.capacity(), indices = 0;
+    for (const auto* of : {&centres, &walls, &r, &z, &t, &secured_, &change_}) reals += of->capacity();
+    for (const auto* of : {&halo_columns_, &diagonal_, &border_, &aggregate, &group}) indices += of->capacity();
+    return own_store_.bytes() + other_store_.bytes() + halo_.bytes() + sizeof(Run) * runs.capacity() + fixed.capacity() +
+           8 * reals + 4 * indices;
 }
 
 } // namespace treacle::solve

@@ -73,6 +73,10 @@ public:
     // Sweeps from z. The values of other ranks are those before the sweep.
     void sweep_down(std::span<const double> r, std::span<double> z);
     void sweep_up(std::span<const double> r, std::span<double> z);
+    // Rows beside other ranks once more, with what these have come to: after sweep_down_from_zero or sweep_down, with its t, and
+    // before sweep_up.
+    void sweep_border_down(std::span<double> z, std::span<double> t);
+    void sweep_border_up(std::span<const double> r, std::span<double> z);
     // t = r - A z
     void residual(std::span<const double> r, std::span<const double> z, std::span<double> t);
 
@@ -107,12 +111,15 @@ public:
 private:
     double product(std::span<const double> z, std::span<const double> around, std::size_t row) const;
     double divisor(std::size_t row) const { return secured_.empty() ? own_.values[diagonal_[row]] : secured_[row]; }
-    void find_diagonals();
+    void find_places();
+    void subtract_others(std::span<const double> around, std::span<double> t) const;
 
     Block own_, other_;
     Csr own_store_, other_store_;
     std::vector<Index> halo_columns_; // scratch of take()
     std::vector<Index> diagonal_;     // place of the diagonal entry in own
+    std::vector<Index> border_;       // rows that couple to other ranks
+    std::vector<double> change_;      // [rows], scratch of sweep_border_down()
     std::vector<double> secured_;     // [rows] D'; or empty: D
     RowHalo halo_;
     RowHalo* borrowed_halo_ = nullptr; // the matrix's own

@@ -150,7 +150,9 @@ void Multilevel::State::cycle(std::size_t depth, std::span<const double> r, std:
     level.sweep_down_from_zero(r, z, level.t);
     for (int sweep = 1; sweep < sweeps; ++sweep) level.sweep_down(r, z);
     if (sweeps > 1) level.residual(r, z, level.t);
+    if (options->border_sweeps) level.sweep_border_down(z, level.t);
     if (!last) correct(depth, level.t, z);
+    if (options->border_sweeps) level.sweep_border_up(r, z);
     for (int sweep = 0; sweep < sweeps; ++sweep) level.sweep_up(r, z);
 }
 

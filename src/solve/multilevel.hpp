@@ -30,6 +30,7 @@ struct MultilevelOptions {
     Cycle cycle = Cycle::w;
     int coarse_sweeps = 1;                      // each way on coarse levels
     double relaxation = 1;                      // of Gauss-Seidel sweeps, on all levels; from 1 to below 2
+    bool border_sweeps = false;                 // rows beside other ranks once more between the sweeps, on all levels
     double grid_coupling = 1; // grids: n / (lambda H^2), n the rows of a full cell of width H [1/m2]
     int dense_rows = 200;     // most unknowns that are solved for directly
     int rows_per_rank = 500;  // levels with fewer on the mean are gathered onto every eighth rank
