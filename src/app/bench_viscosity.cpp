@@ -31,22 +31,13 @@ double sheet_on_pool(const Vec3& x) {
 }
 constexpr std::array<Scene, 3> scenes{{{"ball", 1e3, ball_over_pool}, {"ball", 1e5, ball_over_pool}, {"sheet", 1e5, sheet_on_pool}}};
 
-struct Word {
-    const char* word;
-    Preconditioner preconditioner;
-};
-constexpr std::array<Word, 5> words{{{"multilevel", Preconditioner::multilevel},
-                                     {"boomeramg", Preconditioner::boomeramg},
-                                     {"gamg", Preconditioner::gamg},
-                                     {"incomplete_cholesky", Preconditioner::incomplete_cholesky},
-                                     {"jacobi", Preconditioner::jacobi}}};
-
 Preconditioner find_preconditioner(const std::string& word) {
-    for (const auto& known : words) {
-        if (word == known.word) return known.preconditioner;
+    std::string known;
+    for (const auto& [name, preconditioner] : grid::preconditioners) {
+        if (word == name) return preconditioner;
+        known += (known.empty() ? "" : ", ") + name;
     }
-    throw InputError({"--preconditioner " + word, "is not known", "it names how the viscous system is solved",
-                      "multilevel, boomeramg, gamg, incomplete_cholesky or jacobi"});
+    throw InputError({"--preconditioner " + word, "is not known", "it names how the viscous system is solved", known});
 }
 
 // A number in [-1, 1) that depends on the place alone.

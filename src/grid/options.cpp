@@ -4,7 +4,6 @@
 
 namespace treacle::grid {
 
-namespace {
 const std::vector<std::pair<std::string, Preconditioner>> preconditioners{
     {"multilevel", Preconditioner::multilevel},
     {"boomeramg", Preconditioner::boomeramg},
@@ -12,6 +11,7 @@ const std::vector<std::pair<std::string, Preconditioner>> preconditioners{
     {"incomplete_cholesky", Preconditioner::incomplete_cholesky},
     {"jacobi", Preconditioner::jacobi}};
 
+namespace {
 void declare_residual(Declaration& d, double& residual, const std::string& text) {
     d.number("residual", residual, unit::none,
              range_between(1e-14, 0.1).because("rounding alone leaves about 1e-15", "1e-10 is very accurate already"), text);

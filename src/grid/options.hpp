@@ -4,6 +4,10 @@
 #include "grid/fractions.hpp"
 #include "grid/position_correction.hpp"
 
+#include <string>
+#include <utility>
+#include <vector>
+
 namespace treacle {
 class Declaration;
 }
@@ -16,6 +20,7 @@ enum class Coupling {
     one_way // bodies do not feel the liquid
 };
 enum class Preconditioner { multilevel, boomeramg, gamg, incomplete_cholesky, jacobi };
+extern const std::vector<std::pair<std::string, Preconditioner>> preconditioners; // by the words of scenes
 
 struct PressureOptions {
     Preconditioner preconditioner = Preconditioner::multilevel;
