@@ -41,7 +41,20 @@ std::vector<rigid::Probe> probes_of(const scene::Body& body, const scene::SolidR
     return probes;
 }
 
-rigid::BodySetup make_body(const scene::Body& body, const scene::SolidRegion& region, const Geometry& geometry) {
+// From the centre to the farthest corner of its bounds, which is no less than to its surface [m].
+double reach_of_bounds(const scene::SolidRegion& region, const Vec3& centre) {
+    const auto bounds = region.surface_bounds();
+    Vec3 most{};
+    for (std::size_t k = 0; k < static_cast<std::size_t>(region.dimensions()); ++k) {
+        most[k] = std::max(std::fabs(bounds.min[k] - centre[k]), std::fabs(bounds.max[k] - centre[k]));
+    }
+    return rigid::length(most);
+}
+
+enum class Contacts { possible, none };
+
+rigid::BodySetup make_body(const scene::Body& body, const scene::SolidRegion& region, const Geometry& geometry,
+                           Contacts contacts = Contacts::possible) {
     rigid::BodySetup out;
     out.name = body.name;
     out.kind = body.kind;
@@ -52,7 +65,9 @@ rigid::BodySetup make_body(const scene::Body& body, const scene::SolidRegion& re
     out.restitution = body.restitution;
     out.friction = body.friction;
     out.region = {region};
-    out.probes = probes_of(body, region, geometry);
+    // A mesh has thousands of probes; what rests where nothing falls needs none.
+    const bool probed = contacts == Contacts::possible || body.kind != scene::BodyKind::fixed || !region.closed();
+    if (probed) out.probes = probes_of(body, region, geometry);
     if (region.closed()) {
         const auto moments = region.moments();
         out.centre = body.pivot.value_or(moments.centre);
@@ -64,6 +79,7 @@ rigid::BodySetup make_body(const scene::Body& body, const scene::SolidRegion& re
             }
         }
     }
+    if (!probed) out.reach = reach_of_bounds(region, out.centre);
     for (const auto& probe : out.probes) {
         out.reach = std::max(out.reach, distance(probe.point, out.centre) + probe.radius);
     }
@@ -246,8 +262,9 @@ rigid::BodiesSetup make_bodies(const Input& input, const Geometry& geometry) {
     out.spacing = domain.spacing;
     out.gravity = domain.gravity;
     out.dimensions = domain.dimensions;
+    const auto contacts = std::ranges::any_of(input.scene.bodies, dynamic) ? Contacts::possible : Contacts::none;
     for (std::size_t b = 0; b < geometry.bodies.size(); ++b) {
-        out.bodies.push_back(make_body(input.scene.bodies[b], geometry.bodies[b], geometry));
+        out.bodies.push_back(make_body(input.scene.bodies[b], geometry.bodies[b], geometry, contacts));
     }
     out.joints = make_joints(input, out.bodies);
     const auto box = sph::make_domain_box(domain, 0);

@@ -46,11 +46,12 @@ double volume_of_particle(const grid::MacGrid& grid) {
 } // namespace
 
 GridSimulation::GridSimulation(const Comm& comm, const Input& input, const Geometry& geometry)
-    : input_(input), solver_(comm, make_setup(input, geometry)), points_(comm, geometry) {}
+    : input_(input), solver_(comm, make_setup(input, geometry)), geometry_(geometry) {}
 
 const ParticleStore& GridSimulation::solid_points() {
-    points_.place(solver_.bodies());
-    return points_.store();
+    if (!points_) points_.emplace(comm(), geometry_);
+    points_->place(solver_.bodies());
+    return points_->store();
 }
 
 std::vector<std::string> GridSimulation::fill(const Geometry& geometry) {

@@ -3,12 +3,14 @@
 #include "app/solid_points.hpp"
 #include "grid/grid_step.hpp"
 
+#include <optional>
+
 namespace treacle::app {
 
 // The MAC/APIC solver.
 class GridSimulation final : public Simulation {
 public:
-    // The input must outlive this object.
+    // Both must outlive this object.
     GridSimulation(const Comm& comm, const Input& input, const Geometry& geometry);
 
     const Comm& comm() const override { return solver_.comm(); }
@@ -39,7 +41,8 @@ private:
 
     const Input& input_;
     grid::GridStep solver_;
-    SolidPoints points_;
+    const Geometry& geometry_;
+    std::optional<SolidPoints> points_; // made when they are asked for: a run without frames needs none
     double warned_ = 0; // residual that the last warning was about
 };
 

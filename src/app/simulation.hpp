@@ -79,7 +79,7 @@ public:
 };
 
 // For the method of the scene, without particles. Collective. The reference speed is that of the artificial viscosity of
-// method sph. The geometry is needed where bodies move.
+// method sph. Input and geometry must outlive what is returned; the geometry is needed where bodies move, or with method grid.
 std::unique_ptr<Simulation> make_simulation(const Comm& comm, const Input& input, double reference_speed,
                                             const Geometry& geometry);
 

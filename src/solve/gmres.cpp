@@ -10,6 +10,8 @@ namespace treacle::solve {
 namespace {
 // A restart that takes less than this off of the residual has come to its end.
 constexpr double least_gain = 0.02;
+// Rows that are looked at with all vectors before the next ones: what they have of the new vector stays in the cache.
+constexpr std::size_t block_rows = 1024;
 // Of a vector, what may be left after a subtraction without a second one (Daniel et al. 1976).
 constexpr double cancels = 0.5;
 
@@ -28,6 +30,11 @@ void add(double factor, std::span<const double> from, std::span<double> to) {
     double* const v = to.data();
 #pragma omp simd
     for (std::size_t i = 0; i < to.size(); ++i) v[i] += factor * u[i];
+}
+
+template <class Work>
+void each_block(std::size_t rows, const Work& work) {
+    for (std::size_t from = 0; from < rows; from += block_rows) work(from, std::min(block_rows, rows - from));
 }
 
 // The small least squares problem: R of the Hessenberg matrix by rotations, column by column.
@@ -77,6 +84,15 @@ std::span<double> Gmres::basis(std::size_t k, std::size_t rows) {
     return basis_[k];
 }
 
+// w -= the first vectors by products_.
+void Gmres::subtract(std::span<double> w, std::size_t count) const {
+    each_block(w.size(), [&](std::size_t from, std::size_t rows) {
+        for (std::size_t k = 0; k < count; ++k) {
+            add(-products_[k], std::span<const double>(basis_[k]).subspan(from, rows), w.subspan(from, rows));
+        }
+    });
+}
+
 // w loses its parts along the first vectors, which h gets; returns what is left of its length. One sum over the ranks, or
 // two where much cancels.
 double Gmres::orthogonalise(const Operator& a, std::size_t count, std::span<double> w, std::span<double> h) {
@@ -84,12 +100,17 @@ double Gmres::orthogonalise(const Operator& a, std::size_t count, std::span<doub
     double left = 0;
     for (int pass = 0; pass < 2; ++pass) {
         products_.assign(count + 1, 0.0);
-        for (std::size_t k = 0; k < count; ++k) products_[k] = weighted(a.weights, basis_[k], w);
-        products_[count] = weighted(a.weights, w, w);
+        each_block(w.size(), [&](std::size_t from, std::size_t rows) {
+            const std::span<const double> weights = a.weights.subspan(from, rows), part = w.subspan(from, rows);
+            for (std::size_t k = 0; k < count; ++k) {
+                products_[k] += weighted(weights, std::span<const double>(basis_[k]).subspan(from, rows), part);
+            }
+            products_[count] += weighted(weights, part, part);
+        });
         comm_.sum(std::span(products_));
         left = products_[count];
+        subtract(w, count);
         for (std::size_t k = 0; k < count; ++k) {
-            add(-products_[k], basis_[k], w);
             h[k] += products_[k];
             left -= products_[k] * products_[k];
         }

@@ -17,7 +17,7 @@ struct Operator {
 
 struct GmresOptions {
     int max_iterations = 200;
-    int restart = 40; // vectors that are kept
+    int restart = 80; // most vectors that are kept; room is made as they come
 };
 
 // Generalised minimal residuals, preconditioned from the right and restarted (Saad & Schultz 1986; Saad 2003, algorithm
@@ -36,6 +36,7 @@ public:
 
 private:
     double orthogonalise(const Operator& a, std::size_t count, std::span<double> w, std::span<double> h);
+    void subtract(std::span<double> w, std::size_t count) const;
     std::span<double> basis(std::size_t k, std::size_t rows);
 
     Comm comm_;

@@ -39,8 +39,9 @@ def wall_corrected(viscosity, tube):
 
 
 def fall(context, folder, viscosity, cells, *, tube=False, coupling="strong", solve="together"):
-    """Velocity of the ball after its start [m/s], with steps that its velocity at the end asks for, not its start. In the box of
-    the tube, since that of scene.yaml is so short that its surface lets the ball sink 7 % faster."""
+    """Velocity of the ball after its start, or the fastest one where the coupling lets it reach the floor [m/s], with steps
+    that its velocity at the end asks for, not its start. In the box of the tube, since that of scene.yaml is so short that its
+    surface lets the ball sink 7 % faster."""
     relaxation = 2 / 9 * (DENSITIES[1] + DENSITIES[0] / 2) * RADIUS**2 / viscosity
     end = min(max(15 * relaxation, STEPS * STEP), LONGEST)
     run = run_scene(context, context.root / "inputs/falling_ball/tube.yaml",
@@ -48,11 +49,13 @@ def fall(context, folder, viscosity, cells, *, tube=False, coupling="strong", so
                     set={"liquids.syrup.viscosity": viscosity, "domain.spacing": RADIUS / cells, "time.step": STEP,
                          "time.end": end, "output.interval": 0, "method.grid.coupling": coupling,
                          "method.grid.stokes.solve": solve, **({} if tube else BOX)}, timeout=4 * 3600)
-    return -float(run.bodies()["ball velocity z"][-1])
+    down = -run.bodies()["ball velocity z"]
+    return float(down[-1] if coupling == "strong" else down.max())
 
 
 def falling_ball(context):
-    """Below Re = 1 against the wall-corrected value; at 10 Pa s printed alone, since inertia counts there."""
+    """Below Re = 1 against the wall-corrected value; at 10 Pa s printed alone, since inertia counts there, and weak coupling
+    is near enough: 14 % off in table 5.1, 375 % and more at higher viscosities."""
     parts, ok = [], True
     with scratch(context, "falling_ball") as folder:
         for viscosity in VISCOSITIES[1:3] if context.quick else VISCOSITIES:
@@ -67,7 +70,7 @@ def falling_ball(context):
                              + ", ".join(f"{100 * (v / right - 1):+.1f} %" for v in found))
             # As in table 5.1: two ways by pressure and viscosity one after the other, weak or none.
             weak = [fall(context, folder, viscosity, sizes[0], coupling=coupling, solve="split") for coupling in ("weak", "one_way")]
-            ok = ok and all(abs(v / right - 1) > 0.5 for v in weak)
+            ok = ok and (viscosity <= 10 or all(v > 1.5 * right for v in weak))
             parts.append(f"{viscosity:g} Pa s: " + "; ".join(words) + f"; weak {weak[0]:.3g}, one-way {weak[1]:.3g}; "
                          f"the dissertation {PRINTED[viscosity][0]:g} in its box")
     return Figure(f"6 cells a radius, and 12 at {FINE:g} Pa s: " + "; ".join(parts), ok)
