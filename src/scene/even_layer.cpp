@@ -56,8 +56,7 @@ std::size_t PointGrid::slot_of(const Cell& cell) const {
     std::uint64_t hash = 0;
     for (const std::int64_t c : cell) hash = (hash ^ static_cast<std::uint64_t>(c)) * 0x9E3779B97F4A7C15ull;
     std::size_t slot = mix(hash) & (head_.size() - 1);
-    const auto differs = [&](const Cell& key) { return ((key[0] ^ cell[0]) | (key[1] ^ cell[1]) | (key[2] ^ cell[2])) != 0; };
-    while (head_[slot] >= 0 && differs(keys_[slot])) slot = (slot + 1) & (head_.size() - 1);
+    while (head_[slot] >= 0 && keys_[slot] != cell) slot = (slot + 1) & (head_.size() - 1);
     return slot;
 }
 

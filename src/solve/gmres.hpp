@@ -17,7 +17,7 @@ struct Operator {
 
 struct GmresOptions {
     int max_iterations = 200;
-    int restart = 80; // most vectors that are kept; room is made as they come
+    int restart = 40; // vectors that are kept
 };
 
 // Generalised minimal residuals, preconditioned from the right and restarted (Saad & Schultz 1986; Saad 2003, algorithm

@@ -75,6 +75,7 @@ void Level::find_places() {
         diagonal_[static_cast<std::size_t>(i)] = static_cast<Index>(std::lower_bound(begin, end, i) - own_.columns);
     }
     border_.clear();
+    change_.clear();
     for (Index i = 0; i < rows; ++i) {
         if (other_.offsets[i] < other_.offsets[i + 1]) border_.push_back(i);
     }
@@ -189,7 +190,7 @@ void Level::sweep_up(std::span<const double> r_, std::span<double> z_) {
 }
 
 void Level::sweep_border_down(std::span<double> z_, std::span<double> t_) {
-    change_.assign(static_cast<std::size_t>(rows), 0.0);
+    change_.resize(static_cast<std::size_t>(rows)); // other ranks ask for border rows alone: the rest stays zero
     for (const Index i : border_) {
         const auto at = static_cast<std::size_t>(i);
         if (is_fixed(at)) continue;

@@ -119,7 +119,7 @@ private:
     std::vector<Index> halo_columns_; // scratch of take()
     std::vector<Index> diagonal_;     // place of the diagonal entry in own
     std::vector<Index> border_;       // rows that couple to other ranks
-    std::vector<double> change_;      // [rows], scratch of sweep_border_down()
+    std::vector<double> change_;      // [rows], of sweep_border_down(): zero but for border rows
     std::vector<double> secured_;     // [rows] D'; or empty: D
     RowHalo halo_;
     RowHalo* borrowed_halo_ = nullptr; // the matrix's own
