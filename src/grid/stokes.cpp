@@ -55,8 +55,8 @@ void forces(const PressureFaces& faces, const Array<int>& place_of, int n, doubl
     });
 }
 
-solve::GmresOptions gmres_options(const StokesOptions& options) {
-    solve::GmresOptions out;
+solve::IdrOptions idr_options(const StokesOptions& options) {
+    solve::IdrOptions out;
     out.max_iterations = options.max_iterations;
     return out;
 }
@@ -137,7 +137,7 @@ struct Stokes::System {
 };
 
 Stokes::Stokes(const Comm& comm, const StokesOptions& options)
-    : comm_(comm), options_(options), gmres_(comm, gmres_options(options)) {}
+    : comm_(comm), options_(options), idr_(comm, idr_options(options)) {}
 
 void Stokes::make_room(const Parts& parts) {
     const auto& window = parts.scene.halo.window();
@@ -185,7 +185,7 @@ void Stokes::choose_guess(const System& system) {
     residual_.resize(x_.size());
     system.multiply(x_, residual_);
     for (std::size_t k = 0; k < x_.size(); ++k) residual_[k] = b_[k] - residual_[k];
-    if (!(gmres_.norm(operator_, residual_) < gmres_.norm(operator_, b_))) std::fill(x_.begin(), x_.end(), 0.0);
+    if (!(idr_.norm(operator_, residual_) < idr_.norm(operator_, b_))) std::fill(x_.begin(), x_.end(), 0.0);
 }
 
 void Stokes::check(const solve::SolveReport& report, std::int64_t unknowns) const {
@@ -210,7 +210,7 @@ StokesReport Stokes::solve(const Parts& parts, const FaceField& velocity, rigid:
     load(system, velocity, bodies);
     choose_guess(system);
     const double before = seconds_since(start);
-    report.solve = gmres_.solve(operator_, b_, x_, options_.residual);
+    report.solve = idr_.solve(operator_, b_, x_, options_.residual);
     report.solve.set_up_seconds = before;
     operator_ = {};
     check(report.solve, report.unknowns);
@@ -225,7 +225,7 @@ std::size_t Stokes::bytes() const {
     std::size_t numbers = faces_.span() + cells_.span();
     for (const auto* vector : {&b_, &x_, &weights_, &stiffness_, &scratch_, &residual_}) numbers += vector->capacity();
     for (int a = 0; a < 3; ++a) numbers += velocity_.axis[a].span() + push_.axis[a].span();
-    return 8 * numbers + gmres_.bytes();
+    return 8 * numbers + idr_.bytes();
 }
 
 } // namespace treacle::grid

@@ -1,7 +1,7 @@
 #pragma once
 #include "grid/pressure.hpp"
 #include "grid/viscous_problem.hpp"
-#include "solve/gmres.hpp"
+#include "solve/idr.hpp"
 
 #include <span>
 #include <vector>
@@ -48,7 +48,7 @@ private:
 
     Comm comm_;
     StokesOptions options_;
-    solve::Gmres gmres_;
+    solve::Idr idr_;
     solve::Operator operator_;
     std::vector<double> b_, x_, weights_, stiffness_, scratch_, residual_;
     FaceField velocity_, push_;

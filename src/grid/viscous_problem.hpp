@@ -1,4 +1,5 @@
 #pragma once
+#include "grid/mechanisms.hpp"
 #include "grid/viscous_bodies.hpp"
 #include "solve/component_split.hpp"
 #include "solve/rigid_multilevel.hpp"
@@ -66,6 +67,7 @@ private:
     ViscosityOptions options_;
     Coupling coupling_;
     solve::RigidMultilevel multilevel_;
+    Mechanisms mechanisms_;
     solve::ComponentSplit components_;
     solve::KrylovSolver solver_;
     BodyMotion motion_;

@@ -18,6 +18,7 @@ public:
 
     int faces() const { return free_; }        // rows of this rank that are faces
     int rows() const { return free_ + extra_; } // all
+    const CellBox& owned() const { return owned_; }
     std::int64_t first_row() const { return first_row_; }
     std::int64_t global_rows() const { return global_rows_; }
     int extra() const { return extra_; } // on this rank
