@@ -165,7 +165,10 @@ void Mechanisms::build(const Comm& comm, const ViscousFaces& faces, const Viscou
         inverse_.push_back(motions(m).inverse);
     }
     std::int64_t own = 0;
-    for (std::size_t m = 0; m < inverse_.size(); ++m) own += std::int64_t{members_[first_[m]].place >= 0 && members_[first_[m]].place < rows_};
+    for (std::size_t m = 0; m < inverse_.size(); ++m) {
+        const int face = members_[first_[m]].place;
+        own += std::int64_t{face >= 0 && face < rows_};
+    }
     count_ = comm.sum(own);
     connect(comm, first_row);
     strength_.assign(shared_ ? static_cast<std::size_t>(system.rows()) : 0, 0.0);

@@ -228,7 +228,8 @@ SolveReport Idr::solve(const Operator& a, std::span<const double> b, std::span<d
         if (!std::isfinite(residual)) end(Outcome::non_finite, "the system or an iterate is not finite");
         // Rounding lets the residual of the recurrence be smaller than that of x.
         else if (residual <= (cycle == 0 ? 1.0 : 1.01) * target || residual == 0) end(Outcome::converged, "converged");
-        else if (report.iterations >= options_.max_iterations) end(Outcome::iteration_limit, "not converged within the limit of iterations");
+        else if (report.iterations >= options_.max_iterations)
+            end(Outcome::iteration_limit, "not converged within the limit of iterations");
         else if (vain == most_vain_cycles) end(Outcome::stagnated, "the residual does not fall any more");
         else {
             draw_shadows(a, cycle);

@@ -14,7 +14,8 @@ ViscousSample ragged_ball() {
     while (drops.size() < 600) {
         const Vec3 x{part(random), part(random), part(random)};
         const double length = std::hypot(x[0], x[1], x[2]);
-        if (length > 0.1 && length < 1) drops.push_back({0.5 + 0.41 * x[0] / length, 0.5 + 0.41 * x[1] / length, 0.5 + 0.41 * x[2] / length});
+        if (length < 0.1 || length > 1) continue;
+        drops.push_back({0.5 + 0.41 * x[0] / length, 0.5 + 0.41 * x[1] / length, 0.5 + 0.41 * x[2] / length});
     }
     sample.cells = 26;
     sample.liquid = [=](const Vec3& x) {
