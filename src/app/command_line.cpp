@@ -329,6 +329,9 @@ void add_bench(CLI::App& program, Chosen& chosen) {
     app.add_option("--cells", words->viscosity.cells, "viscosity: along each side of the cube, one or several; default 96")
         ->check(CLI::Range(8, 1000))
         ->type_name("NUMBER");
+    app.add_option("--repeats", words->viscosity.repeats, "viscosity: solves of each case, whose median counts; default 1")
+        ->check(CLI::Range(1, 1000))
+        ->type_name("NUMBER");
     app.add_option("--stiffness", words->viscosity.stiffness,
                    "viscosity: nu dt/dx2, one or several, in place of 1e3 and 1e5 Pa s with dt 0.01 s")
         ->check(CLI::PositiveNumber)

@@ -25,8 +25,7 @@ struct MechanismLoop {
     CellBox cells;
     Array<int> row_of[3];
     int first, rows;
-    Array<Mechanisms::Motion> out;
-    bool write;
+    Array<Mechanisms::Motion> out; // as many as it has room for
 
     template <class Use>
     KOKKOS_INLINE_FUNCTION void each_stress(int a, std::ptrdiff_t i, const Use& use) const {
@@ -62,6 +61,7 @@ struct MechanismLoop {
     }
     // Whether a face has one stress and no other.
     KOKKOS_INLINE_FUNCTION bool loose(int a, std::ptrdiff_t i) const {
+        if (faces.normal(i) > 0 && faces.normal(i - faces.stride[a]) > 0) return false; // most faces
         int stresses = 0;
         faces.each_stress(a, i, faces.normal, faces.shear, [&](double w) { stresses += static_cast<int>(w > 0); });
         return stresses == 1 && free(a, i);
@@ -116,7 +116,7 @@ struct MechanismLoop {
                 here = here || (motion.row[k] >= first && motion.row[k] < first + rows);
             }
             if (!here) continue;
-            if (last && write) out(sum) = motion;
+            if (last && sum < static_cast<int>(out.extent(0))) out(sum) = motion;
             ++sum;
         }
     }
@@ -144,15 +144,16 @@ void Mechanisms::connect(const Comm& comm, std::int64_t first_row) {
 void Mechanisms::build(const Comm& comm, const ViscousFaces& faces, const ViscousSystem& system, const CellBox& owned) {
     rows_ = system.faces();
     const int first_row = static_cast<int>(system.first_row());
-    MechanismLoop loop{faces, grown(owned, owned.empty() ? 0 : 1, faces.dimensions), {}, first_row, rows_, found_, false};
+    MechanismLoop loop{faces, grown(owned, owned.empty() ? 0 : 1, faces.dimensions), {}, first_row, rows_, found_};
     for (int a = 0; a < faces.dimensions; ++a) loop.row_of[a] = system.row_of(a);
     const int n = static_cast<int>(loop.cells.size());
     int found = 0;
-    Kokkos::parallel_scan("treacle::count_mechanisms", n, loop, found);
-    reserve(found_, static_cast<std::size_t>(found));
-    loop.out = found_;
-    loop.write = true;
     Kokkos::parallel_scan("treacle::find_mechanisms", n, loop, found);
+    if (static_cast<std::size_t>(found) > found_.extent(0)) { // the room of the step before does not do
+        reserve(found_, static_cast<std::size_t>(found));
+        loop.out = found_;
+        Kokkos::parallel_scan("treacle::find_mechanisms", n, loop, found);
+    }
     const auto motions = on_host(found_);
     members_.clear();
     first_.assign(1, 0);
