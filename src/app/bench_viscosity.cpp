@@ -9,8 +9,6 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
-#include <tuple>
-#include <utility>
 
 namespace treacle::app {
 
@@ -132,7 +130,7 @@ struct Figures {
     int cells;
     double stiffness;
     grid::ViscosityReport report;
-    double product = 0, set_up = 0, seconds = 0; // [s], of the slowest rank
+    double product = 0, set_up = 0, work = 0; // [s], of the slowest rank; [products]; [products], set-up included
 };
 
 double product_seconds(const Comm& comm, const solve::Matrix& matrix) {
@@ -160,24 +158,30 @@ Figures measure(const Comm& comm, Setting& setting, const Scene& scene, double v
     const double dx = setting.grid.dx;
     Figures out{word, scene.name, static_cast<int>(std::lround(1 / dx)), viscosity / density * time_step / (dx * dx), {}};
     setting.set_viscosity(viscosity);
-    std::vector<std::pair<double, double>> seconds; // all, set-up
+    struct Timed {
+        double work, set_up, product; // [products], [products], [s]
+    };
+    std::vector<Timed> timed;
     for (int k = 0; k < request.repeats; ++k) {
         setting.set_velocity();
         out.report = solver.solve({setting.grid, setting.halo, setting.fractions, setting.shares, setting.viscosities, density},
                                   setting.velocity, bodies, time_step);
         const auto& solve = out.report.solve;
-        seconds.emplace_back(comm.max(solve.set_up_seconds + solve.iteration_seconds), comm.max(solve.set_up_seconds));
+        const double product = product_seconds(comm, *solver.matrix()); // at once, while the machine is as it was
+        timed.push_back({comm.max(solve.set_up_seconds + solve.iteration_seconds) / product, comm.max(solve.set_up_seconds) / product, product});
     }
-    std::sort(seconds.begin(), seconds.end());
-    std::tie(out.seconds, out.set_up) = seconds[seconds.size() / 2];
-    out.product = product_seconds(comm, *solver.matrix());
+    std::sort(timed.begin(), timed.end(), [](const Timed& a, const Timed& b) { return a.work < b.work; });
+    const auto& median = timed[timed.size() / 2];
+    out.work = median.work;
+    out.set_up = median.set_up;
+    out.product = median.product;
     return out;
 }
 
 void print(const Figures& f) {
     std::printf("%-20s %-6s %5d %10.2e %10lld %9.1f %10d %11.1f %10.1f %11.2f\n", f.preconditioner.c_str(), f.scene, f.cells,
                 f.stiffness, static_cast<long long>(f.report.unknowns), double(f.report.entries) / double(f.report.unknowns),
-                f.report.solve.iterations, f.set_up / f.product, f.seconds / f.product, 1e3 * f.product);
+                f.report.solve.iterations, f.set_up, f.work, 1e3 * f.product);
     std::fflush(stdout);
 }
 
@@ -191,8 +195,8 @@ io::Value values(const std::vector<Figures>& all, int ranks) {
                                       {"unknowns", f.report.unknowns},
                                       {"entries", f.report.entries},
                                       {"iterations", std::int64_t{f.report.solve.iterations}},
-                                      {"set-up [WU]", f.set_up / f.product},
-                                      {"work [WU]", f.seconds / f.product},
+                                      {"set-up [WU]", f.set_up},
+                                      {"work [WU]", f.work},
                                       {"one WU [s]", f.product}}));
     }
     return io::Value::object({{"bench", "viscosity"}, {"ranks", std::int64_t{ranks}}, {"solves", solves}});
