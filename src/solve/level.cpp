@@ -36,7 +36,7 @@ inline void fetch(const Index* columns, const double* values, Index begin, Index
     for (Index k = begin; k < end; k += line / 4) __builtin_prefetch(columns + k);
 }
 
-double divide(double sum, double diagonal) { return diagonal > 0 ? sum / diagonal : 0.0; }
+double inverse(double diagonal) { return diagonal > 0 ? 1 / diagonal : 0.0; }
 } // namespace
 
 CellKey cell_key(const int cell[3]) {
@@ -74,6 +74,8 @@ void Level::find_places() {
         const Index* const end = own_.columns + own_.offsets[i + 1];
         diagonal_[static_cast<std::size_t>(i)] = static_cast<Index>(std::lower_bound(begin, end, i) - own_.columns);
     }
+    inverse_.resize(static_cast<std::size_t>(rows));
+    for (Index i = 0; i < rows; ++i) inverse_[static_cast<std::size_t>(i)] = inverse(diagonal(i));
     border_.clear();
     change_.clear();
     for (Index i = 0; i < rows; ++i) {
@@ -96,6 +98,7 @@ void Level::secure_sweeps(double relaxation) {
         }
         own = std::max(given / relaxation + beside * sum, 0.5 * (given + sum));
     }
+    for (std::size_t i = 0; i < secured_.size(); ++i) inverse_[i] = inverse(secured_[i]);
 }
 
 void Level::take(const Comm& comm, MadeRows& made, Index first, Index global) {
@@ -150,10 +153,10 @@ void Level::sweep_down_from_zero(std::span<const double> r_, std::span<double> z
         // Hardware that fetches ahead along the arrays would go on into the half that is not read.
         if (i + ahead < rows) fetch(columns, values, own_.offsets[i + ahead], diagonal_[at + ahead]);
         const double sum = r_[at] - gather_sum(columns, values, begin, diagonal, z_.data());
-        z_[at] = divide(sum, divisor(at));
+        z_[at] = sum * inverse_[at];
         // What is left is -U z + (D' - D) z, U the transpose of the part of the row that was just read.
         scatter(columns, values, begin, diagonal, z_[at], t_.data());
-        t_[at] += (divisor(at) - values[diagonal]) * z_[at];
+        if (!secured_.empty()) t_[at] += (secured_[at] - values[diagonal]) * z_[at];
     }
     subtract_others(halo().gather(z_), t_);
 }
@@ -175,7 +178,7 @@ double Level::product(std::span<const double> z_, std::span<const double> around
 void Level::sweep_down(std::span<const double> r_, std::span<double> z_) {
     const auto around = halo().gather(z_);
     for (std::size_t i = 0; i < static_cast<std::size_t>(rows); ++i) {
-        if (!is_fixed(i)) z_[i] += divide(r_[i] - product(z_, around, i), divisor(i));
+        if (!is_fixed(i)) z_[i] += (r_[i] - product(z_, around, i)) * inverse_[i];
     }
 }
 
@@ -185,8 +188,28 @@ void Level::sweep_up(std::span<const double> r_, std::span<double> z_) {
         // Rows fall while each row's entries rise, which hardware does not foresee.
         if (is_fixed(i)) continue;
         if (i >= ahead) fetch(own_.columns, own_.values, own_.offsets[i - ahead], own_.offsets[i - ahead + 1]);
-        z_[i] += divide(r_[i] - product(z_, around, i), divisor(i));
+        z_[i] += (r_[i] - product(z_, around, i)) * inverse_[i];
     }
+}
+
+// Row i meets values above it as they are now and those below it, and of other ranks, as they were before: of the residual
+// after the sweep all but the changes of the latter are at hand there, and these are a_ij of the row that changes.
+void Level::sweep_up(std::span<const double> r_, std::span<double> z_, std::span<double> t_) {
+    const auto before = halo().gather(z_);
+    around_.assign(before.begin(), before.end());
+    std::fill(t_.begin(), t_.end(), 0.0);
+    for (std::size_t i = static_cast<std::size_t>(rows); i-- > 0;) {
+        if (is_fixed(i)) continue;
+        if (i >= ahead) fetch(own_.columns, own_.values, own_.offsets[i - ahead], own_.offsets[i - ahead + 1]);
+        const double sum = r_[i] - product(z_, around_, i), change = sum * inverse_[i];
+        const Index diagonal = diagonal_[i];
+        z_[i] += change;
+        t_[i] += sum - own_.values[diagonal] * change;
+        scatter(own_.columns, own_.values, diagonal + 1, own_.offsets[i + 1], change, t_.data());
+    }
+    const auto after = halo().gather(z_);
+    for (std::size_t k = 0; k < around_.size(); ++k) around_[k] = after[k] - around_[k];
+    subtract_others(around_, t_);
 }
 
 void Level::sweep_border_down(std::span<double> z_, std::span<double> t_) {
@@ -194,7 +217,7 @@ void Level::sweep_border_down(std::span<double> z_, std::span<double> t_) {
     for (const Index i : border_) {
         const auto at = static_cast<std::size_t>(i);
         if (is_fixed(at)) continue;
-        change_[at] = divide(t_[at], divisor(at));
+        change_[at] = t_[at] * inverse_[at];
         z_[at] += change_[at];
         scatter(own_.columns, own_.values, own_.offsets[i], own_.offsets[i + 1], change_[at], t_.data());
     }
@@ -205,7 +228,7 @@ void Level::sweep_border_up(std::span<const double> r_, std::span<double> z_) {
     const auto around = halo().gather(z_);
     for (std::size_t k = border_.size(); k-- > 0;) {
         const auto at = static_cast<std::size_t>(border_[k]);
-        if (!is_fixed(at)) z_[at] += divide(r_[at] - product(z_, around, at), divisor(at));
+        if (!is_fixed(at)) z_[at] += (r_[at] - product(z_, around, at)) * inverse_[at];
     }
 }
 
@@ -218,7 +241,7 @@ void Level::residual(std::span<const double> r_, std::span<const double> z_, std
 
 std::size_t Level::bytes() const {
     std::size_t reals = keys.capacity(), indices = 0;
-    for (const auto* of : {&centres, &walls, &r, &z, &t, &secured_, &change_}) reals += of->capacity();
+    for (const auto* of : {&centres, &walls, &r, &z, &t, &secured_, &inverse_, &change_, &around_}) reals += of->capacity();
     for (const auto* of : {&halo_columns_, &diagonal_, &border_, &aggregate, &group}) indices += of->capacity();
     return own_store_.bytes() + other_store_.bytes() + halo_.bytes() + sizeof(Run) * runs.capacity() + fixed.capacity() +
            8 * reals + 4 * indices;

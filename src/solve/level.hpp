@@ -73,6 +73,8 @@ public:
     // Sweeps from z. The values of other ranks are those before the sweep.
     void sweep_down(std::span<const double> r, std::span<double> z);
     void sweep_up(std::span<const double> r, std::span<double> z);
+    // The same, and t = r - A z of a symmetric A: in one pass over the matrix. Not where rows are fixed.
+    void sweep_up(std::span<const double> r, std::span<double> z, std::span<double> t);
     // Rows beside other ranks once more, with what these have come to: after sweep_down_from_zero or sweep_down, with its t, and
     // before sweep_up.
     void sweep_border_down(std::span<double> z, std::span<double> t);
@@ -110,7 +112,6 @@ public:
 
 private:
     double product(std::span<const double> z, std::span<const double> around, std::size_t row) const;
-    double divisor(std::size_t row) const { return secured_.empty() ? own_.values[diagonal_[row]] : secured_[row]; }
     void find_places();
     void subtract_others(std::span<const double> around, std::span<double> t) const;
 
@@ -121,6 +122,8 @@ private:
     std::vector<Index> border_;       // rows that couple to other ranks
     std::vector<double> change_;      // [rows], of sweep_border_down(): zero but for border rows
     std::vector<double> secured_;     // [rows] D'; or empty: D
+    std::vector<double> inverse_;     // [rows] 1/D', 0 where there is nothing to divide by
+    std::vector<double> around_;      // scratch of sweep_up()
     RowHalo halo_;
     RowHalo* borrowed_halo_ = nullptr; // the matrix's own
 };

@@ -45,7 +45,7 @@ struct RigidMultilevel::State {
     void find_rows(const Matrix& matrix, const VelocityRows& rows);
     void coarsen_cells(const Comm& comm, Level& level, int modes);
     bool add_level(const Comm& comm, int dimensions, int& stride);
-    void cycle(std::size_t depth, Vector r, Vector border_r, Out z, Out border_z);
+    void cycle(std::size_t depth, Vector r, Vector border_r, Out z, Out border_z, std::vector<double>* left = nullptr);
     void twice(std::size_t depth, Vector r, Vector border_r, Out z, Out border_z);
     void correct(std::size_t depth, Vector t, Vector border_t, Out z, Out border_z);
     void solve_last(Vector r, Vector border_r, Out z, Out border_z);
@@ -235,8 +235,7 @@ void RigidMultilevel::State::twice(std::size_t depth, Vector r, Vector border_r,
     more.resize(r.size());
     stage.second_r.resize(count());
     stage.second_z.resize(count());
-    cycle(depth, r, border_r, z, border_z);
-    stage.level.residual(shift(depth, r, border_z), z, left);
+    cycle(depth, r, border_r, z, border_z, &left);
     pull(depth, z, border_r, stage.second_r);
     const auto g = block(depth);
     for (std::size_t k = 0; k < count(); ++k) {
@@ -261,13 +260,15 @@ void RigidMultilevel::State::solve_last(Vector r, Vector border_r, Out z, Out bo
     comm->broadcast(border_z);
 }
 
-// Sweeps pass over the border's unknowns; the levels below and the direct solution set them.
-void RigidMultilevel::State::cycle(std::size_t depth, Vector r, Vector border_r, Out z, Out border_z) {
+// Sweeps pass over the border's unknowns; the levels below and the direct solution set them. `left`, where it is asked for,
+// becomes r - C q - A z.
+void RigidMultilevel::State::cycle(std::size_t depth, Vector r, Vector border_r, Out z, Out border_z, std::vector<double>* left) {
     auto& stage = stages[depth];
     auto& level = stage.level;
     const bool last = depth + 1 == used;
     if (last && direct) {
         solve_last(r, border_r, z, border_z);
+        if (left) level.residual(shift(depth, r, border_z), z, *left);
         return;
     }
     level.sweep_down_from_zero(r, z, level.t);
@@ -278,7 +279,9 @@ void RigidMultilevel::State::cycle(std::size_t depth, Vector r, Vector border_r,
     } else if (border.count > 0) {
         solve_last({}, stage.border_r, {}, border_z);
     }
-    level.sweep_up(shift(depth, r, border_z), z);
+    const auto right = shift(depth, r, border_z);
+    if (left) level.sweep_up(right, z, *left);
+    else level.sweep_up(right, z);
 }
 
 namespace {
