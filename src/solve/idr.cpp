@@ -1,6 +1,7 @@
 #include "solve/idr.hpp"
 
 #include "base/clock.hpp"
+#include "solve/vectors.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -25,32 +26,6 @@ double noise(std::uint64_t n) {
     n = (n ^ (n >> 30)) * 0xbf58476d1ce4e5b9ULL;
     n = (n ^ (n >> 27)) * 0x94d049bb133111ebULL;
     return static_cast<double>((n ^ (n >> 31)) >> 11) * 0x1p-52 - 1;
-}
-
-double dot(std::span<const double> a, std::span<const double> b) {
-    const double* const u = a.data();
-    const double* const v = b.data();
-    double sum = 0;
-#pragma omp simd reduction(+ : sum)
-    for (std::size_t i = 0; i < a.size(); ++i) sum += u[i] * v[i];
-    return sum;
-}
-
-double weighted(std::span<const double> weights, std::span<const double> a, std::span<const double> b) {
-    const double* const w = weights.data();
-    const double* const u = a.data();
-    const double* const v = b.data();
-    double sum = 0;
-#pragma omp simd reduction(+ : sum)
-    for (std::size_t i = 0; i < weights.size(); ++i) sum += w[i] * u[i] * v[i];
-    return sum;
-}
-
-void add(double factor, std::span<const double> from, std::span<double> to) {
-    const double* const u = from.data();
-    double* const v = to.data();
-#pragma omp simd
-    for (std::size_t i = 0; i < to.size(); ++i) v[i] += factor * u[i];
 }
 
 // A part of all vectors.

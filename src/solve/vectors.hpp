@@ -1,5 +1,5 @@
 #pragma once
-// Inside src/solve only: this rank's share of the vector operations of conjugate gradients, each one pass
+// Inside src/solve only: this rank's share of the vector operations of Krylov methods, each one pass
 // over memory. The pragmas allow the sums to run in several lanes; the order stays the same from run to run.
 #include <cstddef>
 #include <span>
@@ -12,6 +12,17 @@ inline double dot(std::span<const double> a, std::span<const double> b) {
     double sum = 0;
 #pragma omp simd reduction(+ : sum)
     for (std::size_t i = 0; i < a.size(); ++i) sum += u[i] * v[i];
+    return sum;
+}
+
+// Sum of weights a b.
+inline double weighted(std::span<const double> weights, std::span<const double> a, std::span<const double> b) {
+    const double* const w = weights.data();
+    const double* const u = a.data();
+    const double* const v = b.data();
+    double sum = 0;
+#pragma omp simd reduction(+ : sum)
+    for (std::size_t i = 0; i < weights.size(); ++i) sum += w[i] * u[i] * v[i];
     return sum;
 }
 
@@ -64,6 +75,14 @@ inline double subtract(std::span<const double> b, double shift, std::span<const 
         sum += value * value;
     }
     return sum;
+}
+
+// to += factor from.
+inline void add(double factor, std::span<const double> from, std::span<double> to) {
+    const double* const u = from.data();
+    double* const v = to.data();
+#pragma omp simd
+    for (std::size_t i = 0; i < to.size(); ++i) v[i] += factor * u[i];
 }
 
 // p = z + beta p.
