@@ -13,6 +13,13 @@ namespace {
 // A cycle that takes less than this off of the residual has come to its end; the next one has other shadows.
 constexpr double least_gain = 0.02;
 constexpr int most_vain_cycles = 2;
+// Rounding ends what the recurrences can do: near a breakdown of M they lose accuracy, stop far above the target and would
+// grow from there. A cycle without a new least residual for so many steps to the next space ends; it ends sooner where it
+// has fallen so far below its largest that this is the likely reason.
+constexpr int most_vain_rounds = 20, most_vain_rounds_far_down = 4;
+constexpr double far_down = 1e-6;
+// x is kept whenever its residual is this much less than that of the x kept before.
+constexpr double worth_keeping = 0.1;
 // Below this cosine between a residual and its product the step is longer than what makes the residual least, so that the
 // recurrences keep their accuracy (Sleijpen & van der Vorst 1995).
 constexpr double least_cosine = 0.7;
@@ -160,23 +167,36 @@ double Idr::reduce(const Operator& a, Small& small, std::span<double> x, double 
     return std::sqrt(comm_.sum(square));
 }
 
-// Until the residual of the recurrence is at the target, or is no number, or the iterations are spent.
-double Idr::run_cycle(const Operator& a, std::span<double> x, double residual, double target, SolveReport& report) {
+// Until the residual of the recurrence is at the target, or is no number, or falls no more, or the iterations are spent. x is
+// then the last one, or the one that was kept if that one's residual is less.
+void Idr::run_cycle(const Operator& a, std::span<double> x, double residual, double target, SolveReport& report) {
     Small small(shadows_.size());
+    double least = residual, largest = residual, kept = residual;
+    int vain_rounds = 0;
+    const auto keep = [&] {
+        std::copy(x.begin(), x.end(), kept_.begin());
+        kept = residual;
+    };
     const auto goes_on = [&] { return residual > target && std::isfinite(residual) && report.iterations < options_.max_iterations; };
+    const auto falls = [&] { return vain_rounds < (least < far_down * largest ? most_vain_rounds_far_down : most_vain_rounds); };
     begin_cycle();
-    while (goes_on()) {
+    keep();
+    while (goes_on() && falls()) {
         project_residual(small);
         for (std::size_t k = 0; k < small.s && goes_on(); ++k) {
             find_direction(a, small, k);
             residual = step_along(a, small, k, x);
+            largest = std::max(largest, residual);
             ++report.iterations;
         }
         if (!goes_on()) break;
         residual = reduce(a, small, x, residual);
         ++report.iterations;
+        vain_rounds = residual < least ? 0 : vain_rounds + 1;
+        least = std::min(least, residual);
+        if (residual < worth_keeping * kept) keep();
     }
-    return residual;
+    if (!(residual <= kept)) std::copy(kept_.begin(), kept_.end(), x.begin());
 }
 
 SolveReport Idr::solve(const Operator& a, std::span<const double> b, std::span<double> x, double relative) {
@@ -184,7 +204,7 @@ SolveReport Idr::solve(const Operator& a, std::span<const double> b, std::span<d
     SolveReport report;
     const double norm_b = norm(a, b), target = relative * norm_b;
     for (auto* vectors : {&shadows_, &u_, &g_}) vectors->resize(static_cast<std::size_t>(options_.shadows));
-    for (auto* vector : {&r_, &v_, &z_}) vector->resize(b.size());
+    for (auto* vector : {&r_, &v_, &z_, &kept_}) vector->resize(b.size());
     const auto end = [&](Outcome outcome, const char* reason) {
         report.outcome = outcome;
         report.reason = reason;
@@ -218,7 +238,7 @@ SolveReport Idr::solve(const Operator& a, std::span<const double> b, std::span<d
 }
 
 std::size_t Idr::bytes() const {
-    std::size_t total = r_.capacity() + v_.capacity() + z_.capacity();
+    std::size_t total = r_.capacity() + v_.capacity() + z_.capacity() + kept_.capacity();
     for (const auto* vectors : {&shadows_, &u_, &g_}) {
         for (const auto& vector : *vectors) total += vector.capacity();
     }

@@ -39,7 +39,7 @@ private:
     struct Small;
     void draw_shadows(const Operator& a, std::uint64_t cycle);
     void begin_cycle();
-    double run_cycle(const Operator& a, std::span<double> x, double residual, double target, SolveReport& report);
+    void run_cycle(const Operator& a, std::span<double> x, double residual, double target, SolveReport& report);
     void project_residual(Small& small) const;
     void find_direction(const Operator& a, Small& small, std::size_t k);
     double step_along(const Operator& a, Small& small, std::size_t k, std::span<double> x);
@@ -48,7 +48,7 @@ private:
     Comm comm_;
     IdrOptions options_;
     std::vector<std::vector<double>> shadows_, u_, g_; // [s][rows]: P, U and G = A U
-    std::vector<double> r_, v_, z_;
+    std::vector<double> r_, v_, z_, kept_; // kept_: the best x so far, roughly
 };
 
 } // namespace treacle::solve

@@ -2,6 +2,7 @@
 #include "solve/idr.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <gtest/gtest.h>
 #include <limits>
 
@@ -81,6 +82,27 @@ TEST(Idr, says_that_it_has_not_converged) {
     c.all.multiply(c.x, left);
     for (std::size_t r = 0; r < left.size(); ++r) left[r] = c.b[r] - left[r];
     EXPECT_DOUBLE_EQ(report.error_measure, idr.norm(c.all, left));
+}
+
+TEST(Idr, ends_with_the_best_that_rounding_leaves) {
+    Case c;
+    for (double& value : c.b) value /= 3; // no x in double precision leaves nothing
+    Idr idr(c.comm, {20000, 4});
+    const auto report = idr.solve(c.all, c.b, c.x, 1e-19);
+    EXPECT_EQ(report.outcome, Outcome::stagnated);
+    EXPECT_LT(report.iterations, 1000);
+    EXPECT_LT(report.relative_residual, 1e-13);
+}
+
+// One shadow comes near a breakdown soon; without new cycles these took 436 iterations on the mean, up to 1256.
+TEST(Idr, begins_anew_where_its_recurrences_have_lost_their_accuracy) {
+    for (int wave = 1; wave <= 40; ++wave) {
+        Case c;
+        for (std::size_t r = 0; r < c.b.size(); ++r) c.b[r] = std::sin(0.37 * wave * static_cast<double>(c.system.first + Index(r) + 1));
+        Idr idr(c.comm, {300, 1});
+        const auto report = idr.solve(c.all, c.b, c.x, 1e-13);
+        EXPECT_TRUE(report.converged()) << wave << ": " << report.reason;
+    }
 }
 
 TEST(Idr, says_that_a_system_is_not_finite) {
