@@ -62,6 +62,7 @@ void Level::refer_to(const Matrix& matrix) {
     own_ = {blocks.diagonal_offsets, blocks.diagonal_columns, blocks.diagonal_values};
     other_ = {blocks.off_offsets, blocks.off_columns, blocks.off_values};
     find_places();
+    blocks_.take(1, rows, own_.offsets, own_.columns, own_.values);
     borrowed_halo_ = blocks.halo;
     t.resize(static_cast<std::size_t>(rows));
 }
@@ -135,11 +136,20 @@ void Level::take(const Comm& comm, MadeRows& made, Index first, Index global) {
     own_ = {own_store_.offsets.data(), own_store_.columns.data(), own_store_.values.data()};
     other_ = {other_store_.offsets.data(), other_store_.columns.data(), other_store_.values.data()};
     find_places();
+    blocks_.take(made.block, rows, own_.offsets, own_.columns, own_.values);
     halo_.connect(comm, first, others);
     for (auto* vector : {&r, &z, &t}) vector->resize(static_cast<std::size_t>(rows));
 }
 
 void Level::sweep_down_from_zero(std::span<const double> r_, std::span<double> z_, std::span<double> t_) {
+    if (blocks_.taken()) {
+        blocks_.down_from_zero(inverse_, r_, z_, t_);
+        if (!secured_.empty()) {
+            for (std::size_t i = 0; i < z_.size(); ++i) t_[i] += (secured_[i] - diagonal(static_cast<Index>(i))) * z_[i];
+        }
+        subtract_others(halo().gather(z_), t_);
+        return;
+    }
     std::fill(t_.begin(), t_.end(), 0.0);
     const Index* const columns = own_.columns;
     const double* const values = own_.values;
@@ -169,6 +179,14 @@ void Level::subtract_others(std::span<const double> around, std::span<double> t_
     }
 }
 
+// r - A_off z; r itself where no row is beside others.
+std::span<const double> Level::less_others(std::span<const double> r_, std::span<const double> around) {
+    if (border_.empty()) return r_;
+    right_.assign(r_.begin(), r_.end());
+    subtract_others(around, right_);
+    return right_;
+}
+
 double Level::product(std::span<const double> z_, std::span<const double> around, std::size_t row) const {
     const double sum = gather_sum(own_.columns, own_.values, own_.offsets[row], own_.offsets[row + 1], z_.data());
     const Index begin = other_.offsets[row], end = other_.offsets[row + 1];
@@ -184,6 +202,7 @@ void Level::sweep_down(std::span<const double> r_, std::span<double> z_) {
 
 void Level::sweep_up(std::span<const double> r_, std::span<double> z_) {
     const auto around = halo().gather(z_);
+    if (blocks_.taken()) return blocks_.up(inverse_, less_others(r_, around), z_);
     for (std::size_t i = static_cast<std::size_t>(rows); i-- > 0;) {
         // Rows fall while each row's entries rise, which hardware does not foresee.
         if (is_fixed(i)) continue;
@@ -192,11 +211,7 @@ void Level::sweep_up(std::span<const double> r_, std::span<double> z_) {
     }
 }
 
-// Row i meets values above it as they are now and those below it, and of other ranks, as they were before: of the residual
-// after the sweep all but the changes of the latter are at hand there, and these are a_ij of the row that changes.
-void Level::sweep_up(std::span<const double> r_, std::span<double> z_, std::span<double> t_) {
-    const auto before = halo().gather(z_);
-    around_.assign(before.begin(), before.end());
+void Level::sweep_up_by_rows(std::span<const double> r_, std::span<double> z_, std::span<double> t_) {
     std::fill(t_.begin(), t_.end(), 0.0);
     for (std::size_t i = static_cast<std::size_t>(rows); i-- > 0;) {
         if (is_fixed(i)) continue;
@@ -207,6 +222,15 @@ void Level::sweep_up(std::span<const double> r_, std::span<double> z_, std::span
         t_[i] += sum - own_.values[diagonal] * change;
         scatter(own_.columns, own_.values, diagonal + 1, own_.offsets[i + 1], change, t_.data());
     }
+}
+
+// Row i meets values above it as they are now and those below it, and of other ranks, as they were before: of the residual
+// after the sweep all but the changes of the latter are at hand there, and these are a_ij of the row that changes.
+void Level::sweep_up(std::span<const double> r_, std::span<double> z_, std::span<double> t_) {
+    const auto before = halo().gather(z_);
+    around_.assign(before.begin(), before.end());
+    if (blocks_.taken()) blocks_.up(inverse_, less_others(r_, around_), z_, t_);
+    else sweep_up_by_rows(r_, z_, t_);
     const auto after = halo().gather(z_);
     for (std::size_t k = 0; k < around_.size(); ++k) around_[k] = after[k] - around_[k];
     subtract_others(around_, t_);
@@ -241,9 +265,9 @@ void Level::residual(std::span<const double> r_, std::span<const double> z_, std
 
 std::size_t Level::bytes() const {
     std::size_t reals = keys.capacity(), indices = 0;
-    for (const auto* of : {&centres, &walls, &r, &z, &t, &secured_, &inverse_, &change_, &around_}) reals += of->capacity();
+    for (const auto* of : {&centres, &walls, &r, &z, &t, &secured_, &inverse_, &change_, &around_, &right_}) reals += of->capacity();
     for (const auto* of : {&halo_columns_, &diagonal_, &border_, &aggregate, &group}) indices += of->capacity();
-    return own_store_.bytes() + other_store_.bytes() + halo_.bytes() + sizeof(Run) * runs.capacity() + fixed.capacity() +
+    return own_store_.bytes() + other_store_.bytes() + blocks_.bytes() + halo_.bytes() + sizeof(Run) * runs.capacity() + fixed.capacity() +
            8 * reals + 4 * indices;
 }
 

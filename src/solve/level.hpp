@@ -1,6 +1,7 @@
 #pragma once
 // Inside src/solve only: one level of a multilevel hierarchy.
 #include "mpi/row_halo.hpp"
+#include "solve/block_sweeps.hpp"
 #include "solve/matrix.hpp"
 
 #include <cstdint>
@@ -39,12 +40,14 @@ struct MadeRows {
     std::vector<CellKey> keys;
     std::vector<double> walls; // for grids: what walls add to the diagonals
     std::vector<double> centres; // for rigid modes: [rows / modes][3], of the aggregates [m]
+    int block = 1;               // so many rows one after the other have the same columns, so many of which are one after the other
 
     void clear() {
         matrix.clear();
         keys.clear();
         walls.clear();
         centres.clear();
+        block = 1;
     }
     Index rows() const { return static_cast<Index>(keys.size()); }
 };
@@ -114,6 +117,8 @@ private:
     double product(std::span<const double> z, std::span<const double> around, std::size_t row) const;
     void find_places();
     void subtract_others(std::span<const double> around, std::span<double> t) const;
+    void sweep_up_by_rows(std::span<const double> r, std::span<double> z, std::span<double> t);
+    std::span<const double> less_others(std::span<const double> r, std::span<const double> around);
 
     Block own_, other_;
     Csr own_store_, other_store_;
@@ -123,7 +128,8 @@ private:
     std::vector<double> change_;      // [rows], of sweep_border_down(): zero but for border rows
     std::vector<double> secured_;     // [rows] D'; or empty: D
     std::vector<double> inverse_;     // [rows] 1/D', 0 where there is nothing to divide by
-    std::vector<double> around_;      // scratch of sweep_up()
+    std::vector<double> around_, right_; // scratch of sweep_up()
+    BlockSweeps blocks_;              // where rows come in blocks, does their sweeps
     RowHalo halo_;
     RowHalo* borrowed_halo_ = nullptr; // the matrix's own
 };

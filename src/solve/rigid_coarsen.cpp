@@ -381,6 +381,7 @@ void RigidCoarsener::make(const Comm& comm, Level& level, std::span<const double
                           RigidLinks& links, MadeRows& made) {
     modes_ = rigid_modes(links.dimensions);
     made.clear();
+    made.block = modes_;
     places_.number(comm, level);
     slot_.assign(places_.size(), -1);
     met_places_.clear();
