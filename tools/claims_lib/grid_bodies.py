@@ -77,16 +77,20 @@ def falling_ball(context):
 
 
 def coupling_time(context):
-    """Seconds of the solves of the same steps."""
+    """Seconds of the solves of the same steps; in three pairs of runs, since other programs weigh on single ones."""
+    pairs = []
     with scratch(context, "coupling") as folder:
-        seconds = {}
-        for coupling in ("strong", "one_way"):
-            run = run_scene(context, context.root / "inputs/falling_ball/scene.yaml", folder / coupling,
-                            set={"time.end": 0.2, "output.interval": 0, "method.grid.coupling": coupling})
-            steps = run.steps()
-            seconds[coupling] = float((steps["pressure"] + steps["viscosity"])[1:].mean())
-    ratio = seconds["strong"] / seconds["one_way"]
-    return Figure(f"{seconds['strong']:.3f} s and {seconds['one_way']:.3f} s a step, {ratio:.2f} times", ratio <= 1.1)
+        for pair in range(3):
+            seconds = {}
+            for coupling in ("strong", "one_way"):
+                run = run_scene(context, context.root / "inputs/falling_ball/scene.yaml", folder / f"{coupling}_{pair}",
+                                set={"time.end": 0.2, "output.interval": 0, "method.grid.coupling": coupling})
+                steps = run.steps()
+                seconds[coupling] = float((steps["pressure"] + steps["viscosity"])[1:].mean())
+            pairs.append((seconds["strong"] / seconds["one_way"], seconds["strong"], seconds["one_way"]))
+    ratio, strong, one_way = sorted(pairs)[1]
+    return Figure(f"{strong:.3f} s and {one_way:.3f} s a step, {ratio:.2f} times; of three pairs the median, "
+                  + ", ".join(f"{pair[0]:.2f}" for pair in pairs), ratio <= 1.1)
 
 
 def dipped(context, folder, name, ranks, **more):
