@@ -22,6 +22,7 @@ struct Stage {
     std::vector<double> made_r, made_z; // [made rows], where the next level has moved
     // With a border: its columns [count][rows] but of the matrix itself; the parts of r, z and of a second cycle that are
     // its unknowns; r less what they pull.
+    std::vector<Index> bordered; // rows that the columns reach
     std::vector<double> columns, border_r, border_z, second_r, second_z, shifted;
 };
 using Vector = std::span<const double>;
@@ -138,6 +139,7 @@ void RigidMultilevel::State::coarsen_border(std::size_t depth) {
     const auto rows = static_cast<std::size_t>(stage.level.rows), coarse_rows = static_cast<std::size_t>(next.level.rows);
     const bool moved = stage.gathering.moved();
     next.columns.resize(count() * coarse_rows);
+    next.bordered.clear();
     std::vector<double> unit(count()), fine(rows), made(moved ? stage.made_r.size() : coarse_rows), arrived(coarse_rows);
     for (std::size_t k = 0; k < count(); ++k) {
         Vector column = Vector(stage.columns).subspan(depth == 0 ? 0 : k * rows, depth == 0 ? 0 : rows);
@@ -153,6 +155,11 @@ void RigidMultilevel::State::coarsen_border(std::size_t depth) {
         if (moved) stage.gathering.down(made, arrived);
         const auto& from = moved ? arrived : made;
         for (std::size_t i = 0; i < coarse_rows; ++i) next.columns[k * coarse_rows + i] = from[i] / overcorrection(depth);
+    }
+    for (std::size_t i = 0; i < coarse_rows; ++i) {
+        bool reached = false;
+        for (std::size_t k = 0; k < count() && !reached; ++k) reached = next.columns[k * coarse_rows + i] != 0;
+        if (reached) next.bordered.push_back(static_cast<Index>(i));
     }
 }
 
@@ -180,15 +187,17 @@ Vector RigidMultilevel::State::shift(std::size_t depth, Vector r, Vector q) {
     if (border.count == 0) return r;
     const auto& columns = stages[depth].columns;
     auto& shifted = stages[depth].shifted;
-    shifted.assign(r.size(), 0.0);
     if (depth == 0) {
+        shifted.assign(r.size(), 0.0);
         border.add(q, shifted);
-    } else {
-        for (std::size_t k = 0; k < q.size(); ++k) {
-            for (std::size_t i = 0; i < r.size(); ++i) shifted[i] += columns[k * r.size() + i] * q[k];
-        }
+        for (std::size_t i = 0; i < r.size(); ++i) shifted[i] = r[i] - shifted[i];
+        return shifted;
     }
-    for (std::size_t i = 0; i < r.size(); ++i) shifted[i] = r[i] - shifted[i];
+    shifted.assign(r.begin(), r.end());
+    for (const Index row : stages[depth].bordered) {
+        const auto i = static_cast<std::size_t>(row);
+        for (std::size_t k = 0; k < q.size(); ++k) shifted[i] -= columns[k * r.size() + i] * q[k];
+    }
     return shifted;
 }
 
@@ -199,8 +208,9 @@ void RigidMultilevel::State::pull(std::size_t depth, Vector z, Vector border_r, 
     if (depth == 0) {
         sums = border.project(z);
     } else {
-        for (std::size_t k = 0; k < sums.size(); ++k) {
-            for (std::size_t i = 0; i < z.size(); ++i) sums[k] += stages[depth].columns[k * z.size() + i] * z[i];
+        for (const Index row : stages[depth].bordered) {
+            const auto i = static_cast<std::size_t>(row);
+            for (std::size_t k = 0; k < sums.size(); ++k) sums[k] += stages[depth].columns[k * z.size() + i] * z[i];
         }
     }
     comm->sum(std::span(sums));
@@ -340,7 +350,8 @@ std::size_t RigidMultilevel::bytes() const {
     std::size_t total = state_->dense.bytes() + 8 * state_->places.capacity();
     for (const auto& stage : state_->stages) {
         total += stage.level.bytes() + stage.links.bytes() + stage.gathering.bytes() +
-                 8 * (stage.made_r.capacity() + stage.made_z.capacity() + stage.columns.capacity() + stage.shifted.capacity());
+                 8 * (stage.made_r.capacity() + stage.made_z.capacity() + stage.columns.capacity() + stage.shifted.capacity()) +
+                 sizeof(Index) * stage.bordered.capacity();
     }
     return total;
 }
