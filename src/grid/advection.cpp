@@ -36,7 +36,18 @@ KOKKOS_INLINE_FUNCTION void trace(const FaceSampler& faces, AdvectionScheme sche
     for (int c = 0; c < 3; ++c) x[c] += dt / 9 * (2 * k1[c] + 3 * k2[c] + 4 * k3[c]);
 }
 
-KOKKOS_INLINE_FUNCTION LossCause loss_of(const Advection& how, double leak_depth, const double x[3], const double u[3]) {
+// Back into the domain along periodic axes.
+KOKKOS_INLINE_FUNCTION void wrap(const DomainSides& domain, double x[3]) {
+    for (int k = 0; k < domain.dimensions; ++k) {
+        if (domain.period[k] == 0) continue;
+        if (x[k] < domain.min[k]) x[k] += domain.period[k];
+        else if (x[k] >= domain.max[k]) x[k] -= domain.period[k];
+    }
+}
+
+// `distance` to the solids there.
+KOKKOS_INLINE_FUNCTION LossCause loss_of(const Advection& how, double leak_depth, double distance, const double x[3],
+                                         const double u[3]) {
     for (int k = 0; k < 3; ++k) {
         if (!math::isfinite(x[k]) || !math::isfinite(u[k])) return LossCause::non_finite;
     }
@@ -53,7 +64,7 @@ KOKKOS_INLINE_FUNCTION LossCause loss_of(const Advection& how, double leak_depth
         }
     }
     if (how.outlets.take(x)) return LossCause::outflow;
-    return how.solid.at(x) < -leak_depth ? LossCause::leak : LossCause::none;
+    return distance < -leak_depth ? LossCause::leak : LossCause::none;
 }
 } // namespace
 
@@ -69,13 +80,11 @@ Departures advect(const Advection& how, const GridParticles& particles, double d
             trace(how.faces, how.options.scheme, speed, dt, to);
             auto found = LossCause::none;
             if (math::isfinite(to[0]) && math::isfinite(to[1]) && math::isfinite(to[2])) {
-                for (int k = 0; k < how.domain.dimensions; ++k) {
-                    if (how.domain.period[k] == 0) continue;
-                    if (to[k] < how.domain.min[k]) to[k] += how.domain.period[k];
-                    else if (to[k] >= how.domain.max[k]) to[k] -= how.domain.period[k];
-                }
+                // The window goes on beyond a periodic side, but need not hold what lies at the other one.
                 pushed += push_out(how.solid, clearance, to) ? 1 : 0;
-                found = loss_of(how, leak, to, speed);
+                const double distance = how.solid.at(to);
+                wrap(how.domain, to);
+                found = loss_of(how, leak, distance, to, speed);
             } else {
                 found = LossCause::non_finite;
             }

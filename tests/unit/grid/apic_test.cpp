@@ -317,6 +317,45 @@ TEST_P(TransferCase, WallsPushParticlesBackAndOpenSidesLetThemGo) {
     }
 }
 
+// A ball in the middle: what the border of another rank's part of the domain cuts is no solid at the sides.
+TEST_P(TransferCase, BeyondAPeriodicSideParticlesMeetTheSolidsThatAreThere) {
+    auto domain = test::make_domain(dimensions, {1, 1, 1}, dx);
+    domain.faces[0].kind = domain.faces[1].kind = scene::FaceKind::periodic;
+    rigid::BodySetup ball;
+    ball.centre = {0.5, 0.5, dimensions == 3 ? 0.5 : 0};
+    ball.region = {test::ball(ball.centre, 0.4, dimensions)};
+    rigid::BodiesSetup bodies;
+    bodies.dimensions = dimensions;
+    bodies.spacing = dx;
+    bodies.bodies = {ball};
+    Liquid tank(Comm::world(), domain, bodies);
+    Seeding seeding;
+    seeding.liquids = {{test::box({0, 0, -1}, {1, 1, 1}, dimensions)}};
+    seeding.solid_distance = [&](const Vec3& x) { return tank.solids.distance_at(x, tank.bodies); };
+    tank.fill(seeding);
+    for (const double speed : {-1.0, 1.0}) {
+        Array3 kept("treacle::kept", tank.particles.position().extent(0));
+        Kokkos::deep_copy(kept, tank.particles.position());
+        FaceField velocity;
+        for (int a = 0; a < dimensions; ++a) {
+            velocity.axis[a] = Array<double>("treacle::velocity", std::size_t(tank.faces.window().size()));
+            Kokkos::deep_copy(velocity.axis[a], a == 0 ? speed : 0.0);
+        }
+        faces_to_particles(tank.grid, tank.faces.window(), velocity, tank.particles);
+        const auto out = advect({FaceSampler(tank.grid, tank.faces.window(), velocity), tank.solids.sampler(),
+                                 make_domain_sides(tank.grid, domain), {}, {}}, tank.particles, dx);
+        EXPECT_EQ(out.lost, 0);
+        const auto from = on_host(kept), to = on_host(tank.particles.position());
+        for (std::size_t i = 0; i < std::size_t(tank.particles.store.owned()); ++i) {
+            const double x = from(i, 0) + speed * dx;
+            if (x >= 0 && x < 1) continue;
+            EXPECT_NEAR(to(i, 0), x - speed, 1e-12);
+            for (int k = 1; k < dimensions; ++k) EXPECT_NEAR(to(i, std::size_t(k)), from(i, std::size_t(k)), 1e-12);
+        }
+        tank.settle();
+    }
+}
+
 TEST_P(TransferCase, SeedsDoNotDependOnTheRanks) {
     Liquid one(Comm::self(), test::make_domain(dimensions, {1, 1, 1}, dx));
     fill(liquid);
