@@ -4,6 +4,7 @@
 #include "sph/solid_scale.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace treacle::app {
@@ -86,9 +87,25 @@ rigid::BodySetup make_body(const scene::Body& body, const scene::SolidRegion& re
     return out;
 }
 
-// Depth of the body below the deepest point that lies half a spacing below its surface, with it: its half thickness.
-bool thinner_than_spacing(const scene::SolidRegion& region, const Geometry& geometry) {
-    const double half = geometry.lattice.spacing / 2;
+// Whether some point of a coarse lattice is that deep in the body: of most bodies one is, and surfaces take long to sample.
+bool surely_reaches(double depth, const scene::SolidRegion& region) {
+    constexpr int points = 8; // along each axis
+    const auto box = region.surface_bounds(); // of a plane scene without end in z
+    for (int n = 0; n < points * points * points; ++n) {
+        const std::array<int, 3> place{n % points, n / points % points, n / (points * points)};
+        Vec3 x{0, 0, 0};
+        for (std::size_t k = 0; k < 3; ++k) {
+            if (std::isfinite(box.max[k])) x[k] = box.min[k] + (place[k] + 0.5) / points * (box.max[k] - box.min[k]);
+        }
+        if (region.distance(x) <= -depth) return true;
+    }
+    return false;
+}
+
+// Whether the body is nowhere as thick as a spacing.
+bool thinner_than(double spacing, const scene::SolidRegion& region, const Geometry& geometry) {
+    const double half = spacing / 2;
+    if (surely_reaches(half, region)) return false;
     const auto samples = scene::sample_surface(region, on_surface(geometry, region));
     for (std::size_t i = 0; i < samples.positions.size(); ++i) {
         Vec3 x = samples.positions[i];
@@ -205,11 +222,6 @@ private:
                                 "they would take it to stand still, and push liquid and body apart",
                                 "write kind: kinematic, or leave the corrections out"});
         }
-        if (dynamic(body(b)) && thinner_than_spacing(geometry_.bodies[b], geometry_)) {
-            problems.push_back({body(b).where, name + " is thinner than domain.spacing",
-                                "liquid on one side would feel the liquid on the other, and it could not float",
-                                "thicken it, or refine domain.spacing"});
-        }
         for (std::size_t k = 0; k < static_cast<std::size_t>(domain.dimensions); ++k) {
             const bool periodic = domain.faces[2 * k].kind == scene::FaceKind::periodic;
             if (!periodic || 2 * setups_[b].reach < domain.max[k] - domain.min[k]) continue;
@@ -316,7 +328,23 @@ std::vector<double> solid_scales(const Input& input, const Geometry& geometry) {
     return out;
 }
 
+namespace {
+// In SPH what rests or is driven may be thinner: its samples hold liquid back on both sides.
+void check_thickness(const Input& input, const Geometry& geometry, std::vector<Diagnostic>& problems) {
+    for (std::size_t b = 0; b < geometry.bodies.size(); ++b) {
+        const auto& body = input.scene.bodies[b];
+        if (!(dynamic(body) || input.on_grid()) || !geometry.bodies[b].closed()) continue;
+        if (!thinner_than(input.scene.domain.spacing, geometry.bodies[b], geometry)) continue;
+        problems.push_back({body.where, "bodies." + body.name + " is thinner than domain.spacing",
+                            input.on_grid() ? "no cell would lie within it, and liquid would pass through it"
+                                            : "liquid on one side would feel the liquid on the other, and it could not float",
+                            "thicken it, or refine domain.spacing"});
+    }
+}
+} // namespace
+
 void check_bodies(const Input& input, const Geometry& geometry, std::vector<Diagnostic>& problems) {
+    check_thickness(input, geometry, problems);
     if (!any_moves(input)) return;
     const Checker checker(input, geometry);
     checker.shapes(problems);

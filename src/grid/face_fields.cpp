@@ -33,7 +33,10 @@ void accelerate(const MacGrid& grid, const CellBox& window, const std::array<dou
     }
 }
 
-void mark_solved(const PressureFaces& faces, const FaceField& wet_share, double least, FaceMarks& known) {
+void mark_solved(const PressureFaces& faces, const FaceField& wet_share, double least, const ViscousSpread& viscosity, double dx,
+                 FaceMarks& known) {
+    const bool viscous = viscosity.cell.extent(0) > 0;
+    const double stiff = 0.25 * dx * dx;
     for (int a = 0; a < faces.dimensions; ++a) {
         reserve(known.axis[a], static_cast<std::size_t>(faces.window.size()));
         const auto mark = known.axis[a];
@@ -42,9 +45,10 @@ void mark_solved(const PressureFaces& faces, const FaceField& wet_share, double 
             int c[3];
             faces.window.cell(i, c);
             const auto above = static_cast<std::size_t>(i);
-            const bool wet = faces.is_liquid(above) ||
-                             (c[a] > faces.window.lo[a] && faces.is_liquid(above - static_cast<std::size_t>(faces.stride[a])));
-            mark(i) = (wet || share(i) >= least) && faces.open(a, above) > 0 ? 1 : 0;
+            const auto below = c[a] > faces.window.lo[a] ? above - static_cast<std::size_t>(faces.stride[a]) : above;
+            const bool wet = faces.is_liquid(above) || faces.is_liquid(below);
+            const bool held = viscous && share(i) >= least && math::max(viscosity.squared(above), viscosity.squared(below)) >= stiff;
+            mark(i) = (wet || held) && faces.open(a, above) > 0 ? 1 : 0;
         });
     }
 }
@@ -77,7 +81,7 @@ struct TurnLoop {
         }
         from.velocity(off, there);
         motion.velocity(solid_number, off, moved);
-        const double spread = grip.viscosity(from.window.index(c[0], c[1], c[2])) / grip.density * grip.dt;
+        const double spread = grip.viscosity.squared(static_cast<std::size_t>(from.window.index(c[0], c[1], c[2])));
         const double grown = spread / (spread + 0.25 * dx * dx), share = (length - depth) / (length + dx);
         for (int k = 0; k < faces.dimensions; ++k) u[k] += grown * (share * (there[k] - moved[k]) - u[k]);
     }

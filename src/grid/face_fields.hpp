@@ -16,15 +16,25 @@ void gather_faces(const MacGrid& grid, CellHalo& halo, const FaceField& field);
 void accelerate(const MacGrid& grid, const CellBox& window, const std::array<double, 3>& g, double dt,
                 const FaceField& velocity);
 
-// Marks the faces whose velocity the solves found: open ones beside liquid, and those with `wet` shares from `least` on.
-void mark_solved(const PressureFaces& faces, const FaceField& wet, double least, FaceMarks& known);
-
-// How solids hold the liquid along them, for a step of dt [s].
-struct WallGrip {
-    bool any = false;       // without viscosity: none
-    Array<double> length;   // [6 sides, then bodies] slip lengths [m], 0: grips, infinity: does not hold
-    Array<double> viscosity; // of cells [Pa s]
+// What viscosity does in a step of dt [s].
+struct ViscousSpread {
+    Array<double> cell; // [Pa s]; without one: nothing
     double density = 1, dt = 0;
+    // How far a velocity spreads into a cell, squared [m^2].
+    KOKKOS_INLINE_FUNCTION double squared(std::size_t i) const { return cell(i) / density * dt; }
+};
+
+// Marks the faces whose velocity the solves found: open ones beside liquid; and those with `wet` shares from `least` on where the
+// viscosity reaches over half a cell. Thinner liquid beyond the pressure's faces does there what gravity makes of it: a dam
+// break of water in steps of three cells heaped up to thousands of particles in a cell, which followed such faces into walls.
+void mark_solved(const PressureFaces& faces, const FaceField& wet, double least, const ViscousSpread& viscosity, double dx,
+                 FaceMarks& known);
+
+// How solids hold the liquid along them.
+struct WallGrip {
+    bool any = false;     // without viscosity: none
+    Array<double> length; // [6 sides, then bodies] slip lengths [m], 0: grips, infinity: does not hold
+    ViscousSpread viscosity;
 };
 
 // (A2) Collective: velocities of closed faces, found by extrapolation, lose what leads into or out of their solid, so that

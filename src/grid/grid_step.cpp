@@ -5,8 +5,8 @@
 #include "grid/seeding.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
-#include <cstring>
 
 namespace treacle::grid {
 
@@ -42,18 +42,17 @@ void GridStep::start() {
 }
 
 void GridStep::restore(std::span<const std::int64_t> state) {
-    std::memcpy(&imbalance_after_cut_, state.data(), sizeof imbalance_after_cut_);
-    steps_ = state[1];
-    decomposition_.restore(state.subspan(2));
+    imbalance_after_cut_ = std::bit_cast<double>(state[0]);
+    crowding_ = std::bit_cast<double>(state[1]);
+    steps_ = state[2];
+    decomposition_.restore(state.subspan(3));
     halo_.connect(decomposition_);
     place_particles();
 }
 
 std::vector<std::int64_t> GridStep::decomposition_state() const {
     auto out = decomposition_.state();
-    std::int64_t bits = 0;
-    std::memcpy(&bits, &imbalance_after_cut_, sizeof bits);
-    out.insert(out.begin(), {bits, steps_});
+    out.insert(out.begin(), {std::bit_cast<std::int64_t>(imbalance_after_cut_), std::bit_cast<std::int64_t>(crowding_), steps_});
     return out;
 }
 
@@ -229,9 +228,10 @@ PressureScene GridStep::pressure_scene() {
 // (V)
 void GridStep::apply_viscosity(StepReport& report, double dt) {
     if (!viscous()) return;
+    const auto scene = viscous_scene();
     // Faces in solids that liquid slides along are unknowns too: what gravity made of them would drag the liquid down.
-    if (slip_.any()) continue_velocity({});
-    report.viscosity = viscosity_.solve(viscous_scene(), velocity_, bodies_, dt);
+    if (slip_.any()) continue_velocity({false, {}, viscous_spread(dt)});
+    report.viscosity = viscosity_.solve(scene, velocity_, bodies_, dt);
     report.viscous_loads = report.viscosity.loads;
     // Faces that hardly any liquid reaches have stresses and no mass: what the solve leaves there is arbitrary.
     mark_faces(grid_, cells_halo_.window(), fractions_.face_wet, least_wet, known_);
@@ -289,7 +289,7 @@ void GridStep::together(StepReport& report, double dt) {
         project(report, dt, Pressure::Surface::tense);
     }
     const auto phase = timers_.scope("viscosity");
-    if (slip_.any()) continue_velocity({});
+    if (slip_.any()) continue_velocity({false, {}, viscous_spread(dt)});
     problem.build(scene, velocity_, bodies_, dt);
     report.stokes = stokes_.solve({pressure_, problem, scene, dt}, velocity_, bodies_);
     gather_faces(grid_, cells_halo_, velocity_);
@@ -300,9 +300,8 @@ void GridStep::together(StepReport& report, double dt) {
 
 // Velocities beyond the liquid's own faces, as far as particles may come in a step.
 void GridStep::continue_velocity(const WallGrip& grip) {
-    const double least = viscous() ? least_wet : 2; // a pressure gives velocities to faces beside centres alone
     const auto faces = pressure_.describe(pressure_scene());
-    mark_solved(faces, fractions_.face_wet, least, known_);
+    mark_solved(faces, fractions_.face_wet, least_wet, grip.viscosity, grid_.dx, known_);
     continue_changes(grid_, cells_halo_, faces, {start_, mass_, scratch_, reached_}, known_, velocity_); // (A6)
     const int reach = static_cast<int>(std::ceil(setup_.options.cfl)) + 1;
     extrapolate(grid_, cells_halo_, velocity_, known_, reach);
@@ -337,6 +336,7 @@ void GridStep::correct(StepReport& report) {
     const auto& g = setup_.domain.gravity;
     report.correction = correction_.apply(options.correction, particles_,
                                           {cells_, halo_, comm_, solids_, particle_mass_, {g[0], g[1], g[2]}});
+    crowding_ = report.correction.density_after;
 }
 
 // One MAC/APIC step, collective. Tags: src/grid/README.md.
@@ -368,7 +368,7 @@ StepReport GridStep::advance(double dt) {
     }
     {
         const auto phase = timers_.scope("move");
-        continue_velocity({viscous(), slip_.lengths(), viscosities_.cell, setup_.density, dt});
+        continue_velocity({viscous(), slip_.lengths(), viscous_spread(dt)});
         move(report, dt); // (A4), (A5)
     }
     {
@@ -398,6 +398,7 @@ double GridStep::stable_step(double cfl) const {
     }, Kokkos::Max<double>(fastest));
     const double own = particles_.store.owned() > 0 ? std::sqrt(fastest) : 0.0;
     const double speed = comm_.max(std::max(own, bodies_.max_speed()));
+    if (crowding_ > 1) cfl = std::min(cfl, std::max(1.0, cfl / crowding_));
     const double pull = size_of(setup_.domain.gravity), way = cfl * grid_.dx;
     double dt = std::numeric_limits<double>::infinity();
     // (speed + pull dt) dt = way.

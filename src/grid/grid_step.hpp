@@ -80,7 +80,8 @@ public:
     void refresh() { place_particles(); }
 
     // Collective. Largest step in which neither liquid nor bodies move farther than `cfl` widths, by their speed and what
-    // gravity adds to it, and the limit of the surface tension [s].
+    // gravity adds to it, and the limit of the surface tension [s]. Down to one width where liquid has been heaped up to more
+    // than twice its density: parts of it that meet, or a wall, overlap by as much as they move in a step.
     double stable_step(double cfl) const;
 
     // Particles that have flowed in since the start of the run, over all ranks.
@@ -121,6 +122,7 @@ private:
     bool viscous() const { return setup_.viscosity_varies || setup_.viscosity > 0 || rheology_.any(); }
     void find_viscosities_by_rate();
     void find_viscosities();
+    ViscousSpread viscous_spread(double dt) const { return {viscosities_.cell, setup_.density, dt}; }
     void continue_velocity(const WallGrip& grip);
     void move(StepReport& report, double dt);
     void correct(StepReport& report);
@@ -161,6 +163,7 @@ private:
     PhaseTimers timers_;
     std::int64_t steps_ = 0;
     double imbalance_after_cut_ = 1;
+    double crowding_ = 0; // largest density error that the last correction of places left
 };
 
 } // namespace treacle::grid

@@ -44,6 +44,7 @@ BAD_SCENES = {
     "iisph_liquids": ["differ in density or viscosity", "solver: isph"],
     "unknown_liquid": ["measurements", "wine"],
     "thin_body": ["bodies.raft", "thinner than domain.spacing"],
+    "grid_thin_sheet": ["bodies.sheet", "thinner than domain.spacing", "pass through it"],
     "body_in_body": ["bodies.post overlaps bodies.raft", "0.02 m"],
     "body_in_wall": ["bodies.raft", "wall x_max"],
     "moving_plane": ["bodies.slope", "no end"],
