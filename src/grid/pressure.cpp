@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace treacle::grid {
 
@@ -19,7 +20,9 @@ solve::Preconditioner translate(Preconditioner kind) {
     return solve::Preconditioner::ic0;
 }
 
-// sigma kappa, kappa the divergence of the distance's unit gradient, at most that of a drop of one cell.
+constexpr int smoothing = 4; // passes, of a variance of dx^2 / 2 along each axis; README
+
+// sigma kappa, kappa the divergence of the smoothed distance's unit gradient, at most that of a drop of one cell.
 struct JumpLoop {
     PressureFaces faces;
     CellBox cells;
@@ -53,6 +56,35 @@ struct JumpLoop {
         jump(at) = (tensions.extent(0) > 0 ? tensions(at) : tension) * math::max(-most, math::min(curvature, most));
     }
 };
+
+void copy_numbers(const Array<double>& from, int n, const Array<double>& to) {
+    Kokkos::parallel_for("treacle::copy_distance", n, KOKKOS_LAMBDA(int i) { to(i) = from(i); });
+}
+
+// One pass of (1 2 1)/4 along each axis.
+struct SmoothLoop {
+    PressureFaces faces;
+    CellBox cells;
+    Array<double> from, to;
+
+    KOKKOS_INLINE_FUNCTION void operator()(int i) const {
+        int c[3];
+        cells.cell(i, c);
+        const auto at = static_cast<std::int64_t>(faces.window.index(c[0], c[1], c[2]));
+        double sum = 0;
+        const int up = faces.dimensions == 3 ? 1 : 0;
+        for (int z = -up; z <= up; ++z) {
+            for (int y = -1; y <= 1; ++y) {
+                for (int x = -1; x <= 1; ++x) {
+                    const std::int64_t other = at + x * std::int64_t(faces.stride[0]) + y * std::int64_t(faces.stride[1]) +
+                                               z * std::int64_t(faces.stride[2]);
+                    sum += (x == 0 ? 2 : 1) * (y == 0 ? 2 : 1) * (z == 0 ? 2 : 1) * from(static_cast<std::size_t>(other));
+                }
+            }
+        }
+        to(static_cast<std::size_t>(at)) = sum / (faces.dimensions == 3 ? 64 : 32); // of a plane z counts twice
+    }
+};
 } // namespace
 
 Pressure::Pressure(const Comm& comm, const PressureOptions& options, Coupling coupling, int dimensions)
@@ -77,11 +109,29 @@ solve::KrylovOptions Pressure::krylov(int dimensions) {
     return out;
 }
 
+// Distances as curvatures need them: differences of those of particles are all noise.
+void Pressure::smooth(const PressureScene& scene) {
+    const auto n = static_cast<std::size_t>(scene.halo.window().size());
+    for (auto& array : smoothed_) {
+        reserve(array, n);
+        copy_numbers(scene.distance, static_cast<int>(n), array);
+    }
+    const CellBox cells = scene.halo.owned();
+    const auto faces = pressure_faces(scene.halo.window(), scene.grid.dimensions);
+    for (int pass = 0; pass < smoothing; ++pass) {
+        Kokkos::parallel_for("treacle::smooth_distance", static_cast<int>(cells.size()),
+                             SmoothLoop{faces, cells, smoothed_[0], smoothed_[1]});
+        scene.halo.gather({smoothed_[1]});
+        std::swap(smoothed_[0], smoothed_[1]);
+    }
+}
+
 void Pressure::find_jumps(const PressureScene& scene) {
     reserve(jump_, static_cast<std::size_t>(scene.halo.window().size()));
+    smooth(scene);
     if (scene.halo.owned().empty()) return;
     auto faces = pressure_faces(scene.halo.window(), scene.grid.dimensions);
-    faces.distance = scene.distance;
+    faces.distance = smoothed_[0];
     const CellBox cells = grown(scene.halo.owned(), 1, scene.grid.dimensions);
     Kokkos::parallel_for("treacle::surface_tension", static_cast<int>(cells.size()),
                          JumpLoop{faces, cells, scene.grid.dx, scene.surface_tension,
@@ -220,7 +270,7 @@ void Pressure::record(std::span<const double> p) {
 
 std::size_t Pressure::bytes() const {
     return system_.bytes() + coupling_.bytes() + multilevel_.bytes() +
-           8 * (jump_.span() + right_hand_side_.span() + solution_.span() + in_cells_.span() + pressures_.span() + found_.capacity());
+           8 * (jump_.span() + smoothed_[0].span() + smoothed_[1].span() + right_hand_side_.span() + solution_.span() + in_cells_.span() + pressures_.span() + found_.capacity());
 }
 
 } // namespace treacle::grid

@@ -71,6 +71,7 @@ public:
     std::size_t bytes() const;
 
     // Parts of the above; not private, since nvcc takes no kernel in a private function.
+    void smooth(const PressureScene& scene);
     void find_jumps(const PressureScene& scene);
     void collect(const Array<double>& cells);
 
@@ -94,6 +95,7 @@ private:
     CellHalo* halo_ = nullptr;
     double density_ = 0, least_residual_ = 0;
     Array<double> jump_{"treacle::pressure_jump", 0};
+    Array<double> smoothed_[2] = {Array<double>("treacle::smooth_distance", 0), Array<double>("treacle::smoother_distance", 0)};
     Array<double> inflow_; // of the scene, or none
     Array<double> right_hand_side_{"treacle::pressure_source", 0};
     Array<double> solution_{"treacle::pressure_solution", 0};
