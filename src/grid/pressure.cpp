@@ -270,7 +270,8 @@ void Pressure::record(std::span<const double> p) {
 
 std::size_t Pressure::bytes() const {
     return system_.bytes() + coupling_.bytes() + multilevel_.bytes() +
-           8 * (jump_.span() + smoothed_[0].span() + smoothed_[1].span() + right_hand_side_.span() + solution_.span() + in_cells_.span() + pressures_.span() + found_.capacity());
+           8 * (jump_.span() + smoothed_[0].span() + smoothed_[1].span() + right_hand_side_.span() + solution_.span() +
+                in_cells_.span() + pressures_.span() + found_.capacity());
 }
 
 } // namespace treacle::grid
