@@ -3,12 +3,9 @@
 namespace treacle::grid {
 
 DomainSides make_domain_sides(const MacGrid& grid, const scene::Domain& domain) {
-    DomainSides out{};
-    out.dimensions = grid.dimensions;
+    DomainSides out{periodic_box(grid), {}, grid.dimensions};
     for (std::size_t k = 0; k < 3; ++k) {
-        out.min[k] = domain.min[k];
-        out.max[k] = domain.max[k];
-        out.period[k] = grid.cells.period[k];
+        if (out.period[k] == 0) out.lo[k] = domain.min[k], out.hi[k] = domain.max[k];
         for (std::size_t s = 2 * k; s < 2 * k + 2; ++s) out.open[s] = domain.faces[s].kind == scene::FaceKind::open ? 1 : 0;
     }
     return out;
@@ -36,15 +33,6 @@ KOKKOS_INLINE_FUNCTION void trace(const FaceSampler& faces, AdvectionScheme sche
     for (int c = 0; c < 3; ++c) x[c] += dt / 9 * (2 * k1[c] + 3 * k2[c] + 4 * k3[c]);
 }
 
-// Back into the domain along periodic axes.
-KOKKOS_INLINE_FUNCTION void wrap(const DomainSides& domain, double x[3]) {
-    for (int k = 0; k < domain.dimensions; ++k) {
-        if (domain.period[k] == 0) continue;
-        if (x[k] < domain.min[k]) x[k] += domain.period[k];
-        else if (x[k] >= domain.max[k]) x[k] -= domain.period[k];
-    }
-}
-
 // `distance` to the solids there.
 KOKKOS_INLINE_FUNCTION LossCause loss_of(const Advection& how, double leak_depth, double distance, const double x[3],
                                          const double u[3]) {
@@ -54,10 +42,10 @@ KOKKOS_INLINE_FUNCTION LossCause loss_of(const Advection& how, double leak_depth
     for (int k = 0; k < how.domain.dimensions; ++k) {
         if (how.domain.period[k] > 0) {
             // Farther than one period in one step: a step gone wrong.
-            if (x[k] < how.domain.min[k] || x[k] > how.domain.max[k]) return LossCause::leak;
+            if (x[k] < how.domain.lo[k] || x[k] > how.domain.hi[k]) return LossCause::leak;
             continue;
         }
-        const double beyond[2] = {how.domain.min[k] - x[k], x[k] - how.domain.max[k]};
+        const double beyond[2] = {how.domain.lo[k] - x[k], x[k] - how.domain.hi[k]};
         for (int s = 0; s < 2; ++s) {
             if (how.domain.open[2 * k + s] && beyond[s] > 0) return LossCause::outflow;
             if (!how.domain.open[2 * k + s] && beyond[s] > leak_depth) return LossCause::leak;
@@ -83,7 +71,7 @@ Departures advect(const Advection& how, const GridParticles& particles, double d
                 // The window goes on beyond a periodic side, but need not hold what lies at the other one.
                 pushed += push_out(how.solid, clearance, to) ? 1 : 0;
                 const double distance = how.solid.at(to);
-                wrap(how.domain, to);
+                for (int k = 0; k < 3; ++k) to[k] = how.domain.wrap(k, to[k]);
                 found = loss_of(how, leak, distance, to, speed);
             } else {
                 found = LossCause::non_finite;

@@ -26,10 +26,8 @@ struct AdvectionOptions {
 };
 
 // The sides of the domain, for kernels.
-struct DomainSides {
-    double min[3], max[3];
-    double period[3]; // [m] 0: not periodic
-    int open[6];
+struct DomainSides : PeriodicBox {
+    int open[6]; // 1: particles may leave through the face x_min, x_max, y_min, ...
     int dimensions;
 };
 DomainSides make_domain_sides(const MacGrid& grid, const scene::Domain& domain);

@@ -36,7 +36,6 @@ void accelerate(const MacGrid& grid, const CellBox& window, const std::array<dou
 void mark_solved(const PressureFaces& faces, const FaceField& wet_share, double least, const ViscousSpread& viscosity, double dx,
                  FaceMarks& known) {
     const bool viscous = viscosity.cell.extent(0) > 0;
-    const double stiff = 0.25 * dx * dx;
     for (int a = 0; a < faces.dimensions; ++a) {
         reserve(known.axis[a], static_cast<std::size_t>(faces.window.size()));
         const auto mark = known.axis[a];
@@ -47,7 +46,8 @@ void mark_solved(const PressureFaces& faces, const FaceField& wet_share, double 
             const auto above = static_cast<std::size_t>(i);
             const auto below = c[a] > faces.window.lo[a] ? above - static_cast<std::size_t>(faces.stride[a]) : above;
             const bool wet = faces.is_liquid(above) || faces.is_liquid(below);
-            const bool held = viscous && share(i) >= least && math::max(viscosity.squared(above), viscosity.squared(below)) >= stiff;
+            const bool held = viscous && share(i) >= least &&
+                              math::max(viscosity.over_half_a_cell(above, dx), viscosity.over_half_a_cell(below, dx)) >= 1;
             mark(i) = (wet || held) && faces.open(a, above) > 0 ? 1 : 0;
         });
     }
@@ -81,8 +81,8 @@ struct TurnLoop {
         }
         from.velocity(off, there);
         motion.velocity(solid_number, off, moved);
-        const double spread = grip.viscosity.squared(static_cast<std::size_t>(from.window.index(c[0], c[1], c[2])));
-        const double grown = spread / (spread + 0.25 * dx * dx), share = (length - depth) / (length + dx);
+        const double spread = grip.viscosity.over_half_a_cell(static_cast<std::size_t>(from.window.index(c[0], c[1], c[2])), dx);
+        const double grown = spread / (spread + 1), share = (length - depth) / (length + dx);
         for (int k = 0; k < faces.dimensions; ++k) u[k] += grown * (share * (there[k] - moved[k]) - u[k]);
     }
     KOKKOS_INLINE_FUNCTION void operator()(int i) const {

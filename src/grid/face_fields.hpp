@@ -20,8 +20,10 @@ void accelerate(const MacGrid& grid, const CellBox& window, const std::array<dou
 struct ViscousSpread {
     Array<double> cell; // [Pa s]; without one: nothing
     double density = 1, dt = 0;
-    // How far a velocity spreads into a cell, squared [m^2].
-    KOKKOS_INLINE_FUNCTION double squared(std::size_t i) const { return cell(i) / density * dt; }
+    // How far a velocity spreads into a cell within the step, squared, over (dx/2)^2.
+    KOKKOS_INLINE_FUNCTION double over_half_a_cell(std::size_t i, double dx) const {
+        return cell(i) / density * dt / (0.25 * dx * dx);
+    }
 };
 
 // Marks the faces whose velocity the solves found: open ones beside liquid; and those with `wet` shares from `least` on where the

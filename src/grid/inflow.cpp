@@ -80,13 +80,7 @@ std::vector<rigid::BodySetup> make_plugs(const flow::InflowSetup& setup, const M
 }
 
 flow::LayerSource make_layer_source(const flow::InflowSetup& setup, const MacGrid& grid) {
-    PeriodicBox box;
-    for (int k = 0; k < 3; ++k) {
-        box.lo[k] = grid.lower[k];
-        box.period[k] = grid.cells.period[k];
-        box.hi[k] = box.lo[k] + box.period[k];
-    }
-    return {setup, layers_of(grid), box};
+    return {setup, layers_of(grid), periodic_box(grid)};
 }
 
 void emit_layers(const flow::LayerSource& source, const TimeSpan& time, const Decomposition& decomposition,

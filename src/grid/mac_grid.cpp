@@ -44,4 +44,14 @@ MacGrid make_mac_grid(const scene::Domain& domain) {
     return grid;
 }
 
+PeriodicBox periodic_box(const MacGrid& grid) {
+    PeriodicBox box;
+    for (int k = 0; k < 3; ++k) {
+        box.lo[k] = grid.lower[k];
+        box.period[k] = grid.cells.period[k];
+        box.hi[k] = box.lo[k] + box.period[k];
+    }
+    return box;
+}
+
 } // namespace treacle::grid

@@ -1,5 +1,6 @@
 #pragma once
 #include "kokkos/cells.hpp"
+#include "kokkos/periodic_box.hpp"
 #include "kokkos/types.hpp"
 #include "scene/scene.hpp"
 
@@ -42,6 +43,8 @@ struct MacGrid {
 
 // Of the domain's spacing. Throws InputError where the length of a periodic axis is no multiple of it.
 MacGrid make_mac_grid(const scene::Domain& domain);
+// To wrap places by; sides of other axes are the grid's lower one.
+PeriodicBox periodic_box(const MacGrid& grid);
 
 // One number per face of a window: u_a on the lower face of each cell across axis a. Plane scenes leave axis 2 empty.
 struct FaceField {

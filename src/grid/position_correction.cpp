@@ -215,15 +215,10 @@ void find_near(const DistanceSampler& solid, const Array3& x, int n, double reac
     });
 }
 
-void wrap_positions(const MacGrid& grid, int n, const Array3& x) {
-    for (int k = 0; k < grid.dimensions; ++k) {
-        const double period = grid.cells.period[k], low = grid.lower[k];
-        if (period == 0) continue;
-        Kokkos::parallel_for("treacle::wrap_positions", n, KOKKOS_LAMBDA(int i) {
-            if (x(i, k) < low) x(i, k) += period;
-            else if (x(i, k) >= low + period) x(i, k) -= period;
-        });
-    }
+void wrap_positions(const PeriodicBox& box, int n, const Array3& x) {
+    Kokkos::parallel_for("treacle::wrap_positions", n, KOKKOS_LAMBDA(int i) {
+        for (int k = 0; k < 3; ++k) x(i, k) = box.wrap(k, x(i, k));
+    });
 }
 } // namespace
 
@@ -304,7 +299,7 @@ PositionReport PositionCorrection::apply(const PositionOptions& options, GridPar
         sum -= mass(liquid(i)) * (g[0] * d[0] + g[1] * d[1] + g[2] * d[2]);
         most = math::max(most, d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
     }, energy, Kokkos::Max<double>(square));
-    wrap_positions(grid_, n, x);
+    wrap_positions(periodic_box(grid_), n, x);
     report.energy = setting.comm.sum(energy);
     report.largest_move = math::sqrt(setting.comm.max(n > 0 ? square : 0.0));
     return report;
