@@ -75,8 +75,9 @@ double TimeLoop::choose_step() const {
     const double interval = setup_.input.scene.output.interval;
     if (interval > 0) target = std::min(target, interval * double(progress_.frames));
     const double way = target - progress_.time;
-    if (way <= time.min_step) return dt;
-    return way / std::ceil(way / dt * (1 - same_time));
+    // Where nothing moves and nothing pulls, dt is infinite.
+    if (way <= time.min_step) return std::min(dt, interval > 0 ? interval : time.end);
+    return way / std::max(1.0, std::ceil(way / dt * (1 - same_time)));
 }
 
 void TimeLoop::check_losses(const StepFigures& report, Outputs& outputs) {

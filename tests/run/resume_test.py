@@ -205,6 +205,15 @@ class Resume(Workplace):
     def test_with_steps_that_follow_the_velocities(self):
         self.resume_from(2, 2, SAME_RANKS, {"time.rule": "cfl"})
 
+    def test_with_nothing_that_limits_steps(self):
+        """At rest without gravity a step lasts from frame to frame."""
+        for kind in ["grid", "sph"]:
+            with self.subTest(kind):
+                self.run_scene(os.path.join(SCENES, "rest.yaml"), kind, 1, {"method.kind": kind})
+                steps = self.steps(kind)
+                numpy.testing.assert_allclose(steps["time [s]"], [0.1, 0.2])
+                self.assertLess(max(steps["max speed [m/s]"]), 1e-12)
+
     def test_a_truncated_newest_checkpoint_is_skipped_with_a_message(self):
         self.straight(2)
         newest = self.checkpoints("run")[-1]
