@@ -122,10 +122,7 @@ ImplicitViscosity::ImplicitViscosity(const Comm& comm, LiquidParticles& liquid, 
     for (std::size_t k = 0; k < rheology.size(); ++k) host(k) = rheology[k];
     Kokkos::deep_copy(rheology_, host);
     if (options.integration == ViscosityIntegration::explicit_form) return;
-    const bool keeps_rotations = options.form != ViscosityForm::laplacian;
-    if (options.preconditioner == ViscosityPreconditioner::rigid_blocks && keeps_rotations) {
-        blocks_ = std::make_unique<RigidBlocks>(comm, liquid, grid);
-    }
+    if (options.preconditioner == ViscosityPreconditioner::multilevel) multilevel_.emplace(grid);
     if (options.assembled) matrix_.emplace(comm, liquid, options);
     if (options.guess == ViscosityGuess::last_change) {
         last_change_ = liquid.store.add<Array3>("viscous_change", "m/s", FieldRole::state);
@@ -138,7 +135,7 @@ void ImplicitViscosity::start(const LiquidParticles& liquid) {
 
 std::size_t ImplicitViscosity::bytes() const {
     std::size_t out = operator_.bytes() + near_.bytes();
-    if (blocks_) out += blocks_->bytes();
+    if (multilevel_) out += multilevel_->bytes();
     if (matrix_) out += matrix_->bytes();
     for (const auto* array : {&residual_, &product_, &before_}) out += sizeof(double) * array->span();
     out += movers_.bytes() + sizeof(double) * friction_.span();
@@ -187,10 +184,11 @@ solve::SolveReport ImplicitViscosity::step_explicitly(const ViscousParts& parts)
     return report;
 }
 
-// z = M r.
-void ImplicitViscosity::precondition(const LiquidParticles& liquid, const Array3& r, const Array3& z) {
+// z = M r; returns this rank's r.z.
+double ImplicitViscosity::precondition(const LiquidParticles& liquid, const Array3& r, const Array3& z) {
+    if (multilevel_) return multilevel_->apply(operator_, r, z);
     operator_.precondition(liquid, r, z);
-    if (blocks_) blocks_->correct(liquid, r, z);
+    return dot(r, z, liquid.store.owned());
 }
 
 // Whether the solve ends with this r.r of all ranks.
@@ -302,7 +300,7 @@ void ImplicitViscosity::keep_change(const LiquidParticles& liquid) {
 void ImplicitViscosity::set_up(Progress& progress) {
     const auto start = Clock::now();
     const auto& parts = progress.parts;
-    if (blocks_) blocks_->set_up(parts, operator_);
+    if (multilevel_) multilevel_->set_up(parts, operator_);
     if (matrix_) matrix_->assemble(parts, operator_);
     if (movers_.any()) {
         auto held = operator_.stiffness(parts);
@@ -332,7 +330,7 @@ void ImplicitViscosity::solve_assembled(Progress& progress) {
     const auto& liquid = progress.parts.liquid;
     const auto& viscosity = progress.parts.options.viscosity;
     const bool own = viscosity.preconditioner == ViscosityPreconditioner::jacobi ||
-                     viscosity.preconditioner == ViscosityPreconditioner::rigid_blocks;
+                     viscosity.preconditioner == ViscosityPreconditioner::multilevel;
     ViscousMatrix::Preconditioner ours;
     if (own) ours = [&](const Array3& r, const Array3& z) { precondition(liquid, r, z); };
     const double start = progress.report.error_measure;
@@ -379,10 +377,10 @@ double ImplicitViscosity::multiply_directions(const ViscousParts& parts, bool ne
 
 // z = M r of particles and bodies, where C p was, which is in r by now; returns this rank's r.z of the particles.
 double ImplicitViscosity::precondition(const LiquidParticles& liquid) {
-    precondition(liquid, residual_, product_);
+    const double product = precondition(liquid, residual_, product_); // held particles have no residual
     clear_held(liquid, product_);
     if (movers_.any()) body_.scaled = movers_.precondition(body_.residual);
-    return dot(residual_, product_, liquid.store.owned());
+    return product;
 }
 
 // Where products are in single precision the residual of the recurrence drifts from that of the velocities by some 1e-6 of the

@@ -1,9 +1,9 @@
 #pragma once
 #include "solve/krylov.hpp"
 #include "sph/near_pairs.hpp"
-#include "sph/rigid_blocks.hpp"
 #include "sph/viscous_bodies.hpp"
 #include "sph/viscous_matrix.hpp"
+#include "sph/viscous_multilevel.hpp"
 #include "sph/viscous_operator.hpp"
 
 #include <memory>
@@ -70,13 +70,13 @@ private:
     bool multiplies_nearly(const ViscosityOptions& options) const;
     void multiply(const ViscousParts& parts, int u_field, ViscousOperator::Walls walls, bool nearly);
     double multiply_directions(const ViscousParts& parts, bool nearly, std::vector<double>& body_product);
-    void precondition(const LiquidParticles& liquid, const Array3& r, const Array3& z);
+    double precondition(const LiquidParticles& liquid, const Array3& r, const Array3& z);
     double precondition(const LiquidParticles& liquid);
     std::vector<double> pull(const ViscousParts& parts);
 
     NearPairs near_;
     ViscousOperator operator_;
-    std::unique_ptr<RigidBlocks> blocks_; // null: the diagonal blocks alone precondition
+    std::optional<ViscousMultilevel> multilevel_; // empty: the diagonal blocks alone precondition
     std::optional<ViscousMatrix> matrix_; // empty: products without a matrix
     ViscousBodies movers_;
     BodyVectors body_;

@@ -202,15 +202,14 @@ void ViscosityOptions::declare(Declaration& d) {
              "`bicgstab` does not.");
     d.choice("preconditioner", preconditioner,
              {{"jacobi", ViscosityPreconditioner::jacobi},
-              {"rigid_blocks", ViscosityPreconditioner::rigid_blocks},
+              {"multilevel", ViscosityPreconditioner::multilevel},
               {"gamg", ViscosityPreconditioner::gamg},
               {"boomeramg", ViscosityPreconditioner::boomeramg}},
-             "Of the viscous solve: the diagonal blocks of the particles, to which `rigid_blocks` adds, but for the "
-             "Laplacian form, blocks of many particles that move as rigid bodies; or algebraic multigrid of the "
-             "assembled matrix.");
+             "Of the viscous solve: the diagonal blocks of the particles, to which `multilevel` adds a cycle of "
+             "multigrid over cells two spacings wide; or algebraic multigrid of the assembled matrix.");
     const bool by_matrix = preconditioner == ViscosityPreconditioner::gamg || preconditioner == ViscosityPreconditioner::boomeramg;
     d.check(assembled || !by_matrix, "preconditioner",
-            {"needs assembled: true", "algebraic multigrid is made of a matrix", "take rigid_blocks, or set assembled: true"});
+            {"needs assembled: true", "algebraic multigrid is made of a matrix", "take multilevel, or set assembled: true"});
     d.check(assembled || solver != ViscositySolver::bicgstab, "solver",
             {"bicgstab needs assembled: true", "the other forms are symmetric", "leave it out, or set assembled: true"});
     d.check(assembled || form != ViscosityForm::printed || integration == ViscosityIntegration::explicit_form, "form",

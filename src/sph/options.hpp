@@ -42,8 +42,8 @@ enum class ViscosityForm {
 };
 enum class ViscosityPreconditioner {
     jacobi,      // the diagonal 3 x 3 blocks
-    rigid_blocks, // and blocks of particles that move as rigid bodies
-    gamg,         // of the assembled matrix
+    multilevel,  // and multigrid over cells, matrix-free
+    gamg,        // of the assembled matrix
     boomeramg
 };
 enum class ViscositySolver { conjugate_gradients, bicgstab };
@@ -117,7 +117,7 @@ struct ViscosityOptions {
     double support_ratio = 2.2;        // of the corrected form's sums, h / d
     bool assembled = false;            // the matrix with its second ring, in place of products without one
     ViscositySolver solver = ViscositySolver::conjugate_gradients;
-    ViscosityPreconditioner preconditioner = ViscosityPreconditioner::rigid_blocks;
+    ViscosityPreconditioner preconditioner = ViscosityPreconditioner::multilevel;
     ViscosityGuess guess = ViscosityGuess::velocity;
     ViscosityPrecision precision = ViscosityPrecision::mixed;
     double residual = 1e-6;            // relative

@@ -42,17 +42,23 @@ struct PrepareLoop : ViscousLoop<Kernel> {
     Array<double> share;
     bool slips;
     Array<double> drag; // of walls along which the liquid slips
+    bool has_inlets;
+    Array<int> inlet;
     Array6 correction, span;
-    Kokkos::View<float* [6], Memory> block;
+    ViscousOperator::Blocks block;
+    Array<float> ground;
 
     KOKKOS_INLINE_FUNCTION void operator()(int i) const {
         PartialInverse fit{{1, 1, 1, 0, 0, 0}, {1, 1, 1, 0, 0, 0}};
-        Symmetric d = by_gradients(form) ? stress_block(i, fit) : pair_block(i);
+        double held = 0; // by the solids
+        Symmetric d = by_gradients(form) ? stress_block(i, fit, held) : pair_block(i, held);
         write_symmetric(fit.inverse, correction, i);
         write_symmetric(fit.span, span, i);
         const double inertia = relative(i) + (slips ? drag(i) : 0);
         d.xx += inertia, d.yy += inertia, d.zz += inertia;
         write_symmetric(inverse(d), block, i);
+        const bool prescribed = has_inlets && inlet(i) > 0;
+        ground(i) = static_cast<float>(prescribed ? (d.xx + d.yy + d.zz) / 3 : inertia + 2 * share(i) * held);
     }
 
 private:
@@ -87,12 +93,13 @@ private:
     }
     // What the strains of the particle and of its neighbours put into its diagonal block. The neighbours' corrections are taken to
     // be like its own, which this finds.
-    KOKKOS_INLINE_FUNCTION Symmetric stress_block(int i, PartialInverse& fit) const {
+    KOKKOS_INLINE_FUNCTION Symmetric stress_block(int i, PartialInverse& fit, double& held) const {
         Sums sums = sum_row(i);
         Base::each_wall(i, [&](int, double w, double dx, double dy, double dz, const auto& contact) {
             const double reach = contact.reach, x[3] = {dx, dy, dz};
             sums.spread.add_square(w, dx, dy, dz);
             sums.weights += w * reach * reach;
+            held += w * reach;
             for (int k = 0; k < 3; ++k) sums.pull[k] += w * reach * x[k];
         });
         if (form == ViscosityForm::corrected) fit = invert_above(sums.spread, least_spread);
@@ -106,7 +113,7 @@ private:
         return d;
     }
     // What the pairs put there.
-    KOKKOS_INLINE_FUNCTION Symmetric pair_block(int i) const {
+    KOKKOS_INLINE_FUNCTION Symmetric pair_block(int i, double& held) const {
         Symmetric d;
         const double soft = pair_softening(Base::kernel.h);
         const auto pair = [&](double shares, double w, double dx, double dy, double dz, double r2) {
@@ -122,6 +129,7 @@ private:
         });
         Base::each_wall(i, [&](int, double w, double dx, double dy, double dz, const auto& contact) {
             pair(2 * share(i), w * contact.reach, dx, dy, dz, dx * dx + dy * dy + dz * dz);
+            held += w * contact.reach;
         });
         return d;
     }
@@ -390,6 +398,8 @@ double ViscousOperator::prepare(const ViscousParts& parts, double dt) {
     if (!parts.forces.rheology.empty()) reserve(rate_, static_cast<std::size_t>(n));
     for (auto* array : {&correction_, &span_}) reserve(*array, static_cast<std::size_t>(n));
     reserve(block_, static_cast<std::size_t>(n));
+    reserve(ground_, static_cast<std::size_t>(n));
+    const auto held = liquid.has_inlets() ? liquid.inlet() : Array<int>();
     write_places(liquid, share);
     const auto fluid = gather_fluid(constants, liquid, parts.solid, parts.neighbours);
     // Rows are read several entries at a time, beyond their ends.
@@ -401,7 +411,7 @@ double ViscousOperator::prepare(const ViscousParts& parts, double dt) {
         Kokkos::parallel_for("treacle::viscous_prepare", n,
                              PrepareLoop<Kernel>{{kernel, fluid, walls(parts, Walls::resting), weights_},
                                                  viscosity.form, damping_, relative_density(constants, liquid), share,
-                                                 slip_.any(), slip_.drag(), correction_, span_, block_});
+                                                 slip_.any(), slip_.drag(), liquid.has_inlets(), held, correction_, span_, block_, ground_});
     });
     return most;
 }
@@ -462,7 +472,7 @@ void ViscousOperator::thin(const ViscousParts& parts, const Array<flow::FlowCurv
 
 std::size_t ViscousOperator::bytes() const {
     return sizeof(double) * (correction_.span() + span_.span() + rate_.span()) +
-           sizeof(float) * (weights_.span() + block_.span() + tiles_.span()) + slip_.bytes();
+           sizeof(float) * (weights_.span() + block_.span() + ground_.span() + tiles_.span()) + slip_.bytes();
 }
 
 } // namespace treacle::sph

@@ -50,6 +50,11 @@ public:
     const Array<double>& share(const LiquidParticles& liquid) const { return liquid.store.get<Array<double>>(share_); }
     ViscousWalls walls(const ViscousParts& parts, Walls which) const;
     const WallSlip& slip() const { return slip_; }
+    // Of the owned particles: what holds them but their neighbours, the mass and the solids, roughly; that of the diagonal block
+    // where an inlet prescribes the velocity.
+    const Array<float>& ground() const { return ground_; }
+    using Blocks = Kokkos::View<float* [6], Memory>;
+    const Blocks& block() const { return block_; } // inverses of the diagonal blocks, nearly
 
     std::size_t bytes() const;
 
@@ -68,7 +73,8 @@ private:
     Array<float> weights_{"treacle::viscous_weights", 0};
     Array6 correction_{"treacle::gradient_correction", 0}; // B_i^+
     Array6 span_{"treacle::gradient_span", 0};             // projector on its range
-    Kokkos::View<float* [6], Memory> block_{"treacle::viscous_block", 0}; // inverses of the diagonal blocks
+    Array<float> ground_{"treacle::viscous_ground", 0};
+    Blocks block_{"treacle::viscous_block", 0};
     Array16 tiles_{"treacle::viscous_tiles", 0}; // see viscous_tiles.cpp
     bool tiles_are_placed_ = false;              // since prepare()
 };

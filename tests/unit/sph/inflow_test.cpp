@@ -111,7 +111,7 @@ TEST(Inflow, ItsVolumeInTheLongRunIsTheFlowRate) {
 // but for what it strains by, rho g L^2 / (4 mu) in the plane.
 TEST(Inflow, HeldParticlesCarryAStiffRope) {
     for (const auto preconditioner :
-         {ViscosityPreconditioner::jacobi, ViscosityPreconditioner::rigid_blocks}) {
+         {ViscosityPreconditioner::jacobi, ViscosityPreconditioner::multilevel}) {
         const double size = 24 * spacing, viscosity = 1e5;
         SphOptions options;
         options.viscosity.integration = ViscosityIntegration::implicit;

@@ -263,8 +263,8 @@ int iterations(double radius, ViscosityPreconditioner preconditioner) {
 } // namespace
 
 TEST(ImplicitViscosity, RigidBlocksSpareIterationsAndKeepThemFromGrowing) {
-    const int small = iterations(4, ViscosityPreconditioner::rigid_blocks);
-    const int large = iterations(10, ViscosityPreconditioner::rigid_blocks);
+    const int small = iterations(4, ViscosityPreconditioner::multilevel);
+    const int large = iterations(10, ViscosityPreconditioner::multilevel);
     EXPECT_LE(large, 1.5 * small);
     const int alone = iterations(10, ViscosityPreconditioner::jacobi);
     RecordProperty("iterations", std::to_string(small) + " " + std::to_string(large) + " " + std::to_string(alone));

@@ -143,7 +143,7 @@ TEST(ViscousMatrix, GivesTheSameVelocitiesWithEveryPreconditioner) {
     const auto free = solved(options, 1, report);
     ASSERT_TRUE(report.converged()) << report.reason;
     options.assembled = true;
-    for (const auto preconditioner : {ViscosityPreconditioner::jacobi, ViscosityPreconditioner::rigid_blocks,
+    for (const auto preconditioner : {ViscosityPreconditioner::jacobi, ViscosityPreconditioner::multilevel,
                                       ViscosityPreconditioner::gamg, ViscosityPreconditioner::boomeramg}) {
         options.preconditioner = preconditioner;
         const auto found = solved(options, 1, report);

@@ -1,0 +1,670 @@
+#include "sph/viscous_multilevel.hpp"
+
+#include "base/key_numbers.hpp"
+#include "sph/velocity_cells.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <deque>
+#include <numeric>
+
+namespace treacle::sph {
+
+namespace {
+constexpr double spacings_across = 2; // of the finest cells
+// Where the viscosity reaches less far than that in a step, in squares of a cell's width, no coarser cells help.
+constexpr double mild = 0.5;
+constexpr std::int64_t dense_nodes = 60; // of all ranks, for which the coarsest level is solved directly
+// Chebyshev's polynomials of the smoothers, on this share of the eigenvalues and above.
+constexpr int smoother_steps = 2, last_steps = 4;
+constexpr double smoothed_share = 0.15, last_share = 0.06;
+
+// Host values at the front of a device array.
+template <class T>
+void fill(Array<T>& array, const std::vector<T>& values) {
+    reserve(array, values.size());
+    const Kokkos::View<const T*, Kokkos::HostSpace, Kokkos::MemoryTraits<Kokkos::Unmanaged>> host(values.data(), values.size());
+    Kokkos::deep_copy(Kokkos::subview(array, Kokkos::make_pair(std::size_t(0), values.size())), host);
+}
+
+// Forces of each cell on its corners.
+template <int D>
+struct CellForces {
+    Element<D> element;
+    Array<int> corner;
+    Array<float> stiffness, u, force;
+
+    KOKKOS_INLINE_FUNCTION void operator()(int e) const {
+        Four at[corners<D>];
+        const int* corner_of = corner.data() + corners<D> * std::int64_t(e);
+        for (int a = 0; a < corners<D>; ++a) at[a] = Four::load(u.data() + 4 * std::int64_t(corner_of[a]));
+        element.apply(at);
+        const Four c = stiffness(e);
+        float* to = force.data() + 4 * corners<D> * std::int64_t(e);
+        for (int a = 0; a < corners<D>; ++a) (c * at[a]).store(to + 4 * a);
+    }
+};
+
+// out = mass u + what the cells around put on each node.
+template <int D>
+struct NodeSums {
+    Array<int> around;
+    Array<float> force;
+    bool massive;
+    Array<float> mass, u, out;
+
+    KOKKOS_INLINE_FUNCTION void operator()(int v) const {
+        Four sum = massive ? Four(mass(v)) * Four::load(u.data() + 4 * std::int64_t(v)) : Four(0.0f);
+        for (int c = 0; c < corners<D>; ++c) {
+            const int place = around(corners<D> * v + c);
+            if (place >= 0) sum = sum + Four::load(force.data() + 4 * std::int64_t(place));
+        }
+        sum.store(out.data() + 4 * std::int64_t(v));
+    }
+};
+
+// r -= q; d = old d + fresh B r; z += d. The first time there is no q, d or z yet.
+struct Smooth {
+    bool first;
+    float old, fresh;
+    Array<float> block, q, r, d, z;
+
+    KOKKOS_INLINE_FUNCTION void operator()(int v) const {
+        const std::int64_t at = 4 * std::int64_t(v);
+        Four left = Four::load(r.data() + at);
+        if (!first) {
+            left = left - Four::load(q.data() + at);
+            left.store(r.data() + at);
+        }
+        const float* b = block.data() + 3 * at;
+        Four turned = left.all<0>() * Four::load(b);
+        turned.add(left.all<1>(), Four::load(b + 4));
+        turned.add(left.all<2>(), Four::load(b + 8));
+        Four step = Four(fresh) * turned;
+        if (!first) step.add(Four(old), Four::load(d.data() + at));
+        step.store(d.data() + at);
+        if (!first) step = step + Four::load(z.data() + at);
+        step.store(z.data() + at);
+    }
+};
+
+void subtract(const Array<float>& q, int n, const Array<float>& r) {
+    Kokkos::parallel_for("treacle::velocity_residual", n, KOKKOS_LAMBDA(int k) { r(k) -= q(k); });
+}
+
+constexpr int power_of_3(int d) { return d == 0 ? 1 : 3 * power_of_3(d - 1); }
+
+// r of a level from that of the finer one: each of its nodes counts on the first rank that has it.
+template <int D>
+struct Restrict {
+    Array<int> children;
+    Array<float> first, fine, coarse;
+
+    KOKKOS_INLINE_FUNCTION void operator()(int v) const {
+        constexpr int family = power_of_3(D);
+        Four sum = 0.0f;
+        for (int c = 0; c < family; ++c) {
+            const int child = children(family * v + c);
+            if (child < 0) continue;
+            float weight = first(child);
+            for (int rest = c, k = 0; k < D; ++k, rest /= 3) weight *= rest % 3 == 1 ? 1.0f : 0.5f;
+            sum.add(Four(weight), Four::load(fine.data() + 4 * std::int64_t(child)));
+        }
+        sum.store(coarse.data() + 4 * std::int64_t(v));
+    }
+};
+
+// d = what the parents' z are at this level's nodes; z += d.
+template <int D>
+struct Prolong {
+    Array<int> parents;
+    Array<float> weight, coarse, d, z;
+
+    KOKKOS_INLINE_FUNCTION void operator()(int v) const {
+        const std::int64_t at = 4 * std::int64_t(v);
+        Four sum = 0.0f;
+        for (int c = 0; c < corners<D>; ++c) {
+            const int parent = parents(corners<D> * v + c);
+            if (parent >= 0) sum = sum + Four::load(coarse.data() + 4 * std::int64_t(parent));
+        }
+        sum = Four(weight(v)) * sum;
+        sum.store(d.data() + at);
+        (sum + Four::load(z.data() + at)).store(z.data() + at);
+    }
+};
+
+// The particles of each cell, one cell after the other, with the shares that its corners have in their velocities.
+struct Members {
+    Array<int> begin{"treacle::velocity_begin", 0}, particle{"treacle::velocity_particles", 0};
+    Array<float> share{"treacle::velocity_shares", 0}; // [particles][corners]
+};
+
+// Of a place in a cell, from 0 to 1 along each axis.
+template <int D>
+void corner_shares(const double at[3], float share[corners<D>]) {
+    share[0] = 1;
+    for (int k = 0; k < D; ++k) {
+        for (int a = 0; a < 1 << k; ++a) {
+            share[a + (1 << k)] = share[a] * static_cast<float>(at[k]);
+            share[a] *= static_cast<float>(1 - at[k]);
+        }
+    }
+}
+
+// Forces on the corners of each cell that stand for those on its particles.
+template <int D>
+struct ParticleForces {
+    Members members;
+    Array3 r;
+    Array<float> force;
+
+    KOKKOS_INLINE_FUNCTION void operator()(int e) const {
+        Four sum[corners<D>];
+        for (int a = 0; a < corners<D>; ++a) sum[a] = 0.0f;
+        for (int m = members.begin(e); m < members.begin(e + 1); ++m) {
+            const float* share = members.share.data() + corners<D> * std::int64_t(m);
+            const int i = members.particle(m);
+            const Four on = Four::of(static_cast<float>(r(i, 0)), static_cast<float>(r(i, 1)), static_cast<float>(r(i, 2)));
+            for (int a = 0; a < corners<D>; ++a) sum[a].add(Four(share[a]), on);
+        }
+        float* to = force.data() + 4 * corners<D> * std::int64_t(e);
+        for (int a = 0; a < corners<D>; ++a) sum[a].store(to + 4 * a);
+    }
+};
+
+// z = B r + what the corners' velocities are at each particle; r.z.
+template <int D>
+struct ParticleVelocities {
+    Members members;
+    Array<int> corner;
+    Array<float> u;
+    ViscousOperator::Blocks block;
+    Array3 r, z;
+
+    KOKKOS_INLINE_FUNCTION void operator()(int e, double& sum) const {
+        Four around[corners<D>];
+        for (int a = 0; a < corners<D>; ++a) around[a] = Four::load(u.data() + 4 * std::int64_t(corner(corners<D> * e + a)));
+        for (int m = members.begin(e); m < members.begin(e + 1); ++m) {
+            const float* share = members.share.data() + corners<D> * std::int64_t(m);
+            const int i = members.particle(m);
+            Four even = 0.0f, odd = 0.0f; // two, since each addition waits for the one before
+            for (int a = 0; a < corners<D>; a += 2) {
+                even.add(Four(share[a]), around[a]);
+                odd.add(Four(share[a + 1]), around[a + 1]);
+            }
+            float mean[4];
+            (even + odd).store(mean);
+            const double from[3] = {r(i, 0), r(i, 1), r(i, 2)};
+            double to[3];
+            read_symmetric(block, i).times(from, to);
+            for (int k = 0; k < 3; ++k) {
+                to[k] += static_cast<double>(mean[k]);
+                z(i, k) = to[k];
+                sum += from[k] * to[k];
+            }
+        }
+    }
+};
+} // namespace
+
+// Of a level of keys, where a corner of a cell stands.
+template <int D>
+static std::int64_t corner_key(const LatticeShape& shape, const int cell[3], int corner) {
+    int place[3] = {cell[0], cell[1], cell[2]};
+    for (int k = 0; k < D; ++k) place[k] += corner >> k & 1;
+    shape.wrap(place);
+    return LatticeKey::pack(place);
+}
+
+template <int D>
+void VelocityCells<D>::connect(const Comm& comm) {
+    constexpr int n = corners<D>;
+    cells = static_cast<int>(cell_keys.size());
+    KeyNumbers numbers;
+    numbers.clear(2 * cell_keys.size());
+    host_corner.resize(cell_keys.size() * n);
+    for (std::size_t e = 0; e < cell_keys.size(); ++e) {
+        int cell[3];
+        LatticeKey::unpack(cell_keys[e], cell);
+        for (int a = 0; a < n; ++a) host_corner[n * e + static_cast<std::size_t>(a)] = numbers.number(corner_key<D>(shape, cell, a));
+    }
+    node_keys = numbers.keys();
+    nodes = numbers.size();
+    std::vector<int> host_around(node_keys.size() * n, -1);
+    for (std::size_t e = 0; e < cell_keys.size(); ++e) {
+        for (std::size_t a = 0; a < n; ++a) {
+            int* places = &host_around[n * static_cast<std::size_t>(host_corner[n * e + a])];
+            std::size_t free = 0;
+            while (places[free] >= 0) ++free; // a periodic axis of one cell has it on both sides: never more than n
+            places[free] = static_cast<int>(n * e + a);
+        }
+    }
+    fill(corner, host_corner);
+    fill(around, host_around);
+    shared.connect(comm, node_keys);
+    reserve(force, cell_keys.size() * n * 4);
+    for (auto* vector : {&r, &z, &d, &q}) reserve(*vector, node_keys.size() * 4);
+}
+
+template <int D>
+void VelocityCells<D>::finish(const Element<D>& unit, const typename Element<D>::Matrix& matrix, double largest_eigenvalue) {
+    element = unit;
+    largest = largest_eigenvalue;
+    fill(stiffness, host_stiffness);
+    fill(mass, host_mass);
+    std::vector<float> blocks(node_keys.size() * 12, 0.0f); // columns
+    for (std::size_t v = 0; v < node_keys.size(); ++v) {
+        for (std::size_t k = 0; k < D; ++k) blocks[12 * v + 5 * k] = host_mass[v];
+    }
+    float own[corners<D>][D][D];
+    for (int a = 0; a < corners<D>; ++a) {
+        for (int k = 0; k < D; ++k) {
+            for (int l = 0; l < D; ++l) own[a][k][l] = static_cast<float>(matrix(D * a + l, D * a + k));
+        }
+    }
+    for (std::size_t e = 0; e < cell_keys.size(); ++e) {
+        for (std::size_t a = 0; a < corners<D>; ++a) {
+            float* to = &blocks[12 * static_cast<std::size_t>(host_corner[corners<D> * e + a])];
+            for (int k = 0; k < D; ++k) {
+                for (int l = 0; l < D; ++l) to[4 * k + l] += host_stiffness[e] * own[a][k][l];
+            }
+        }
+    }
+    fill(block, blocks);
+    shared.add(block, 12);
+    const auto matrices = block;
+    Kokkos::parallel_for("treacle::velocity_blocks", nodes, KOKKOS_LAMBDA(int v) {
+        float* b = matrices.data() + 12 * std::int64_t(v);
+        const double most = math::max(math::max(b[0], b[5]), b[10]);
+        if (!(most > 1e-30)) { // nothing holds the node, and nothing pulls at it
+            for (int k = 0; k < 12; ++k) b[k] = 0;
+            return;
+        }
+        const double scale = 1 / most;
+        const Symmetric inverted = inverse(Symmetric{scale * b[0], scale * b[5], D > 2 ? scale * b[10] : 1, scale * b[1],
+                                                     scale * b[2], scale * b[6]});
+        const double entries[12] = {inverted.xx, inverted.xy, inverted.xz, 0, inverted.xy, inverted.yy,
+                                    inverted.yz, 0, inverted.xz, inverted.yz, D > 2 ? inverted.zz : 0, 0};
+        for (int k = 0; k < 12; ++k) b[k] = static_cast<float>(scale * entries[k]);
+    });
+}
+
+template <int D>
+void VelocityCells<D>::multiply() {
+    Kokkos::parallel_for("treacle::velocity_forces", cells, CellForces<D>{element, corner, stiffness, d, force});
+    Kokkos::parallel_for("treacle::velocity_products", nodes, NodeSums<D>{around, force, true, mass, d, q});
+    shared.add(q, 4);
+}
+
+template <int D>
+std::size_t VelocityCells<D>::bytes() const {
+    std::size_t out = 8 * (cell_keys.capacity() + node_keys.capacity()) +
+                      4 * (host_stiffness.capacity() + host_mass.capacity() + host_corner.capacity()) + shared.bytes();
+    for (const auto* array : {&corner, &around, &parents, &children}) out += 4 * array->span();
+    for (const auto* array : {&stiffness, &mass, &block, &force, &r, &z, &d, &q, &parent_weight}) out += 4 * array->span();
+    return out;
+}
+
+struct ViscousMultilevel::Levels {
+    virtual ~Levels() = default;
+    virtual void set_up(const ViscousParts& parts, const ViscousOperator& of) = 0;
+    virtual double apply(const ViscousOperator& of, const Array3& r, const Array3& z) = 0;
+    virtual std::size_t bytes() const = 0;
+};
+
+namespace {
+GradientEnergy energy_of(ViscosityForm form) {
+    switch (form) {
+    case ViscosityForm::laplacian:
+        return {1, 0};
+    default: // of the pairwise one nearly
+        return {1, 1};
+    }
+}
+
+template <int D>
+class CellLevels : public ViscousMultilevel::Levels {
+public:
+    CellLevels(const Comm& comm, const CellGrid& grid, double spacing) : comm_(comm) {
+        for (int k = 0; k < D; ++k) {
+            origin_[k] = grid.origin[k];
+            finest_.width[k] = spacings_across * spacing;
+            if (!grid.periodic(k)) continue;
+            // Two or three cells on the coarsest level that all halvings lead to.
+            int halvings = 0;
+            const double fitting = grid.period[k] / finest_.width[k];
+            while (fitting > 3.5 * (1 << halvings)) ++halvings;
+            const int coarsest = std::max(1, static_cast<int>(std::lround(fitting / (1 << halvings))));
+            finest_.period[k] = coarsest << halvings;
+            finest_.width[k] = grid.period[k] / finest_.period[k];
+        }
+    }
+
+    void set_up(const ViscousParts& parts, const ViscousOperator& of) override;
+    double apply(const ViscousOperator& of, const Array3& r, const Array3& z) override;
+    std::size_t bytes() const override;
+
+private:
+    using Level = VelocityCells<D>;
+    void sort_particles(const ViscousParts& parts, const ViscousOperator& of, Level& level);
+    bool coarsen(Level& fine, Level& coarse) const;
+    void hand_down(Level& fine, Level& coarse) const;
+    void finish(Level& level, const GradientEnergy& energy);
+    void factorise(const Level& level);
+    void solve_densely(Level& level);
+    void smooth(Level& level, int steps, double share, bool first);
+    void cycle(std::size_t depth);
+
+    Comm comm_;
+    double origin_[3]{0, 0, 0};
+    LatticeShape finest_;
+    std::deque<Level> levels_;
+    std::size_t used_ = 0;
+    bool dense_ = false;
+    Members members_;
+    double aspect_[3]{0, 0, 0}; // of the last element
+    GradientEnergy energy_{0, 0};
+    typename Element<D>::Matrix matrix_;
+    Element<D> element_;
+    double largest_ = 1;
+    KeyNumbers dense_numbers_; // of all ranks' nodes
+    Eigen::LDLT<Eigen::MatrixXd> factor_;
+};
+
+// Cells of the owned particles, with their stiffness and the nodes' masses.
+template <int D>
+void CellLevels<D>::sort_particles(const ViscousParts& parts, const ViscousOperator& of, Level& level) {
+    const auto& store = parts.liquid.store;
+    const auto n = static_cast<std::size_t>(store.owned());
+    const auto x = on_host(store.position());
+    const auto share = on_host(of.share(parts.liquid));
+    const auto ground = on_host(of.ground());
+    std::vector<int> cell_of(n);
+    std::vector<float> shares(corners<D> * n);
+    KeyNumbers numbers;
+    numbers.clear(n / 4);
+    std::int64_t last = -1;
+    int number = -1;
+    for (std::size_t i = 0; i < n; ++i) {
+        int place[3] = {0, 0, 0};
+        double at[3];
+        for (std::size_t k = 0; k < D; ++k) {
+            const double along = (x(i, k) - origin_[k]) / finest_.width[k], below = std::floor(along);
+            place[k] = static_cast<int>(below);
+            at[k] = along - below;
+        }
+        corner_shares<D>(at, &shares[corners<D> * i]);
+        finest_.wrap(place);
+        const auto key = LatticeKey::pack(place);
+        if (key != last) number = numbers.number(key);
+        last = key;
+        cell_of[i] = number;
+    }
+    level.shape = finest_;
+    level.cell_keys = numbers.keys();
+    level.connect(comm_);
+    std::vector<int> begin(level.cell_keys.size() + 1, 0);
+    for (const int e : cell_of) ++begin[static_cast<std::size_t>(e) + 1];
+    std::partial_sum(begin.begin(), begin.end(), begin.begin());
+    auto next = begin;
+    std::vector<int> particle(n);
+    std::vector<float> sorted(corners<D> * n);
+    level.host_stiffness.assign(level.cell_keys.size(), 0.0f);
+    level.host_mass.assign(level.node_keys.size(), 0.0f);
+    const double square = finest_.width[0] * finest_.width[0];
+    for (std::size_t i = 0; i < n; ++i) {
+        const auto e = static_cast<std::size_t>(cell_of[i]);
+        const auto m = static_cast<std::size_t>(next[e]++);
+        particle[m] = static_cast<int>(i);
+        level.host_stiffness[e] += static_cast<float>(share(i) / square);
+        for (std::size_t a = 0; a < corners<D>; ++a) {
+            const float one = sorted[corners<D> * m + a] = shares[corners<D> * i + a];
+            level.host_mass[static_cast<std::size_t>(level.host_corner[corners<D> * e + a])] += one * ground(i);
+        }
+    }
+    fill(members_.begin, begin);
+    fill(members_.particle, particle);
+    fill(members_.share, sorted);
+}
+
+// Cells of two an axis; along periodic axes only where they come out even. False where no axis is left.
+template <int D>
+bool CellLevels<D>::coarsen(Level& fine, Level& coarse) const {
+    bool halved[3] = {false, false, false};
+    coarse.shape = fine.shape;
+    for (int k = 0; k < D; ++k) {
+        const int period = fine.shape.period[k];
+        halved[k] = period == 0 || (period % 2 == 0 && period > 2);
+        if (!halved[k]) continue;
+        coarse.shape.width[k] *= 2;
+        coarse.shape.period[k] /= 2;
+    }
+    if (!halved[0] && !halved[1] && !halved[2]) return false;
+    KeyNumbers numbers;
+    numbers.clear(fine.cell_keys.size() / 4);
+    std::vector<int> of(fine.cell_keys.size());
+    for (std::size_t e = 0; e < fine.cell_keys.size(); ++e) {
+        int cell[3];
+        LatticeKey::unpack(fine.cell_keys[e], cell);
+        for (int k = 0; k < D; ++k) cell[k] = halved[k] ? LatticeShape::floor_divide(cell[k], 2) : cell[k];
+        of[e] = numbers.number(LatticeKey::pack(cell));
+    }
+    coarse.cell_keys = numbers.keys();
+    coarse.host_stiffness.assign(coarse.cell_keys.size(), 0.0f);
+    const double widths = fine.shape.width[0] / coarse.shape.width[0];
+    for (std::size_t e = 0; e < of.size(); ++e) {
+        coarse.host_stiffness[static_cast<std::size_t>(of[e])] += static_cast<float>(widths * widths) * fine.host_stiffness[e];
+    }
+    coarse.connect(comm_);
+    hand_down(fine, coarse);
+    return true;
+}
+
+// Which nodes a finer one lies between, and the masses. Along an axis that is not halved a node lies on one.
+template <int D>
+void CellLevels<D>::hand_down(Level& fine, Level& coarse) const {
+    constexpr int family = power_of_3(D);
+    KeyNumbers numbers;
+    numbers.clear(coarse.node_keys.size());
+    for (const auto key : coarse.node_keys) numbers.number(key);
+    std::vector<int> parents(fine.node_keys.size() * corners<D>, -1), children(coarse.node_keys.size() * family, -1);
+    std::vector<float> weights(fine.node_keys.size());
+    coarse.host_mass.assign(coarse.node_keys.size(), 0.0f);
+    for (std::size_t v = 0; v < fine.node_keys.size(); ++v) {
+        int place[3], below[3], between[3] = {0, 0, 0};
+        LatticeKey::unpack(fine.node_keys[v], place);
+        float weight = 1;
+        for (int k = 0; k < 3; ++k) {
+            below[k] = place[k];
+            if (k >= D || coarse.shape.width[k] == fine.shape.width[k]) continue;
+            below[k] = LatticeShape::floor_divide(place[k], 2);
+            between[k] = place[k] - 2 * below[k];
+            if (between[k] == 1) weight *= 0.5f;
+        }
+        weights[v] = weight;
+        for (int c = 0; c < corners<D>; ++c) {
+            int parent[3] = {below[0], below[1], below[2]};
+            bool there = true;
+            int slot = 0;
+            for (int k = 0, stride = 1; k < D; ++k, stride *= 3) {
+                const int up = c >> k & 1;
+                there = there && up <= between[k];
+                parent[k] += up;
+                slot += stride * (between[k] == 0 ? 1 : (up == 1 ? 0 : 2));
+            }
+            if (!there) continue;
+            coarse.shape.wrap(parent);
+            const auto number = static_cast<std::size_t>(numbers.find(LatticeKey::pack(parent)));
+            parents[corners<D> * v + static_cast<std::size_t>(c)] = static_cast<int>(number);
+            children[family * number + static_cast<std::size_t>(slot)] = static_cast<int>(v);
+            coarse.host_mass[number] += weight * fine.host_mass[v];
+        }
+    }
+    fill(fine.parents, parents);
+    fill(fine.parent_weight, weights);
+    fill(coarse.children, children);
+}
+
+template <int D>
+void CellLevels<D>::finish(Level& level, const GradientEnergy& energy) {
+    const double* width = level.shape.width;
+    const double aspect[3] = {1, width[1] / width[0], width[2] / width[0]};
+    const bool same = std::equal(aspect, aspect + D, aspect_) && energy.square == energy_.square &&
+                      energy.transposed == energy_.transposed;
+    if (!same) {
+        std::copy(aspect, aspect + 3, aspect_);
+        energy_ = energy;
+        element_ = Element<D>(energy, width);
+        matrix_ = element_.matrix();
+        largest_ = largest_eigenvalue<D>(matrix_);
+    }
+    level.finish(element_, matrix_, largest_);
+}
+
+template <int D>
+void CellLevels<D>::set_up(const ViscousParts& parts, const ViscousOperator& of) {
+    const auto energy = energy_of(parts.options.viscosity.form);
+    used_ = 0;
+    dense_ = false;
+    for (;;) {
+        if (levels_.size() == used_) levels_.emplace_back();
+        auto& level = levels_[used_];
+        if (used_ == 0) sort_particles(parts, of, level);
+        else if (!coarsen(levels_[used_ - 1], level)) return;
+        ++used_;
+        finish(level, energy);
+        dense_ = comm_.sum(std::int64_t{level.nodes}) <= dense_nodes;
+        if (dense_) {
+            factorise(level);
+            return;
+        }
+        if (of.largest_share() <= mild * level.shape.width[0] * level.shape.width[0]) return;
+    }
+}
+
+// The matrix of the coarsest level, of which every rank gets all: a few dozen nodes.
+template <int D>
+void CellLevels<D>::factorise(const Level& level) {
+    const auto keys = comm_.all_gather(std::span<const std::int64_t>(level.node_keys));
+    dense_numbers_.clear(keys.size());
+    for (const auto key : keys) dense_numbers_.number(key);
+    const auto n = static_cast<std::size_t>(D * dense_numbers_.size());
+    std::vector<double> entries(n * n, 0.0);
+    std::vector<std::size_t> number(level.node_keys.size());
+    for (std::size_t v = 0; v < number.size(); ++v) {
+        number[v] = static_cast<std::size_t>(dense_numbers_.find(level.node_keys[v]));
+        for (std::size_t k = 0; k < D; ++k) entries[(D * number[v] + k) * (n + 1)] += static_cast<double>(level.host_mass[v]);
+    }
+    for (std::size_t e = 0; e < level.cell_keys.size(); ++e) {
+        for (std::size_t a = 0; a < Element<D>::unknowns; ++a) {
+            const auto row = D * number[static_cast<std::size_t>(level.host_corner[corners<D> * e + a / D])] + a % D;
+            for (std::size_t b = 0; b < Element<D>::unknowns; ++b) {
+                const auto column = D * number[static_cast<std::size_t>(level.host_corner[corners<D> * e + b / D])] + b % D;
+                entries[row * n + column] += static_cast<double>(level.host_stiffness[e]) * matrix_(static_cast<int>(a), static_cast<int>(b));
+            }
+        }
+    }
+    comm_.sum(std::span(entries));
+    double most = 0;
+    for (std::size_t k = 0; k < n; ++k) most = std::max(most, entries[k * (n + 1)]);
+    for (std::size_t k = 0; k < n; ++k) entries[k * (n + 1)] += 1e-12 * most; // of nodes that nothing holds
+    factor_.compute(Eigen::Map<const Eigen::MatrixXd>(entries.data(), static_cast<int>(n), static_cast<int>(n)));
+}
+
+template <int D>
+void CellLevels<D>::solve_densely(Level& level) {
+    std::vector<double> right(static_cast<std::size_t>(D * dense_numbers_.size()), 0.0);
+    const auto r = on_host(level.r), first = on_host(level.shared.first());
+    std::vector<std::size_t> number(level.node_keys.size());
+    for (std::size_t v = 0; v < number.size(); ++v) {
+        number[v] = static_cast<std::size_t>(dense_numbers_.find(level.node_keys[v]));
+        for (std::size_t k = 0; k < D; ++k) right[D * number[v] + k] += static_cast<double>(first(v) * r(4 * v + k));
+    }
+    comm_.sum(std::span(right));
+    const Eigen::VectorXd solution = factor_.solve(Eigen::Map<const Eigen::VectorXd>(right.data(), static_cast<int>(right.size())));
+    std::vector<float> z(number.size() * 4, 0.0f);
+    for (std::size_t v = 0; v < number.size(); ++v) {
+        for (std::size_t k = 0; k < D; ++k) z[4 * v + k] = static_cast<float>(solution(static_cast<int>(D * number[v] + k)));
+    }
+    fill(level.z, z);
+}
+
+// Chebyshev's iteration (Saad 2003, algorithm 12.1) on the share of the eigenvalues and above; from z = 0 when it is the
+// first, otherwise from r less what d = the last change of z has put into q.
+template <int D>
+void CellLevels<D>::smooth(Level& level, int steps, double share, bool first) {
+    const double middle = level.largest * (1 + share) / 2, half = level.largest * (1 - share) / 2, sigma = middle / half;
+    double rho = 1 / sigma, old = 0, fresh = 1 / middle;
+    for (int k = 0; k < steps; ++k) {
+        if (k > 0) {
+            level.multiply();
+            const double next = 1 / (2 * sigma - rho);
+            old = next * rho;
+            fresh = 2 * next / half;
+            rho = next;
+        }
+        Kokkos::parallel_for("treacle::velocity_smooth", level.nodes,
+                             Smooth{first && k == 0, static_cast<float>(old), static_cast<float>(fresh), level.block, level.q,
+                                       level.r, level.d, level.z});
+    }
+}
+
+// z = M r of a level.
+template <int D>
+void CellLevels<D>::cycle(std::size_t depth) {
+    auto& level = levels_[depth];
+    const bool last = depth + 1 == used_;
+    if (last && dense_) return solve_densely(level);
+    smooth(level, last ? last_steps : smoother_steps, last ? last_share : smoothed_share, true);
+    if (last) return;
+    auto& next = levels_[depth + 1];
+    level.multiply();
+    subtract(level.q, 4 * level.nodes, level.r);
+    Kokkos::parallel_for("treacle::velocity_restrict", next.nodes, Restrict<D>{next.children, level.shared.first(), level.r, next.r});
+    next.shared.add(next.r, 4);
+    cycle(depth + 1);
+    Kokkos::parallel_for("treacle::velocity_prolong", level.nodes,
+                         Prolong<D>{level.parents, level.parent_weight, next.z, level.d, level.z});
+    level.multiply();
+    smooth(level, smoother_steps, smoothed_share, false);
+}
+
+template <int D>
+double CellLevels<D>::apply(const ViscousOperator& of, const Array3& r, const Array3& z) {
+    auto& level = levels_.front();
+    Kokkos::parallel_for("treacle::velocity_of_particles", level.cells,
+                         ParticleForces<D>{members_, r, level.force});
+    Kokkos::parallel_for("treacle::velocity_right_hand_sides", level.nodes,
+                         NodeSums<D>{level.around, level.force, false, level.mass, level.d, level.r});
+    level.shared.add(level.r, 4);
+    cycle(0);
+    double sum = 0;
+    Kokkos::parallel_reduce("treacle::velocity_to_particles", level.cells,
+                            ParticleVelocities<D>{members_, level.corner, level.z, of.block(), r, z}, sum);
+    return level.cells > 0 ? sum : 0;
+}
+
+template <int D>
+std::size_t CellLevels<D>::bytes() const {
+    std::size_t out = 4 * (members_.begin.span() + members_.particle.span() + members_.share.span());
+    for (const auto& level : levels_) out += level.bytes();
+    return out;
+}
+
+std::unique_ptr<ViscousMultilevel::Levels> make_levels(const Comm& comm, const CellGrid& grid, double spacing) {
+    if (grid.dimensions == 2) return std::make_unique<CellLevels<2>>(comm, grid, spacing);
+    return std::make_unique<CellLevels<3>>(comm, grid, spacing);
+}
+} // namespace
+
+ViscousMultilevel::ViscousMultilevel(const CellGrid& grid) : grid_(grid) {}
+ViscousMultilevel::~ViscousMultilevel() = default;
+
+void ViscousMultilevel::set_up(const ViscousParts& parts, const ViscousOperator& of) {
+    if (!levels_) levels_ = make_levels(parts.comm, grid_, parts.constants.spacing);
+    levels_->set_up(parts, of);
+}
+double ViscousMultilevel::apply(const ViscousOperator& of, const Array3& r, const Array3& z) { return levels_->apply(of, r, z); }
+std::size_t ViscousMultilevel::bytes() const { return levels_ ? levels_->bytes() : 0; }
+
+} // namespace treacle::sph
