@@ -3,6 +3,9 @@
 
 namespace treacle {
 
+// a / b rounded down, b > 0.
+KOKKOS_INLINE_FUNCTION constexpr int floor_divide(int a, int b) { return a >= 0 ? a / b : -((b - 1 - a) / b); }
+
 // An axis-aligned block of cells, half open: lo <= c < hi.
 struct CellBox {
     int lo[3] = {0, 0, 0};

@@ -184,12 +184,27 @@ KOKKOS_INLINE_FUNCTION unsigned bits_equal(IntLanes x, int to) { return bits_of(
 // Bits of the lanes that a row of n more entries still has.
 KOKKOS_INLINE_FUNCTION unsigned first_bits(int n) { return (1u << math::min(n, lanes)) - 1; }
 
-// Writes the lanes whose bits are set, one behind the other, and returns how many; nothing else is written.
-KOKKOS_INLINE_FUNCTION int write_lanes(unsigned bits, IntLanes column, Lanes value, int* to_column, double* to_value) {
+// Writes the integers whose bits are set, one behind the other, and returns how many; nothing else is written.
+KOKKOS_INLINE_FUNCTION int write_ints(unsigned bits, IntLanes x, int* to) {
 #if defined(TREACLE_AVX512)
     const int n = __builtin_popcount(bits);
     const auto chosen = static_cast<__mmask8>(bits), first = static_cast<__mmask8>((1u << n) - 1);
-    _mm256_mask_storeu_epi32(to_column, first, _mm256_maskz_compress_epi32(chosen, column));
+    _mm256_mask_storeu_epi32(to, first, _mm256_maskz_compress_epi32(chosen, x));
+    return n;
+#else
+    int all[lanes];
+    store_ints(x, all);
+    int n = 0;
+    for (; bits != 0; bits &= bits - 1, ++n) to[n] = all[lowest_bit(bits)];
+    return n;
+#endif
+}
+
+// The same of numbers and their columns.
+KOKKOS_INLINE_FUNCTION int write_lanes(unsigned bits, IntLanes column, Lanes value, int* to_column, double* to_value) {
+#if defined(TREACLE_AVX512)
+    const int n = write_ints(bits, column, to_column);
+    const auto chosen = static_cast<__mmask8>(bits), first = static_cast<__mmask8>((1u << n) - 1);
     _mm512_mask_storeu_pd(to_value, first, _mm512_maskz_compress_pd(chosen, value.v));
     return n;
 #else

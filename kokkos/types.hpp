@@ -61,6 +61,14 @@ void reserve(View& view, std::size_t n) {
     view = View(Kokkos::view_alloc(Kokkos::WithoutInitializing, label), capacity);
 }
 
+// Host values at the front of an array, which grows to hold them.
+template <class T, class Values>
+void bring(Array<T>& array, const Values& values) {
+    reserve(array, values.size());
+    const Kokkos::View<const T*, Kokkos::HostSpace, Kokkos::MemoryTraits<Kokkos::Unmanaged>> host(values.data(), values.size());
+    Kokkos::deep_copy(Kokkos::subview(array, Kokkos::make_pair(std::size_t(0), values.size())), host);
+}
+
 // As reserve, but the first `used` rows keep their content.
 template <class View>
 void reserve_keep(View& view, std::size_t n, std::size_t used) {

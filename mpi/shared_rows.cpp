@@ -62,12 +62,6 @@ std::vector<Message> offers(const Comm& comm, const std::vector<Row>& rows, cons
     return out;
 }
 
-void fill(Array<int>& array, const std::vector<int>& values) {
-    reserve(array, values.size());
-    const Kokkos::View<const int*, Kokkos::HostSpace, Kokkos::MemoryTraits<Kokkos::Unmanaged>> host(values.data(), values.size());
-    Kokkos::deep_copy(Kokkos::subview(array, Kokkos::make_pair(std::size_t(0), values.size())), host);
-}
-
 void pack(const Array<float>& values, const Array<int>& rows, std::int64_t n, int width, const Array<double>& send) {
     Kokkos::parallel_for("treacle::pack_shared", n, KOKKOS_LAMBDA(std::int64_t k) {
         for (int c = 0; c < width; ++c) send(k * width + c) = values(std::int64_t(rows(k)) * width + c);
@@ -136,10 +130,10 @@ void SharedRows::connect(const Comm& comm, std::span<const std::int64_t> keys) {
         entries.push_back(copies[k].entry);
     }
     offsets.push_back(static_cast<int>(copies.size()));
-    fill(rows_, exchanged);
-    fill(copied_, copied);
-    fill(offsets_, offsets);
-    fill(entries_, entries);
+    bring(rows_, exchanged);
+    bring(copied_, copied);
+    bring(offsets_, offsets);
+    bring(entries_, entries);
     copies_ = static_cast<int>(copied.size());
 }
 

@@ -1,5 +1,6 @@
 #include "solve/rigid_multilevel.hpp"
 
+#include "kokkos/cells.hpp"
 #include "solve/dense.hpp"
 #include "solve/rigid_coarsen.hpp"
 
@@ -28,7 +29,6 @@ struct Stage {
 using Vector = std::span<const double>;
 using Out = std::span<double>;
 
-int floor_divide(int a, int b) { return a >= 0 ? a / b : -((b - 1 - a) / b); }
 } // namespace
 
 struct RigidMultilevel::State {

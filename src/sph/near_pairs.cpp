@@ -7,26 +7,53 @@
 namespace treacle::sph {
 
 namespace {
-void keep_near(const NeighbourList& all, const ParticleStore& of, const ParticleStore& among, double support, NeighbourList& near) {
-    const int n = of.owned();
-    const Pairs from = pairs(all, of, among);
-    const double square = support * support;
+// The near ones of the liquid around particle i, whose places are where pair sums read them: how many, or which.
+struct NearLiquid {
+    Pairs from;
+    Array4 place;
+    double square; // of the support [m2]
+
+    KOKKOS_INLINE_FUNCTION int count(int i) const {
+        const Row row = from.row(i, place);
+        int out = 0;
+        for (int k = 0; k < row.count; k += lanes) out += count_bits(bits(row, k));
+        return out;
+    }
+    KOKKOS_INLINE_FUNCTION void write(int i, int* to) const {
+        const Row row = from.row(i, place);
+        for (int k = 0; k < row.count; k += lanes) to += write_ints(bits(row, k), load_ints(row.index + k), to);
+    }
+    KOKKOS_INLINE_FUNCTION unsigned bits(const Row& row, int k) const {
+        return bits_of(row.near(k).r2 < Lanes(square)) & first_bits(row.count - k);
+    }
+};
+
+// And of the solids, which are few.
+struct NearSolids {
+    Pairs from;
+    double square;
+
+    KOKKOS_INLINE_FUNCTION int count(int i) const {
+        int out = 0;
+        from.each(i, [&](int, double, double, double, double r2) { out += r2 < square ? 1 : 0; });
+        return out;
+    }
+    KOKKOS_INLINE_FUNCTION void write(int i, int* to) const {
+        from.each(i, [&](int j, double, double, double, double r2) {
+            if (r2 < square) *to++ = j;
+        });
+    }
+};
+
+template <class Near>
+void keep(const Near& from, int n, NeighbourList& near) {
     reserve(near.offset, static_cast<std::size_t>(n) + 1);
     const auto offset = near.offset;
-    Kokkos::parallel_for("treacle::count_near_pairs", n, KOKKOS_LAMBDA(int i) {
-        int count = 0;
-        from.each(i, [&](int, double, double, double, double r2) { count += r2 < square ? 1 : 0; });
-        offset(i) = count;
-    });
+    Kokkos::parallel_for("treacle::count_near_pairs", n, KOKKOS_LAMBDA(int i) { offset(i) = from.count(i); });
     near.size = counts_to_offsets(offset, n);
     reserve(near.index, static_cast<std::size_t>(near.size) + NeighbourList::spare);
     const auto index = near.index;
-    Kokkos::parallel_for("treacle::write_near_pairs", n, KOKKOS_LAMBDA(int i) {
-        std::int64_t to = offset(i);
-        from.each(i, [&](int j, double, double, double, double r2) {
-            if (r2 < square) index(to++) = j;
-        });
-    });
+    Kokkos::parallel_for("treacle::write_near_pairs", n, KOKKOS_LAMBDA(int i) { from.write(i, index.data() + offset(i)); });
     const auto entries = near.size;
     Kokkos::parallel_for("treacle::spare_near_pairs", NeighbourList::spare, KOKKOS_LAMBDA(int k) { index(entries + k) = 0; });
 }
@@ -44,8 +71,11 @@ ViscousScene NearPairs::among(const ViscousScene& scene) {
     if (support >= scene.constants.support) return scene;
     constants_ = scene.constants;
     constants_.support = support;
-    keep_near(scene.neighbours.liquid, scene.liquid.store, scene.liquid.store, support, near_.liquid);
-    keep_near(scene.neighbours.solid, scene.liquid.store, scene.solid.store, support, near_.solid);
+    const auto& liquid = scene.liquid.store;
+    const int n = liquid.owned();
+    write_places(scene.liquid, scene.liquid.volume());
+    keep(NearLiquid{pairs(scene.neighbours.liquid, liquid, liquid), scene.liquid.place, support * support}, n, near_.liquid);
+    keep(NearSolids{pairs(scene.neighbours.solid, liquid, scene.solid.store), support * support}, n, near_.solid);
     return {{scene.options, constants_, scene.comm, scene.liquid, scene.solid, near_, scene.halo}, scene.forces, scene.solid_halo};
 }
 

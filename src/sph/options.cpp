@@ -206,7 +206,7 @@ void ViscosityOptions::declare(Declaration& d) {
               {"gamg", ViscosityPreconditioner::gamg},
               {"boomeramg", ViscosityPreconditioner::boomeramg}},
              "Of the viscous solve: the diagonal blocks of the particles, to which `multilevel` adds a cycle of "
-             "multigrid over cells two spacings wide; or algebraic multigrid of the assembled matrix.");
+             "multigrid over cells 1.7 spacings wide; or algebraic multigrid of the assembled matrix.");
     const bool by_matrix = preconditioner == ViscosityPreconditioner::gamg || preconditioner == ViscosityPreconditioner::boomeramg;
     d.check(assembled || !by_matrix, "preconditioner",
             {"needs assembled: true", "algebraic multigrid is made of a matrix", "take multilevel, or set assembled: true"});

@@ -1,5 +1,6 @@
 #pragma once
-// Inside viscous_multilevel.cpp: one level of cells with a velocity at each corner, linear along each axis between them.
+// Inside viscous_multilevel: one level of cells with a velocity at each corner, linear along each axis between them.
+#include "kokkos/cells.hpp"
 #include "mpi/shared_rows.hpp"
 #include "sph/velocity_element.hpp"
 
@@ -18,7 +19,6 @@ struct LatticeShape {
             if (period[k] > 0) place[k] -= period[k] * floor_divide(place[k], period[k]);
         }
     }
-    static int floor_divide(int a, int b) { return a >= 0 ? a / b : -((b - 1 - a) / b); }
 };
 
 // One level: E = sum over cells of stiffness u.K u / 2 + sum over nodes of mass u.u / 2. Nodes that several ranks have are
@@ -51,6 +51,14 @@ struct VelocityCells {
     void finish(const Element<D>& unit, const typename Element<D>::Matrix& matrix, double largest_eigenvalue);
     // Collective: q = A d.
     void multiply();
+    // Collective: r = what the forces of all cells on each node add up to.
+    void sum_forces();
+    // Collective: r -= A d.
+    void subtract_product();
+    // Collective: steps of Chebyshev's iteration (Saad 2003, algorithm 12.1) for A z = r on this share of the eigenvalues and
+    // above: from z = 0 the first time, otherwise on from z, whose last change, d, is still to be taken off r. Leaves that of
+    // its own last step.
+    void smooth(int steps, double share, bool first);
     std::size_t bytes() const;
 };
 

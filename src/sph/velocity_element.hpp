@@ -1,5 +1,5 @@
 #pragma once
-// Inside viscous_multilevel.cpp: what a cell with a velocity at each corner, linear along each axis between them, resists with.
+// Inside viscous_multilevel: what a cell with a velocity at each corner, linear along each axis between them, resists with.
 #include "kokkos/four.hpp"
 
 #include <Eigen/Dense>

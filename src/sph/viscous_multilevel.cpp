@@ -11,86 +11,15 @@
 namespace treacle::sph {
 
 namespace {
-constexpr double spacings_across = 2; // of the finest cells
+constexpr double spacings_across = 1.7; // of the finest cells
+// Of the cycle, beside the particles' own blocks, which see a part of what it does as well.
+constexpr float cycle_share = 0.8f;
 // Where the viscosity reaches less far than that in a step, in squares of a cell's width, no coarser cells help.
 constexpr double mild = 0.5;
 constexpr std::int64_t dense_nodes = 60; // of all ranks, for which the coarsest level is solved directly
 // Chebyshev's polynomials of the smoothers, on this share of the eigenvalues and above.
 constexpr int smoother_steps = 2, last_steps = 4;
 constexpr double smoothed_share = 0.15, last_share = 0.06;
-
-// Host values at the front of a device array.
-template <class T>
-void fill(Array<T>& array, const std::vector<T>& values) {
-    reserve(array, values.size());
-    const Kokkos::View<const T*, Kokkos::HostSpace, Kokkos::MemoryTraits<Kokkos::Unmanaged>> host(values.data(), values.size());
-    Kokkos::deep_copy(Kokkos::subview(array, Kokkos::make_pair(std::size_t(0), values.size())), host);
-}
-
-// Forces of each cell on its corners.
-template <int D>
-struct CellForces {
-    Element<D> element;
-    Array<int> corner;
-    Array<float> stiffness, u, force;
-
-    KOKKOS_INLINE_FUNCTION void operator()(int e) const {
-        Four at[corners<D>];
-        const int* corner_of = corner.data() + corners<D> * std::int64_t(e);
-        for (int a = 0; a < corners<D>; ++a) at[a] = Four::load(u.data() + 4 * std::int64_t(corner_of[a]));
-        element.apply(at);
-        const Four c = stiffness(e);
-        float* to = force.data() + 4 * corners<D> * std::int64_t(e);
-        for (int a = 0; a < corners<D>; ++a) (c * at[a]).store(to + 4 * a);
-    }
-};
-
-// out = mass u + what the cells around put on each node.
-template <int D>
-struct NodeSums {
-    Array<int> around;
-    Array<float> force;
-    bool massive;
-    Array<float> mass, u, out;
-
-    KOKKOS_INLINE_FUNCTION void operator()(int v) const {
-        Four sum = massive ? Four(mass(v)) * Four::load(u.data() + 4 * std::int64_t(v)) : Four(0.0f);
-        for (int c = 0; c < corners<D>; ++c) {
-            const int place = around(corners<D> * v + c);
-            if (place >= 0) sum = sum + Four::load(force.data() + 4 * std::int64_t(place));
-        }
-        sum.store(out.data() + 4 * std::int64_t(v));
-    }
-};
-
-// r -= q; d = old d + fresh B r; z += d. The first time there is no q, d or z yet.
-struct Smooth {
-    bool first;
-    float old, fresh;
-    Array<float> block, q, r, d, z;
-
-    KOKKOS_INLINE_FUNCTION void operator()(int v) const {
-        const std::int64_t at = 4 * std::int64_t(v);
-        Four left = Four::load(r.data() + at);
-        if (!first) {
-            left = left - Four::load(q.data() + at);
-            left.store(r.data() + at);
-        }
-        const float* b = block.data() + 3 * at;
-        Four turned = left.all<0>() * Four::load(b);
-        turned.add(left.all<1>(), Four::load(b + 4));
-        turned.add(left.all<2>(), Four::load(b + 8));
-        Four step = Four(fresh) * turned;
-        if (!first) step.add(Four(old), Four::load(d.data() + at));
-        step.store(d.data() + at);
-        if (!first) step = step + Four::load(z.data() + at);
-        step.store(z.data() + at);
-    }
-};
-
-void subtract(const Array<float>& q, int n, const Array<float>& r) {
-    Kokkos::parallel_for("treacle::velocity_residual", n, KOKKOS_LAMBDA(int k) { r(k) -= q(k); });
-}
 
 constexpr int power_of_3(int d) { return d == 0 ? 1 : 3 * power_of_3(d - 1); }
 
@@ -193,7 +122,7 @@ struct ParticleVelocities {
                 odd.add(Four(share[a + 1]), around[a + 1]);
             }
             float mean[4];
-            (even + odd).store(mean);
+            (Four(cycle_share) * (even + odd)).store(mean);
             const double from[3] = {r(i, 0), r(i, 1), r(i, 2)};
             double to[3];
             read_symmetric(block, i).times(from, to);
@@ -206,104 +135,6 @@ struct ParticleVelocities {
     }
 };
 } // namespace
-
-// Of a level of keys, where a corner of a cell stands.
-template <int D>
-static std::int64_t corner_key(const LatticeShape& shape, const int cell[3], int corner) {
-    int place[3] = {cell[0], cell[1], cell[2]};
-    for (int k = 0; k < D; ++k) place[k] += corner >> k & 1;
-    shape.wrap(place);
-    return LatticeKey::pack(place);
-}
-
-template <int D>
-void VelocityCells<D>::connect(const Comm& comm) {
-    constexpr int n = corners<D>;
-    cells = static_cast<int>(cell_keys.size());
-    KeyNumbers numbers;
-    numbers.clear(2 * cell_keys.size());
-    host_corner.resize(cell_keys.size() * n);
-    for (std::size_t e = 0; e < cell_keys.size(); ++e) {
-        int cell[3];
-        LatticeKey::unpack(cell_keys[e], cell);
-        for (int a = 0; a < n; ++a) host_corner[n * e + static_cast<std::size_t>(a)] = numbers.number(corner_key<D>(shape, cell, a));
-    }
-    node_keys = numbers.keys();
-    nodes = numbers.size();
-    std::vector<int> host_around(node_keys.size() * n, -1);
-    for (std::size_t e = 0; e < cell_keys.size(); ++e) {
-        for (std::size_t a = 0; a < n; ++a) {
-            int* places = &host_around[n * static_cast<std::size_t>(host_corner[n * e + a])];
-            std::size_t free = 0;
-            while (places[free] >= 0) ++free; // a periodic axis of one cell has it on both sides: never more than n
-            places[free] = static_cast<int>(n * e + a);
-        }
-    }
-    fill(corner, host_corner);
-    fill(around, host_around);
-    shared.connect(comm, node_keys);
-    reserve(force, cell_keys.size() * n * 4);
-    for (auto* vector : {&r, &z, &d, &q}) reserve(*vector, node_keys.size() * 4);
-}
-
-template <int D>
-void VelocityCells<D>::finish(const Element<D>& unit, const typename Element<D>::Matrix& matrix, double largest_eigenvalue) {
-    element = unit;
-    largest = largest_eigenvalue;
-    fill(stiffness, host_stiffness);
-    fill(mass, host_mass);
-    std::vector<float> blocks(node_keys.size() * 12, 0.0f); // columns
-    for (std::size_t v = 0; v < node_keys.size(); ++v) {
-        for (std::size_t k = 0; k < D; ++k) blocks[12 * v + 5 * k] = host_mass[v];
-    }
-    float own[corners<D>][D][D];
-    for (int a = 0; a < corners<D>; ++a) {
-        for (int k = 0; k < D; ++k) {
-            for (int l = 0; l < D; ++l) own[a][k][l] = static_cast<float>(matrix(D * a + l, D * a + k));
-        }
-    }
-    for (std::size_t e = 0; e < cell_keys.size(); ++e) {
-        for (std::size_t a = 0; a < corners<D>; ++a) {
-            float* to = &blocks[12 * static_cast<std::size_t>(host_corner[corners<D> * e + a])];
-            for (int k = 0; k < D; ++k) {
-                for (int l = 0; l < D; ++l) to[4 * k + l] += host_stiffness[e] * own[a][k][l];
-            }
-        }
-    }
-    fill(block, blocks);
-    shared.add(block, 12);
-    const auto matrices = block;
-    Kokkos::parallel_for("treacle::velocity_blocks", nodes, KOKKOS_LAMBDA(int v) {
-        float* b = matrices.data() + 12 * std::int64_t(v);
-        const double most = math::max(math::max(b[0], b[5]), b[10]);
-        if (!(most > 1e-30)) { // nothing holds the node, and nothing pulls at it
-            for (int k = 0; k < 12; ++k) b[k] = 0;
-            return;
-        }
-        const double scale = 1 / most;
-        const Symmetric inverted = inverse(Symmetric{scale * b[0], scale * b[5], D > 2 ? scale * b[10] : 1, scale * b[1],
-                                                     scale * b[2], scale * b[6]});
-        const double entries[12] = {inverted.xx, inverted.xy, inverted.xz, 0, inverted.xy, inverted.yy,
-                                    inverted.yz, 0, inverted.xz, inverted.yz, D > 2 ? inverted.zz : 0, 0};
-        for (int k = 0; k < 12; ++k) b[k] = static_cast<float>(scale * entries[k]);
-    });
-}
-
-template <int D>
-void VelocityCells<D>::multiply() {
-    Kokkos::parallel_for("treacle::velocity_forces", cells, CellForces<D>{element, corner, stiffness, d, force});
-    Kokkos::parallel_for("treacle::velocity_products", nodes, NodeSums<D>{around, force, true, mass, d, q});
-    shared.add(q, 4);
-}
-
-template <int D>
-std::size_t VelocityCells<D>::bytes() const {
-    std::size_t out = 8 * (cell_keys.capacity() + node_keys.capacity()) +
-                      4 * (host_stiffness.capacity() + host_mass.capacity() + host_corner.capacity()) + shared.bytes();
-    for (const auto* array : {&corner, &around, &parents, &children}) out += 4 * array->span();
-    for (const auto* array : {&stiffness, &mass, &block, &force, &r, &z, &d, &q, &parent_weight}) out += 4 * array->span();
-    return out;
-}
 
 struct ViscousMultilevel::Levels {
     virtual ~Levels() = default;
@@ -352,7 +183,6 @@ private:
     void finish(Level& level, const GradientEnergy& energy);
     void factorise(const Level& level);
     void solve_densely(Level& level);
-    void smooth(Level& level, int steps, double share, bool first);
     void cycle(std::size_t depth);
 
     Comm comm_;
@@ -422,9 +252,9 @@ void CellLevels<D>::sort_particles(const ViscousParts& parts, const ViscousOpera
             level.host_mass[static_cast<std::size_t>(level.host_corner[corners<D> * e + a])] += one * ground(i);
         }
     }
-    fill(members_.begin, begin);
-    fill(members_.particle, particle);
-    fill(members_.share, sorted);
+    bring(members_.begin, begin);
+    bring(members_.particle, particle);
+    bring(members_.share, sorted);
 }
 
 // Cells of two an axis; along periodic axes only where they come out even. False where no axis is left.
@@ -446,7 +276,7 @@ bool CellLevels<D>::coarsen(Level& fine, Level& coarse) const {
     for (std::size_t e = 0; e < fine.cell_keys.size(); ++e) {
         int cell[3];
         LatticeKey::unpack(fine.cell_keys[e], cell);
-        for (int k = 0; k < D; ++k) cell[k] = halved[k] ? LatticeShape::floor_divide(cell[k], 2) : cell[k];
+        for (int k = 0; k < D; ++k) cell[k] = halved[k] ? floor_divide(cell[k], 2) : cell[k];
         of[e] = numbers.number(LatticeKey::pack(cell));
     }
     coarse.cell_keys = numbers.keys();
@@ -477,7 +307,7 @@ void CellLevels<D>::hand_down(Level& fine, Level& coarse) const {
         for (int k = 0; k < 3; ++k) {
             below[k] = place[k];
             if (k >= D || coarse.shape.width[k] == fine.shape.width[k]) continue;
-            below[k] = LatticeShape::floor_divide(place[k], 2);
+            below[k] = floor_divide(place[k], 2);
             between[k] = place[k] - 2 * below[k];
             if (between[k] == 1) weight *= 0.5f;
         }
@@ -500,9 +330,9 @@ void CellLevels<D>::hand_down(Level& fine, Level& coarse) const {
             coarse.host_mass[number] += weight * fine.host_mass[v];
         }
     }
-    fill(fine.parents, parents);
-    fill(fine.parent_weight, weights);
-    fill(coarse.children, children);
+    bring(fine.parents, parents);
+    bring(fine.parent_weight, weights);
+    bring(coarse.children, children);
 }
 
 template <int D>
@@ -586,27 +416,7 @@ void CellLevels<D>::solve_densely(Level& level) {
     for (std::size_t v = 0; v < number.size(); ++v) {
         for (std::size_t k = 0; k < D; ++k) z[4 * v + k] = static_cast<float>(solution(static_cast<int>(D * number[v] + k)));
     }
-    fill(level.z, z);
-}
-
-// Chebyshev's iteration (Saad 2003, algorithm 12.1) on the share of the eigenvalues and above; from z = 0 when it is the
-// first, otherwise from r less what d = the last change of z has put into q.
-template <int D>
-void CellLevels<D>::smooth(Level& level, int steps, double share, bool first) {
-    const double middle = level.largest * (1 + share) / 2, half = level.largest * (1 - share) / 2, sigma = middle / half;
-    double rho = 1 / sigma, old = 0, fresh = 1 / middle;
-    for (int k = 0; k < steps; ++k) {
-        if (k > 0) {
-            level.multiply();
-            const double next = 1 / (2 * sigma - rho);
-            old = next * rho;
-            fresh = 2 * next / half;
-            rho = next;
-        }
-        Kokkos::parallel_for("treacle::velocity_smooth", level.nodes,
-                             Smooth{first && k == 0, static_cast<float>(old), static_cast<float>(fresh), level.block, level.q,
-                                       level.r, level.d, level.z});
-    }
+    bring(level.z, z);
 }
 
 // z = M r of a level.
@@ -615,18 +425,16 @@ void CellLevels<D>::cycle(std::size_t depth) {
     auto& level = levels_[depth];
     const bool last = depth + 1 == used_;
     if (last && dense_) return solve_densely(level);
-    smooth(level, last ? last_steps : smoother_steps, last ? last_share : smoothed_share, true);
+    level.smooth(last ? last_steps : smoother_steps, last ? last_share : smoothed_share, true);
     if (last) return;
     auto& next = levels_[depth + 1];
-    level.multiply();
-    subtract(level.q, 4 * level.nodes, level.r);
+    level.subtract_product();
     Kokkos::parallel_for("treacle::velocity_restrict", next.nodes, Restrict<D>{next.children, level.shared.first(), level.r, next.r});
     next.shared.add(next.r, 4);
     cycle(depth + 1);
     Kokkos::parallel_for("treacle::velocity_prolong", level.nodes,
                          Prolong<D>{level.parents, level.parent_weight, next.z, level.d, level.z});
-    level.multiply();
-    smooth(level, smoother_steps, smoothed_share, false);
+    level.smooth(smoother_steps, smoothed_share, false);
 }
 
 template <int D>
@@ -634,9 +442,7 @@ double CellLevels<D>::apply(const ViscousOperator& of, const Array3& r, const Ar
     auto& level = levels_.front();
     Kokkos::parallel_for("treacle::velocity_of_particles", level.cells,
                          ParticleForces<D>{members_, r, level.force});
-    Kokkos::parallel_for("treacle::velocity_right_hand_sides", level.nodes,
-                         NodeSums<D>{level.around, level.force, false, level.mass, level.d, level.r});
-    level.shared.add(level.r, 4);
+    level.sum_forces();
     cycle(0);
     double sum = 0;
     Kokkos::parallel_reduce("treacle::velocity_to_particles", level.cells,

@@ -262,7 +262,7 @@ int iterations(double radius, ViscosityPreconditioner preconditioner) {
 }
 } // namespace
 
-TEST(ImplicitViscosity, RigidBlocksSpareIterationsAndKeepThemFromGrowing) {
+TEST(ImplicitViscosity, MultilevelSparesIterationsAndKeepsThemFromGrowing) {
     const int small = iterations(4, ViscosityPreconditioner::multilevel);
     const int large = iterations(10, ViscosityPreconditioner::multilevel);
     EXPECT_LE(large, 1.5 * small);
