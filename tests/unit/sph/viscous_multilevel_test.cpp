@@ -88,6 +88,14 @@ Sample blob_or_all(int dimensions, bool periodic) {
     add_block(sample, {{spacing / 2, spacing / 2, spacing / 2}, {n, n, space ? n : 1}, spacing, 0.2});
     return sample;
 }
+// Numbers in no order, in the plane of plane samples.
+void fill_within(const Sample& sample, const LiquidParticles& liquid, int field, int shift) {
+    fill_by_id(liquid, field, shift);
+    if (sample.setup.constants.dimensions == 3) return;
+    test::edit(liquid.store.get<Array3>(field), [&](auto& v) {
+        for (int i = 0; i < liquid.store.owned(); ++i) v(i, 2) = 0;
+    });
+}
 } // namespace
 
 TEST(VelocityElement, HasTheEnergyOfItsGradients) {
@@ -107,15 +115,8 @@ TEST(ViscousMultilevel, IsSymmetricAndDefinite) {
             Preconditioned one(sample, stiffness * spacing * spacing * rest_density / viscosity);
             auto& liquid = one.test.parts.liquid;
             const int a = liquid.velocity_field(), b = liquid.acceleration_field();
-            fill_by_id(liquid, a, 0);
-            fill_by_id(liquid, b, 400);
-            if (sample.setup.constants.dimensions == 2) {
-                for (const int field : {a, b}) {
-                    test::edit(liquid.store.get<Array3>(field), [&](auto& v) {
-                        for (int i = 0; i < liquid.store.owned(); ++i) v(i, 2) = 0;
-                    });
-                }
-            }
+            fill_within(sample, liquid, a, 0);
+            fill_within(sample, liquid, b, 400);
             const double aa = one.product(a, a), bb = one.product(b, b), ab = one.product(a, b), ba = one.product(b, a);
             EXPECT_GT(aa, 0);
             EXPECT_GT(bb, 0);
@@ -130,11 +131,11 @@ TEST(ViscousMultilevel, KeepsIterationsFewBetweenPeriodicSidesAndOnAnyRanks) {
             auto sample = blob_or_all(dimensions, periodic);
             sample.setup.options.viscosity.residual = 1e-6;
             ViscousCase one(sample);
-            fill_by_id(one.parts.liquid, one.parts.liquid.velocity_field(), 0);
+            fill_within(sample, one.parts.liquid, one.parts.liquid.velocity_field(), 0);
             const auto report = one.solve(1e4 * spacing * spacing * rest_density / viscosity).solve;
             ASSERT_TRUE(report.converged()) << report.reason;
             RecordProperty("iterations_" + std::to_string(dimensions) + (periodic ? "_periodic" : ""), report.iterations);
-            EXPECT_LE(report.iterations, 22);
+            EXPECT_LE(report.iterations, 22) << dimensions << (periodic ? " periodic" : "");
         }
     }
 }
