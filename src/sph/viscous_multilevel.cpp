@@ -390,7 +390,8 @@ void CellLevels<D>::factorise(const Level& level) {
             const auto row = D * number[static_cast<std::size_t>(level.host_corner[corners<D> * e + a / D])] + a % D;
             for (std::size_t b = 0; b < Element<D>::unknowns; ++b) {
                 const auto column = D * number[static_cast<std::size_t>(level.host_corner[corners<D> * e + b / D])] + b % D;
-                entries[row * n + column] += static_cast<double>(level.host_stiffness[e]) * matrix_(static_cast<int>(a), static_cast<int>(b));
+                entries[row * n + column] +=
+                    static_cast<double>(level.host_stiffness[e]) * matrix_(static_cast<int>(a), static_cast<int>(b));
             }
         }
     }

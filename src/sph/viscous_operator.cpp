@@ -411,7 +411,8 @@ double ViscousOperator::prepare(const ViscousParts& parts, double dt) {
         Kokkos::parallel_for("treacle::viscous_prepare", n,
                              PrepareLoop<Kernel>{{kernel, fluid, walls(parts, Walls::resting), weights_},
                                                  viscosity.form, damping_, relative_density(constants, liquid), share,
-                                                 slip_.any(), slip_.drag(), liquid.has_inlets(), held, correction_, span_, block_, ground_});
+                                                 slip_.any(), slip_.drag(), liquid.has_inlets(), held, correction_, span_,
+                                                 block_, ground_});
     });
     return most;
 }
