@@ -15,7 +15,7 @@ constexpr double spacings_across = 1.7; // of the finest cells
 // Of the cycle, beside the particles' own blocks, which see a part of what it does as well.
 constexpr float cycle_share = 0.8f;
 // Where the viscosity reaches less far than that in a step, in squares of a cell's width, no coarser cells help.
-constexpr double mild = 0.5;
+constexpr double mild = 2;
 constexpr std::int64_t dense_nodes = 60; // of all ranks, for which the coarsest level is solved directly
 // Chebyshev's polynomials of the smoothers, on this share of the eigenvalues and above.
 constexpr int smoother_steps = 2, last_steps = 4;

@@ -81,6 +81,7 @@ struct TileStressLoop : ViscousLoop<Kernel> {
     float damping;
     Array<double> share;
     Array6 correction, span;
+    Array3 velocity;
     Array16 tiles;
 
     KOKKOS_INLINE_FUNCTION void operator()(int i) const {
@@ -112,8 +113,7 @@ private:
     }
     KOKKOS_INLINE_FUNCTION Tile walls(int i) const {
         float sum[16] = {};
-        double u[3];
-        Base::read_velocity(i, u);
+        const double u[3] = {velocity(i, 0), velocity(i, 1), velocity(i, 2)};
         Base::each_wall(i, [&](int, double w, double dx, double dy, double dz, const auto& contact) {
             const double x[3] = {dx, dy, dz};
             for (int l = 0; l < 3; ++l) {
@@ -133,6 +133,7 @@ struct TileForceLoop : ViscousLoop<Kernel> {
     double damping;
     RelativeDensity relative;
     Array<double> share;
+    Array3 velocity;
     Array16 tiles;
     Array3 product;
 
@@ -146,9 +147,9 @@ struct TileForceLoop : ViscousLoop<Kernel> {
         });
         float s[16];
         sum.store(s);
-        double f[3], u[3];
+        double f[3];
+        const double u[3] = {velocity(i, 0), velocity(i, 1), velocity(i, 2)};
         for (int k = 0; k < 3; ++k) f[k] = s[k] + s[4 + k] + s[8 + k] + damping * s[12 + k];
-        Base::read_velocity(i, u);
         if (Base::walls.pairs.count(i) > 0) Base::add_walls(i, StressGrip<TileStresses>{{tiles}, share, damping}, u, f);
         const double inertia = relative(i);
         for (int k = 0; k < 3; ++k) product(i, k) = inertia * u[k] + f[k];
@@ -180,18 +181,20 @@ void ViscousOperator::multiply_nearly(const ViscousParts& parts, int u_field, Wa
     const auto share = store.get<Array<double>>(share_);
     if (!tiles_are_placed_) write_tiles(liquid, share);
     parts.halo.gather(store, {u_field});
-    pack_motion(liquid, u_field, constants);
-    write_velocities(store.get<Array3>(u_field), store.total(), tiles_);
+    const auto velocity = store.get<Array3>(u_field);
+    if (slip_.any()) pack_motion(liquid, u_field, constants); // whose loops read it there
+    write_velocities(velocity, store.total(), tiles_);
     const auto fluid = gather_fluid(constants, liquid, parts.solid, parts.neighbours);
     const auto relative = relative_density(constants, liquid);
     with_kernel(parts.options.kernel, constants.dimensions, constants.support, [&](const auto& kernel) {
         using Kernel = std::decay_t<decltype(kernel)>;
         const ViscousLoop<Kernel> base{kernel, fluid, walls(parts, which), weights_};
         Kokkos::parallel_for("treacle::viscous_tile_stress", fluid.count,
-                             TileStressLoop<Kernel>{base, static_cast<float>(damping_), share, correction_, span_, tiles_});
+                             TileStressLoop<Kernel>{base, static_cast<float>(damping_), share, correction_, span_, velocity,
+                                                    tiles_});
         exchange_tiles(parts, which);
         Kokkos::parallel_for("treacle::viscous_tile_forces", fluid.count,
-                             TileForceLoop<Kernel>{base, damping_, relative, share, tiles_, product});
+                             TileForceLoop<Kernel>{base, damping_, relative, share, velocity, tiles_, product});
     });
     add_slip(parts, which, product);
 }
