@@ -182,7 +182,7 @@ void ViscousOperator::multiply_nearly(const ViscousParts& parts, int u_field, Wa
     if (!tiles_are_placed_) write_tiles(liquid, share);
     parts.halo.gather(store, {u_field});
     const auto velocity = store.get<Array3>(u_field);
-    if (slip_.any()) pack_motion(liquid, u_field, constants); // whose loops read it there
+    if (slip_.any() || which == Walls::moving) pack_motion(liquid, u_field, constants); // slip and loads() read it there
     write_velocities(velocity, store.total(), tiles_);
     const auto fluid = gather_fluid(constants, liquid, parts.solid, parts.neighbours);
     const auto relative = relative_density(constants, liquid);
