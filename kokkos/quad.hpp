@@ -43,42 +43,83 @@ struct Quad {
 #endif
     }
 };
+
+// The same of floats: a vector and a number beside it, or a 0.
+struct Four {
+    __m128 v;
+    Four() = default;
+    Four(__m128 value) : v(value) {}
+    Four(float value) : v(_mm_set1_ps(value)) {}
+    static Four of(float x, float y, float z) { return _mm_setr_ps(x, y, z, 0.0f); }
+    static Four load(const float* row) { return _mm_loadu_ps(row); }
+    void store(float* row) const { _mm_storeu_ps(row, v); }
+    friend Four operator+(Four a, Four b) { return _mm_add_ps(a.v, b.v); }
+    friend Four operator-(Four a, Four b) { return _mm_sub_ps(a.v, b.v); }
+    friend Four operator*(Four a, Four b) { return _mm_mul_ps(a.v, b.v); }
+    // this += a b
+    void add(Four a, Four b) {
+#if defined(__FMA__)
+        v = _mm_fmadd_ps(a.v, b.v, v);
 #else
-struct Quad {
-    double v[4];
-    Quad() = default;
-    KOKKOS_INLINE_FUNCTION Quad(double value) : v{value, value, value, value} {}
-    KOKKOS_INLINE_FUNCTION static Quad load(const double* row) {
-        Quad out(0.0);
+        v = _mm_add_ps(v, _mm_mul_ps(a.v, b.v));
+#endif
+    }
+    // All four are the k-th one.
+    template <int k>
+    Four all() const {
+        return _mm_shuffle_ps(v, v, k * 0x55);
+    }
+};
+#else
+// Of numbers of either precision.
+template <class T>
+struct FourNumbers {
+    T v[4];
+    FourNumbers() = default;
+    KOKKOS_INLINE_FUNCTION FourNumbers(T value) : v{value, value, value, value} {}
+    KOKKOS_INLINE_FUNCTION static FourNumbers of(T x, T y, T z) {
+        FourNumbers out(0);
+        out.v[0] = x, out.v[1] = y, out.v[2] = z;
+        return out;
+    }
+    KOKKOS_INLINE_FUNCTION static FourNumbers load(const T* row) {
+        FourNumbers out(0);
         for (int k = 0; k < 4; ++k) out.v[k] = row[k];
         return out;
     }
-    KOKKOS_INLINE_FUNCTION static Quad load(const Array3& rows, int row) {
-        Quad out(0.0);
-        for (int k = 0; k < 3; ++k) out.v[k] = rows(row, k);
+    KOKKOS_INLINE_FUNCTION static FourNumbers load(const Array3& rows, int row) {
+        FourNumbers out(0);
+        for (int k = 0; k < 3; ++k) out.v[k] = static_cast<T>(rows(row, k));
         return out;
     }
-    KOKKOS_INLINE_FUNCTION void store(double* to) const {
+    KOKKOS_INLINE_FUNCTION void store(T* to) const {
         for (int k = 0; k < 4; ++k) to[k] = v[k];
     }
-    KOKKOS_INLINE_FUNCTION friend Quad operator-(const Quad& a, const Quad& b) {
-        Quad out(0.0);
+    KOKKOS_INLINE_FUNCTION friend FourNumbers operator+(const FourNumbers& a, const FourNumbers& b) {
+        FourNumbers out(0);
+        for (int k = 0; k < 4; ++k) out.v[k] = a.v[k] + b.v[k];
+        return out;
+    }
+    KOKKOS_INLINE_FUNCTION friend FourNumbers operator-(const FourNumbers& a, const FourNumbers& b) {
+        FourNumbers out(0);
         for (int k = 0; k < 4; ++k) out.v[k] = a.v[k] - b.v[k];
         return out;
     }
-    KOKKOS_INLINE_FUNCTION friend Quad operator*(const Quad& a, const Quad& b) {
-        Quad out(0.0);
+    KOKKOS_INLINE_FUNCTION friend FourNumbers operator*(const FourNumbers& a, const FourNumbers& b) {
+        FourNumbers out(0);
         for (int k = 0; k < 4; ++k) out.v[k] = a.v[k] * b.v[k];
         return out;
     }
-    KOKKOS_INLINE_FUNCTION void add(const Quad& a, const Quad& b) {
+    KOKKOS_INLINE_FUNCTION void add(const FourNumbers& a, const FourNumbers& b) {
         for (int k = 0; k < 4; ++k) v[k] += a.v[k] * b.v[k];
     }
     template <int k>
-    KOKKOS_INLINE_FUNCTION Quad all() const {
-        return Quad(v[k]);
+    KOKKOS_INLINE_FUNCTION FourNumbers all() const {
+        return FourNumbers(v[k]);
     }
 };
+using Quad = FourNumbers<double>;
+using Four = FourNumbers<float>;
 #endif
 
 // As many floats as there are lanes.

@@ -1,6 +1,6 @@
 #pragma once
 // Inside viscous_multilevel: what a cell with a velocity at each corner, linear along each axis between them, resists with.
-#include "kokkos/four.hpp"
+#include "kokkos/quad.hpp"
 
 #include <Eigen/Dense>
 
@@ -46,7 +46,11 @@ public:
 
     // u, the corners' velocities, becomes the forces that hold them.
     KOKKOS_INLINE_FUNCTION void apply(Four u[corners<D>]) const {
-        to_modes(u);
+        butterflies(u, [](Four& low, Four& high) { // to the modes
+            const Four difference = high - low;
+            low = low + high;
+            high = difference;
+        });
         float c[corners<D>][4];
         for (int m = 0; m < corners<D>; ++m) {
             u[m].store(c[m]);
@@ -64,7 +68,11 @@ public:
             u[5] = u[5] + Four::of(0, third * (cross_[2][1] * c[3][2] + cross_[0][1] * c[6][0]), 0);
             u[3] = u[3] + Four::of(0, 0, third * (cross_[0][2] * c[6][0] + cross_[1][2] * c[5][1]));
         }
-        to_corners(u);
+        butterflies(u, [](Four& without, Four& with) { // and back to the corners
+            const Four sum = without + with;
+            without = without - with;
+            with = sum;
+        });
     }
 
     static constexpr int unknowns = corners<D> * D; // by corner and component
@@ -88,25 +96,12 @@ public:
     }
 
 private:
-    KOKKOS_INLINE_FUNCTION static void to_modes(Four u[corners<D>]) {
+    // combine(lower, upper) of all pairs along one axis after the other.
+    template <class Combine>
+    KOKKOS_INLINE_FUNCTION static void butterflies(Four u[corners<D>], const Combine& combine) {
         for (int k = 0; k < D; ++k) {
             for (int a = 0; a < corners<D>; ++a) {
-                if (a >> k & 1) continue;
-                const int b = a | 1 << k;
-                const Four low = u[a], high = u[b];
-                u[a] = low + high;
-                u[b] = high - low;
-            }
-        }
-    }
-    KOKKOS_INLINE_FUNCTION static void to_corners(Four u[corners<D>]) {
-        for (int k = 0; k < D; ++k) {
-            for (int a = 0; a < corners<D>; ++a) {
-                if (a >> k & 1) continue;
-                const int b = a | 1 << k;
-                const Four without = u[a], with = u[b];
-                u[a] = without - with;
-                u[b] = without + with;
+                if (!(a >> k & 1)) combine(u[a], u[a | 1 << k]);
             }
         }
     }
