@@ -63,9 +63,9 @@ void reserve(View& view, std::size_t n) {
 
 // Host values at the front of an array, which grows to hold them.
 template <class T, class Values>
-void bring(Array<T>& array, const Values& values) {
+void assign(Array<T>& array, const Values& values) {
     reserve(array, values.size());
-    const Kokkos::View<const T*, Kokkos::HostSpace, Kokkos::MemoryTraits<Kokkos::Unmanaged>> host(values.data(), values.size());
+    const Kokkos::View<const T*, Kokkos::HostSpace, Kokkos::MemoryUnmanaged> host(values.data(), values.size());
     Kokkos::deep_copy(Kokkos::subview(array, Kokkos::make_pair(std::size_t(0), values.size())), host);
 }
 

@@ -25,12 +25,6 @@ void add_slice(const CellBox& cells, const CellBox& window, int rank, Slices& sl
     slices.ranks.push_back(rank);
     slices.offsets.push_back(static_cast<std::int64_t>(places.size()));
 }
-
-void upload(const std::vector<int>& places, Array<int>& to) {
-    reserve(to, places.size());
-    const Kokkos::View<const int*, Kokkos::HostSpace, Kokkos::MemoryUnmanaged> host(places.data(), places.size());
-    Kokkos::deep_copy(Kokkos::subview(to, Kokkos::make_pair(std::size_t(0), places.size())), host);
-}
 } // namespace
 
 void CellHalo::connect(const Decomposition& decomposition, const CellBox& active, int layers) {
@@ -62,8 +56,8 @@ void CellHalo::connect(const Decomposition& decomposition, const CellBox& active
             }
         }
     }
-    upload(sent, sent_);
-    upload(received, received_);
+    assign(sent_, sent);
+    assign(received_, received);
 }
 
 namespace {

@@ -84,9 +84,7 @@ void Halo::select_sent_rows(const ParticleStore& store, const CellList& cells, s
         outgoing_.ranks.push_back(neighbour.rank);
         outgoing_.offsets.push_back(static_cast<std::int64_t>(rows.size()));
     }
-    reserve(rows_, rows.size());
-    const Kokkos::View<const int*, Kokkos::HostSpace, Kokkos::MemoryUnmanaged> host(rows.data(), rows.size());
-    Kokkos::deep_copy(Kokkos::subview(rows_, Kokkos::make_pair(std::size_t(0), rows.size())), host);
+    assign(rows_, rows);
 }
 
 void Halo::enter_ghost_cells(const std::vector<Message>& messages, CellList& cells, ParticleStore& store) {

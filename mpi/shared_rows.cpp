@@ -1,55 +1,54 @@
 #include "mpi/shared_rows.hpp"
 
+#include "kokkos/cells.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cstring>
-#include <limits>
 
 namespace treacle {
 
 namespace {
-using Box = std::array<std::int64_t, 6>; // the lowest and the highest place
-
-Box box_of(std::span<const std::int64_t> keys) {
-    constexpr std::int64_t far = std::numeric_limits<int>::max();
-    Box box{far, far, far, -far, -far, -far};
+// The smallest box around all places.
+CellBox box_of(std::span<const std::int64_t> keys) {
+    CellBox box;
     for (const auto key : keys) {
-        int place[3];
-        LatticeKey::unpack(key, place);
-        for (std::size_t k = 0; k < 3; ++k) {
-            box[k] = std::min<std::int64_t>(box[k], place[k]);
-            box[k + 3] = std::max<std::int64_t>(box[k + 3], place[k]);
-        }
+        CellBox one;
+        LatticeKey::unpack(key, one.lo);
+        for (int k = 0; k < 3; ++k) one.hi[k] = one.lo[k] + 1;
+        box = join(box, one);
     }
     return box;
 }
 
-bool holds(const std::int64_t* box, std::int64_t key) {
-    int place[3];
-    LatticeKey::unpack(key, place);
-    for (int k = 0; k < 3; ++k) {
-        if (place[k] < box[k] || place[k] > box[k + 3]) return false;
+// Those of all ranks.
+std::vector<CellBox> gather_boxes(const Comm& comm, const CellBox& box) {
+    const std::array<std::int64_t, 6> own{box.lo[0], box.lo[1], box.lo[2], box.hi[0], box.hi[1], box.hi[2]};
+    const auto all = comm.all_gather(std::span<const std::int64_t>(own));
+    std::vector<CellBox> boxes(all.size() / own.size());
+    for (std::size_t k = 0; k < all.size(); ++k) {
+        auto& to = boxes[k / 6];
+        (k % 6 < 3 ? to.lo[k % 3] : to.hi[k % 3]) = static_cast<int>(all[k]);
     }
-    return true;
+    return boxes;
 }
 
-bool meet(const std::int64_t* a, const std::int64_t* b) {
-    for (int k = 0; k < 3; ++k) {
-        if (a[k] > b[k + 3] || b[k] > a[k + 3]) return false;
-    }
-    return true;
+bool holds(const CellBox& box, std::int64_t key) {
+    int place[3];
+    LatticeKey::unpack(key, place);
+    return box.contains(place);
 }
 
 // A key and its row.
 using Row = std::pair<std::int64_t, int>;
 
 // What each rank whose box this one's meets may share: keys, rising.
-std::vector<Message> offers(const Comm& comm, const std::vector<Row>& rows, const std::vector<std::int64_t>& boxes) {
+std::vector<Message> offers(const Comm& comm, const std::vector<Row>& rows, const std::vector<CellBox>& boxes) {
     std::vector<Message> out;
-    const std::int64_t* own = &boxes[6 * static_cast<std::size_t>(comm.rank())];
+    const auto& own = boxes[static_cast<std::size_t>(comm.rank())];
     for (int rank = 0; rank < comm.size(); ++rank) {
-        const std::int64_t* other = &boxes[6 * static_cast<std::size_t>(rank)];
-        if (rank == comm.rank() || rows.empty() || !meet(own, other)) continue;
+        const auto& other = boxes[static_cast<std::size_t>(rank)];
+        if (rank == comm.rank() || intersect(own, other).empty()) continue;
         std::vector<std::int64_t> keys;
         for (const auto& [key, row] : rows) {
             if (holds(other, key)) keys.push_back(key);
@@ -86,11 +85,12 @@ void sum_copies(const Array<int>& copied, const Array<int>& offsets, const Array
 void SharedRows::connect(const Comm& comm, std::span<const std::int64_t> keys) {
     comm_ = comm;
     slices_ = {};
-    reserve(first_, keys.size());
-    Kokkos::deep_copy(first_, 1.0f);
-    if (comm.size() == 1) return;
-    const Box box = box_of(keys);
-    const auto boxes = comm.all_gather(std::span<const std::int64_t>(box));
+    std::vector<float> first(keys.size(), 1.0f);
+    if (comm.size() == 1) {
+        assign(first_, first);
+        return;
+    }
+    const auto boxes = gather_boxes(comm, box_of(keys));
     std::vector<Row> rows;
     for (std::size_t k = 0; k < keys.size(); ++k) rows.emplace_back(keys[k], static_cast<int>(k));
     std::sort(rows.begin(), rows.end());
@@ -99,8 +99,6 @@ void SharedRows::connect(const Comm& comm, std::span<const std::int64_t> keys) {
         int row, rank, entry;
     };
     std::vector<Copy> copies;
-    auto first = Kokkos::create_mirror_view(first_);
-    Kokkos::deep_copy(first, 1.0f);
     for (const auto& message : exchange_sparse(comm, offers(comm, rows, boxes))) {
         std::vector<std::int64_t> offered(message.bytes.size() / sizeof(std::int64_t));
         std::memcpy(offered.data(), message.bytes.data(), message.bytes.size());
@@ -111,13 +109,13 @@ void SharedRows::connect(const Comm& comm, std::span<const std::int64_t> keys) {
             if (own == rows.end() || own->first != key) continue;
             copies.push_back({own->second, message.rank, static_cast<int>(exchanged.size())});
             exchanged.push_back(own->second);
-            if (message.rank < comm.rank()) first(static_cast<std::size_t>(own->second)) = 0;
+            if (message.rank < comm.rank()) first[static_cast<std::size_t>(own->second)] = 0;
         }
         if (exchanged.size() == before) continue;
         slices_.ranks.push_back(message.rank);
         slices_.offsets.push_back(static_cast<std::int64_t>(exchanged.size()));
     }
-    Kokkos::deep_copy(first_, first);
+    assign(first_, first);
     std::vector<int> copied(exchanged);
     std::sort(copied.begin(), copied.end());
     copied.erase(std::unique(copied.begin(), copied.end()), copied.end());
@@ -130,10 +128,10 @@ void SharedRows::connect(const Comm& comm, std::span<const std::int64_t> keys) {
         entries.push_back(copies[k].entry);
     }
     offsets.push_back(static_cast<int>(copies.size()));
-    bring(rows_, exchanged);
-    bring(copied_, copied);
-    bring(offsets_, offsets);
-    bring(entries_, entries);
+    assign(rows_, exchanged);
+    assign(copied_, copied);
+    assign(offsets_, offsets);
+    assign(entries_, entries);
     copies_ = static_cast<int>(copied.size());
 }
 

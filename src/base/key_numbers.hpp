@@ -29,6 +29,7 @@ public:
 
     const std::vector<std::int64_t>& keys() const { return keys_; } // by their numbers
     int size() const { return static_cast<int>(keys_.size()); }
+    std::size_t bytes() const { return sizeof(int) * slots_.capacity() + sizeof(std::int64_t) * keys_.capacity(); }
 
 private:
     // Where the key stands, or would.

@@ -111,8 +111,7 @@ void DensityCorrection::precondition(const CorrectionParts& parts, const Array<d
     const auto host = on_host(rows_);
     preconditioned_.resize(count);
     parts.solver.precondition({host.data(), count}, preconditioned_);
-    const Kokkos::View<const double*, Kokkos::HostSpace, Kokkos::MemoryUnmanaged> found(preconditioned_.data(), count);
-    Kokkos::deep_copy(Kokkos::subview(rows_, std::pair(std::size_t{0}, count)), found);
+    assign(rows_, preconditioned_);
     read_rows(parts.step, rows_, first, out);
 }
 

@@ -6,7 +6,6 @@
 #include "sph/viscous_multilevel.hpp"
 #include "sph/viscous_operator.hpp"
 
-#include <memory>
 #include <optional>
 
 namespace treacle::sph {

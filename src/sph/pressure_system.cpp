@@ -46,9 +46,7 @@ void PressureSystem::connect_halo(const Comm& comm, std::initializer_list<RowsOf
     std::sort(columns.begin(), columns.end());
     columns.erase(std::unique(columns.begin(), columns.end()), columns.end());
     places_.size = static_cast<int>(columns.size());
-    reserve(places_.column, columns.size());
-    const Kokkos::View<const int*, Kokkos::HostSpace, Kokkos::MemoryUnmanaged> host(columns.data(), columns.size());
-    Kokkos::deep_copy(Kokkos::subview(places_.column, std::pair(0, places_.size)), host);
+    assign(places_.column, columns);
     halo_.connect(comm, first_row_, columns);
 }
 

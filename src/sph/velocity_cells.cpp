@@ -1,6 +1,5 @@
 #include "sph/velocity_cells.hpp"
 
-#include "base/key_numbers.hpp"
 #include "sph/symmetric.hpp"
 
 namespace treacle::sph {
@@ -81,17 +80,16 @@ template <int D>
 void VelocityCells<D>::connect(const Comm& comm) {
     constexpr int n = corners<D>;
     cells = static_cast<int>(cell_keys.size());
-    KeyNumbers numbers;
-    numbers.clear(2 * cell_keys.size());
+    node_numbers.clear(2 * cell_keys.size());
     host_corner.resize(cell_keys.size() * n);
     for (std::size_t e = 0; e < cell_keys.size(); ++e) {
         int cell[3];
         LatticeKey::unpack(cell_keys[e], cell);
-        for (int a = 0; a < n; ++a) host_corner[n * e + static_cast<std::size_t>(a)] = numbers.number(corner_key<D>(shape, cell, a));
+        for (int a = 0; a < n; ++a) host_corner[n * e + static_cast<std::size_t>(a)] = node_numbers.number(corner_key<D>(shape, cell, a));
     }
-    node_keys = numbers.keys();
-    nodes = numbers.size();
-    std::vector<int> host_around(node_keys.size() * n, -1);
+    nodes = node_numbers.size();
+    const auto count = static_cast<std::size_t>(nodes);
+    std::vector<int> host_around(count * n, -1);
     for (std::size_t e = 0; e < cell_keys.size(); ++e) {
         for (std::size_t a = 0; a < n; ++a) {
             int* places = &host_around[n * static_cast<std::size_t>(host_corner[n * e + a])];
@@ -100,21 +98,21 @@ void VelocityCells<D>::connect(const Comm& comm) {
             places[free] = static_cast<int>(n * e + a);
         }
     }
-    bring(corner, host_corner);
-    bring(around, host_around);
-    shared.connect(comm, node_keys);
+    assign(corner, host_corner);
+    assign(around, host_around);
+    shared.connect(comm, node_numbers.keys());
     reserve(force, cell_keys.size() * n * 4);
-    for (auto* vector : {&r, &z, &d, &q}) reserve(*vector, node_keys.size() * 4);
+    for (auto* vector : {&r, &z, &d, &q}) reserve(*vector, count * 4);
 }
 
 template <int D>
 void VelocityCells<D>::finish(const Element<D>& unit, const typename Element<D>::Matrix& matrix, double largest_eigenvalue) {
     element = unit;
     largest = largest_eigenvalue;
-    bring(stiffness, host_stiffness);
-    bring(mass, host_mass);
-    std::vector<float> blocks(node_keys.size() * 12, 0.0f); // columns
-    for (std::size_t v = 0; v < node_keys.size(); ++v) {
+    assign(stiffness, host_stiffness);
+    assign(mass, host_mass);
+    std::vector<float> blocks(host_mass.size() * 12, 0.0f); // columns
+    for (std::size_t v = 0; v < host_mass.size(); ++v) {
         for (std::size_t k = 0; k < D; ++k) blocks[12 * v + 5 * k] = host_mass[v];
     }
     float own[corners<D>][D][D];
@@ -131,7 +129,7 @@ void VelocityCells<D>::finish(const Element<D>& unit, const typename Element<D>:
             }
         }
     }
-    bring(block, blocks);
+    assign(block, blocks);
     shared.add(block, 12);
     const auto matrices = block;
     Kokkos::parallel_for("treacle::velocity_blocks", nodes, KOKKOS_LAMBDA(int v) {
@@ -189,7 +187,7 @@ void VelocityCells<D>::smooth(int steps, double share, bool first) {
 
 template <int D>
 std::size_t VelocityCells<D>::bytes() const {
-    std::size_t out = 8 * (cell_keys.capacity() + node_keys.capacity()) +
+    std::size_t out = 8 * cell_keys.capacity() + node_numbers.bytes() +
                       4 * (host_stiffness.capacity() + host_mass.capacity() + host_corner.capacity()) + shared.bytes();
     for (const auto* array : {&corner, &around, &parents, &children}) out += 4 * array->span();
     for (const auto* array : {&stiffness, &mass, &block, &force, &r, &z, &d, &q, &parent_weight}) out += 4 * array->span();

@@ -1,5 +1,6 @@
 #pragma once
 // Inside viscous_multilevel: one level of cells with a velocity at each corner, linear along each axis between them.
+#include "base/key_numbers.hpp"
 #include "kokkos/cells.hpp"
 #include "mpi/shared_rows.hpp"
 #include "sph/velocity_element.hpp"
@@ -27,7 +28,8 @@ template <int D>
 struct VelocityCells {
     LatticeShape shape;
     int cells = 0, nodes = 0;
-    std::vector<std::int64_t> cell_keys, node_keys;
+    std::vector<std::int64_t> cell_keys;
+    KeyNumbers node_numbers;
     std::vector<float> host_stiffness, host_mass; // [cells], [nodes]
     std::vector<int> host_corner;                 // [cells][corners] nodes
     Element<D> element;
@@ -45,7 +47,7 @@ struct VelocityCells {
     Array<float> parent_weight{"treacle::velocity_parent_weight", 0}; // [nodes], the same for each of them
     Array<int> children{"treacle::velocity_children", 0};  // of the level before: [nodes][3^D], -1: none
 
-    // From cell_keys, host_stiffness and shape: nodes and what lies around them.
+    // Collective: from cell_keys and shape, the nodes and what lies around them.
     void connect(const Comm& comm);
     // Collective: the rest, with host_mass and the element of unit stiffness and its matrix.
     void finish(const Element<D>& unit, const typename Element<D>::Matrix& matrix, double largest_eigenvalue);

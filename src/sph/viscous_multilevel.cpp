@@ -1,6 +1,5 @@
 #include "sph/viscous_multilevel.hpp"
 
-#include "base/key_numbers.hpp"
 #include "sph/velocity_cells.hpp"
 
 #include <algorithm>
@@ -156,7 +155,7 @@ GradientEnergy energy_of(ViscosityForm form) {
 template <int D>
 class CellLevels : public ViscousMultilevel::Levels {
 public:
-    CellLevels(const Comm& comm, const CellGrid& grid, double spacing) : comm_(comm) {
+    CellLevels(const Comm& comm, const CellGrid& grid, double spacing, const GradientEnergy& energy) : comm_(comm), energy_(energy) {
         for (int k = 0; k < D; ++k) {
             origin_[k] = grid.origin[k];
             finest_.width[k] = spacings_across * spacing;
@@ -180,12 +179,13 @@ private:
     void sort_particles(const ViscousParts& parts, const ViscousOperator& of, Level& level);
     bool coarsen(Level& fine, Level& coarse) const;
     void hand_down(Level& fine, Level& coarse) const;
-    void finish(Level& level, const GradientEnergy& energy);
+    void finish(Level& level);
     void factorise(const Level& level);
     void solve_densely(Level& level);
     void cycle(std::size_t depth);
 
     Comm comm_;
+    GradientEnergy energy_;
     double origin_[3]{0, 0, 0};
     LatticeShape finest_;
     std::deque<Level> levels_;
@@ -193,11 +193,10 @@ private:
     bool dense_ = false;
     Members members_;
     double aspect_[3]{0, 0, 0}; // of the last element
-    GradientEnergy energy_{0, 0};
     typename Element<D>::Matrix matrix_;
     Element<D> element_;
     double largest_ = 1;
-    KeyNumbers dense_numbers_; // of all ranks' nodes
+    std::vector<std::size_t> dense_row_; // of each node of the coarsest level, in the matrix of all ranks
     Eigen::LDLT<Eigen::MatrixXd> factor_;
 };
 
@@ -240,7 +239,7 @@ void CellLevels<D>::sort_particles(const ViscousParts& parts, const ViscousOpera
     std::vector<int> particle(n);
     std::vector<float> sorted(corners<D> * n);
     level.host_stiffness.assign(level.cell_keys.size(), 0.0f);
-    level.host_mass.assign(level.node_keys.size(), 0.0f);
+    level.host_mass.assign(static_cast<std::size_t>(level.nodes), 0.0f);
     const double square = finest_.width[0] * finest_.width[0];
     for (std::size_t i = 0; i < n; ++i) {
         const auto e = static_cast<std::size_t>(cell_of[i]);
@@ -252,9 +251,9 @@ void CellLevels<D>::sort_particles(const ViscousParts& parts, const ViscousOpera
             level.host_mass[static_cast<std::size_t>(level.host_corner[corners<D> * e + a])] += one * ground(i);
         }
     }
-    bring(members_.begin, begin);
-    bring(members_.particle, particle);
-    bring(members_.share, sorted);
+    assign(members_.begin, begin);
+    assign(members_.particle, particle);
+    assign(members_.share, sorted);
 }
 
 // Cells of two an axis; along periodic axes only where they come out even. False where no axis is left.
@@ -294,15 +293,14 @@ bool CellLevels<D>::coarsen(Level& fine, Level& coarse) const {
 template <int D>
 void CellLevels<D>::hand_down(Level& fine, Level& coarse) const {
     constexpr int family = power_of_3(D);
-    KeyNumbers numbers;
-    numbers.clear(coarse.node_keys.size());
-    for (const auto key : coarse.node_keys) numbers.number(key);
-    std::vector<int> parents(fine.node_keys.size() * corners<D>, -1), children(coarse.node_keys.size() * family, -1);
-    std::vector<float> weights(fine.node_keys.size());
-    coarse.host_mass.assign(coarse.node_keys.size(), 0.0f);
-    for (std::size_t v = 0; v < fine.node_keys.size(); ++v) {
+    const auto& keys = fine.node_numbers.keys();
+    const auto coarse_nodes = static_cast<std::size_t>(coarse.nodes);
+    std::vector<int> parents(keys.size() * corners<D>, -1), children(coarse_nodes * family, -1);
+    std::vector<float> weights(keys.size());
+    coarse.host_mass.assign(coarse_nodes, 0.0f);
+    for (std::size_t v = 0; v < keys.size(); ++v) {
         int place[3], below[3], between[3] = {0, 0, 0};
-        LatticeKey::unpack(fine.node_keys[v], place);
+        LatticeKey::unpack(keys[v], place);
         float weight = 1;
         for (int k = 0; k < 3; ++k) {
             below[k] = place[k];
@@ -324,27 +322,24 @@ void CellLevels<D>::hand_down(Level& fine, Level& coarse) const {
             }
             if (!there) continue;
             coarse.shape.wrap(parent);
-            const auto number = static_cast<std::size_t>(numbers.find(LatticeKey::pack(parent)));
+            const auto number = static_cast<std::size_t>(coarse.node_numbers.find(LatticeKey::pack(parent)));
             parents[corners<D> * v + static_cast<std::size_t>(c)] = static_cast<int>(number);
             children[family * number + static_cast<std::size_t>(slot)] = static_cast<int>(v);
             coarse.host_mass[number] += weight * fine.host_mass[v];
         }
     }
-    bring(fine.parents, parents);
-    bring(fine.parent_weight, weights);
-    bring(coarse.children, children);
+    assign(fine.parents, parents);
+    assign(fine.parent_weight, weights);
+    assign(coarse.children, children);
 }
 
 template <int D>
-void CellLevels<D>::finish(Level& level, const GradientEnergy& energy) {
+void CellLevels<D>::finish(Level& level) {
     const double* width = level.shape.width;
     const double aspect[3] = {1, width[1] / width[0], width[2] / width[0]};
-    const bool same = std::equal(aspect, aspect + D, aspect_) && energy.square == energy_.square &&
-                      energy.transposed == energy_.transposed;
-    if (!same) {
+    if (!std::equal(aspect, aspect + D, aspect_)) {
         std::copy(aspect, aspect + 3, aspect_);
-        energy_ = energy;
-        element_ = Element<D>(energy, width);
+        element_ = Element<D>(energy_, width);
         matrix_ = element_.matrix();
         largest_ = largest_eigenvalue<D>(matrix_);
     }
@@ -353,7 +348,6 @@ void CellLevels<D>::finish(Level& level, const GradientEnergy& energy) {
 
 template <int D>
 void CellLevels<D>::set_up(const ViscousParts& parts, const ViscousOperator& of) {
-    const auto energy = energy_of(parts.options.viscosity.form);
     used_ = 0;
     dense_ = false;
     for (;;) {
@@ -362,7 +356,7 @@ void CellLevels<D>::set_up(const ViscousParts& parts, const ViscousOperator& of)
         if (used_ == 0) sort_particles(parts, of, level);
         else if (!coarsen(levels_[used_ - 1], level)) return;
         ++used_;
-        finish(level, energy);
+        finish(level);
         dense_ = comm_.sum(std::int64_t{level.nodes}) <= dense_nodes;
         if (dense_) {
             factorise(level);
@@ -375,21 +369,21 @@ void CellLevels<D>::set_up(const ViscousParts& parts, const ViscousOperator& of)
 // The matrix of the coarsest level, of which every rank gets all: a few dozen nodes.
 template <int D>
 void CellLevels<D>::factorise(const Level& level) {
-    const auto keys = comm_.all_gather(std::span<const std::int64_t>(level.node_keys));
-    dense_numbers_.clear(keys.size());
-    for (const auto key : keys) dense_numbers_.number(key);
-    const auto n = static_cast<std::size_t>(D * dense_numbers_.size());
+    const auto& keys = level.node_numbers.keys();
+    KeyNumbers numbers;
+    for (const auto key : comm_.all_gather(std::span<const std::int64_t>(keys))) numbers.number(key);
+    const auto n = static_cast<std::size_t>(D * numbers.size());
     std::vector<double> entries(n * n, 0.0);
-    std::vector<std::size_t> number(level.node_keys.size());
-    for (std::size_t v = 0; v < number.size(); ++v) {
-        number[v] = static_cast<std::size_t>(dense_numbers_.find(level.node_keys[v]));
-        for (std::size_t k = 0; k < D; ++k) entries[(D * number[v] + k) * (n + 1)] += static_cast<double>(level.host_mass[v]);
+    dense_row_.resize(keys.size());
+    for (std::size_t v = 0; v < keys.size(); ++v) {
+        dense_row_[v] = static_cast<std::size_t>(D * numbers.find(keys[v]));
+        for (std::size_t k = 0; k < D; ++k) entries[(dense_row_[v] + k) * (n + 1)] += static_cast<double>(level.host_mass[v]);
     }
     for (std::size_t e = 0; e < level.cell_keys.size(); ++e) {
         for (std::size_t a = 0; a < Element<D>::unknowns; ++a) {
-            const auto row = D * number[static_cast<std::size_t>(level.host_corner[corners<D> * e + a / D])] + a % D;
+            const auto row = dense_row_[static_cast<std::size_t>(level.host_corner[corners<D> * e + a / D])] + a % D;
             for (std::size_t b = 0; b < Element<D>::unknowns; ++b) {
-                const auto column = D * number[static_cast<std::size_t>(level.host_corner[corners<D> * e + b / D])] + b % D;
+                const auto column = dense_row_[static_cast<std::size_t>(level.host_corner[corners<D> * e + b / D])] + b % D;
                 entries[row * n + column] +=
                     static_cast<double>(level.host_stiffness[e]) * matrix_(static_cast<int>(a), static_cast<int>(b));
             }
@@ -404,20 +398,18 @@ void CellLevels<D>::factorise(const Level& level) {
 
 template <int D>
 void CellLevels<D>::solve_densely(Level& level) {
-    std::vector<double> right(static_cast<std::size_t>(D * dense_numbers_.size()), 0.0);
+    std::vector<double> right(static_cast<std::size_t>(factor_.rows()), 0.0);
     const auto r = on_host(level.r), first = on_host(level.shared.first());
-    std::vector<std::size_t> number(level.node_keys.size());
-    for (std::size_t v = 0; v < number.size(); ++v) {
-        number[v] = static_cast<std::size_t>(dense_numbers_.find(level.node_keys[v]));
-        for (std::size_t k = 0; k < D; ++k) right[D * number[v] + k] += static_cast<double>(first(v) * r(4 * v + k));
+    for (std::size_t v = 0; v < dense_row_.size(); ++v) {
+        for (std::size_t k = 0; k < D; ++k) right[dense_row_[v] + k] += static_cast<double>(first(v) * r(4 * v + k));
     }
     comm_.sum(std::span(right));
     const Eigen::VectorXd solution = factor_.solve(Eigen::Map<const Eigen::VectorXd>(right.data(), static_cast<int>(right.size())));
-    std::vector<float> z(number.size() * 4, 0.0f);
-    for (std::size_t v = 0; v < number.size(); ++v) {
-        for (std::size_t k = 0; k < D; ++k) z[4 * v + k] = static_cast<float>(solution(static_cast<int>(D * number[v] + k)));
+    std::vector<float> z(dense_row_.size() * 4, 0.0f);
+    for (std::size_t v = 0; v < dense_row_.size(); ++v) {
+        for (std::size_t k = 0; k < D; ++k) z[4 * v + k] = static_cast<float>(solution(static_cast<int>(dense_row_[v] + k)));
     }
-    bring(level.z, z);
+    assign(level.z, z);
 }
 
 // z = M r of a level.
@@ -458,9 +450,10 @@ std::size_t CellLevels<D>::bytes() const {
     return out;
 }
 
-std::unique_ptr<ViscousMultilevel::Levels> make_levels(const Comm& comm, const CellGrid& grid, double spacing) {
-    if (grid.dimensions == 2) return std::make_unique<CellLevels<2>>(comm, grid, spacing);
-    return std::make_unique<CellLevels<3>>(comm, grid, spacing);
+std::unique_ptr<ViscousMultilevel::Levels> make_levels(const ViscousParts& parts, const CellGrid& grid) {
+    const auto energy = energy_of(parts.options.viscosity.form);
+    if (grid.dimensions == 2) return std::make_unique<CellLevels<2>>(parts.comm, grid, parts.constants.spacing, energy);
+    return std::make_unique<CellLevels<3>>(parts.comm, grid, parts.constants.spacing, energy);
 }
 } // namespace
 
@@ -468,7 +461,7 @@ ViscousMultilevel::ViscousMultilevel(const CellGrid& grid) : grid_(grid) {}
 ViscousMultilevel::~ViscousMultilevel() = default;
 
 void ViscousMultilevel::set_up(const ViscousParts& parts, const ViscousOperator& of) {
-    if (!levels_) levels_ = make_levels(parts.comm, grid_, parts.constants.spacing);
+    if (!levels_) levels_ = make_levels(parts, grid_);
     levels_->set_up(parts, of);
 }
 double ViscousMultilevel::apply(const ViscousOperator& of, const Array3& r, const Array3& z) { return levels_->apply(of, r, z); }

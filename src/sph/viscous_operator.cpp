@@ -399,7 +399,7 @@ double ViscousOperator::prepare(const ViscousParts& parts, double dt) {
     for (auto* array : {&correction_, &span_}) reserve(*array, static_cast<std::size_t>(n));
     reserve(block_, static_cast<std::size_t>(n));
     reserve(ground_, static_cast<std::size_t>(n));
-    const auto held = liquid.has_inlets() ? liquid.inlet() : Array<int>();
+    const auto inlet = liquid.has_inlets() ? liquid.inlet() : Array<int>();
     write_places(liquid, share);
     const auto fluid = gather_fluid(constants, liquid, parts.solid, parts.neighbours);
     // Rows are read several entries at a time, beyond their ends.
@@ -411,7 +411,7 @@ double ViscousOperator::prepare(const ViscousParts& parts, double dt) {
         Kokkos::parallel_for("treacle::viscous_prepare", n,
                              PrepareLoop<Kernel>{{kernel, fluid, walls(parts, Walls::resting), weights_},
                                                  viscosity.form, damping_, relative_density(constants, liquid), share,
-                                                 slip_.any(), slip_.drag(), liquid.has_inlets(), held, correction_, span_,
+                                                 slip_.any(), slip_.drag(), liquid.has_inlets(), inlet, correction_, span_,
                                                  block_, ground_});
     });
     return most;

@@ -31,7 +31,7 @@ TEST(SharedRows, adds_up_all_copies_and_counts_each_row_once) {
         for (int c = 0; c < width; ++c) parts.push_back(part_of(comm.rank(), key, c));
     }
     Array<float> values("values", 0);
-    bring(values, parts);
+    assign(values, parts);
     shared.add(values, width);
     const auto found = on_host(values), first = on_host(shared.first());
     std::int64_t counted = 0;
