@@ -13,6 +13,7 @@ KOKKOS_INLINE_FUNCTION void prefetch([[maybe_unused]] const void* address) {
 
 // Four quads of four floats that go through one formula together, in one register where there are such: a row of a View of
 // sixteen floats. Three vectors and a fourth one fit, each with a number of its own in its last place.
+using Array8 = Kokkos::View<float* [8], Kokkos::LayoutRight, Memory>;
 using Array16 = Kokkos::View<float* [16], Kokkos::LayoutRight, Memory>;
 
 // Where the element (k, l) of a symmetric matrix is among six: xx, yy, zz, xy, xz, yz.
@@ -48,23 +49,20 @@ struct Tile {
         const __m512i from = _mm512_setr_epi32(0, 4, 8, 3, 1, 5, 9, 7, 2, 6, 10, 11, 12, 13, 14, 15);
         return _mm512_maskz_permutexvar_ps(0xffff, from, v);
     }
-    // All of quad l are the matrix' element (m, l); the last quad is 0.
+    // All of quad l are the matrix' element (m, l); the last quad is 0. Of rows of eight floats.
     template <int m>
-    static Tile spread(const double* matrix) {
+    static Tile spread(const float* matrix) {
         constexpr int x = symmetric_element(m, 0), y = symmetric_element(m, 1), z = symmetric_element(m, 2);
-        return pick(matrix, _mm512_setr_epi32(x, x, x, x, y, y, y, y, z, z, z, z, 6, 6, 6, 6));
+        const __m512i from = _mm512_setr_epi32(x, x, x, x, y, y, y, y, z, z, z, z, 0, 0, 0, 0);
+        return _mm512_maskz_permutexvar_ps(0x0fff, from, _mm512_maskz_broadcast_f32x8(0xffff, _mm256_loadu_ps(matrix)));
     }
     // Each quad is the matrix' row m, and 0.
     template <int m>
     static Tile repeat(const double* matrix) {
         constexpr int x = symmetric_element(m, 0), y = symmetric_element(m, 1), z = symmetric_element(m, 2);
-        return pick(matrix, _mm512_setr_epi32(x, y, z, 6, x, y, z, 6, x, y, z, 6, x, y, z, 6));
-    }
-
-private:
-    static Tile pick(const double* matrix, __m512i elements) {
+        const __m512i from = _mm512_setr_epi32(x, y, z, 6, x, y, z, 6, x, y, z, 6, x, y, z, 6);
         const __m256 six = _mm512_maskz_cvtpd_ps(0xff, _mm512_maskz_loadu_pd(0x3f, matrix));
-        return _mm512_maskz_permutexvar_ps(0xffff, elements, _mm512_maskz_broadcast_f32x8(0xffff, six));
+        return _mm512_maskz_permutexvar_ps(0xffff, from, _mm512_maskz_broadcast_f32x8(0xffff, six));
     }
 };
 #else
@@ -125,9 +123,9 @@ struct Tile {
         return out;
     }
     template <int m>
-    KOKKOS_INLINE_FUNCTION static Tile spread(const double* matrix) {
+    KOKKOS_INLINE_FUNCTION static Tile spread(const float* matrix) {
         Tile out(0.0f);
-        for (int l = 0; l < 12; ++l) out.v[l] = static_cast<float>(matrix[symmetric_element(m, l / 4)]);
+        for (int l = 0; l < 12; ++l) out.v[l] = matrix[symmetric_element(m, l / 4)];
         return out;
     }
     template <int m>

@@ -10,12 +10,15 @@
 
 namespace treacle::sph {
 
+// What a loop sums up is at an address that the compiler takes other stores to change: particles add to it once each.
 namespace {
 double sum_squares(const Array3& a, int n, const RelativeDensity& weight) {
     double sum = 0;
     Kokkos::parallel_reduce("treacle::viscous_norm", n, KOKKOS_LAMBDA(int i, double& out) {
         const double w = weight(i);
-        for (int k = 0; k < 3; ++k) out += w * w * a(i, k) * a(i, k);
+        double square = 0;
+        for (int k = 0; k < 3; ++k) square += a(i, k) * a(i, k);
+        out += w * w * square;
     }, sum);
     return n > 0 ? sum : 0;
 }
@@ -25,10 +28,13 @@ double subtract(const Array3& u, const RelativeDensity& inertia, const Array3& p
     double sum = 0;
     Kokkos::parallel_reduce("treacle::viscous_residual", n, KOKKOS_LAMBDA(int i, double& out) {
         const double m = inertia(i);
+        double square = 0;
         for (int k = 0; k < 3; ++k) {
-            r(i, k) = m * u(i, k) - product(i, k);
-            out += r(i, k) * r(i, k);
+            const double left = m * u(i, k) - product(i, k);
+            r(i, k) = left;
+            square += left * left;
         }
+        out += square;
     }, sum);
     return n > 0 ? sum : 0;
 }
@@ -36,7 +42,9 @@ double subtract(const Array3& u, const RelativeDensity& inertia, const Array3& p
 double dot(const Array3& a, const Array3& b, int n) {
     double sum = 0;
     Kokkos::parallel_reduce("treacle::viscous_dot", n, KOKKOS_LAMBDA(int i, double& out) {
-        for (int k = 0; k < 3; ++k) out += a(i, k) * b(i, k);
+        double product = 0;
+        for (int k = 0; k < 3; ++k) product += a(i, k) * b(i, k);
+        out += product;
     }, sum);
     return n > 0 ? sum : 0;
 }
@@ -45,19 +53,40 @@ double dot(const Array3& a, const Array3& b, int n) {
 double step(double alpha, const Array3& p, const Array3& q, int n, const Array3& u, const Array3& r) {
     double sum = 0;
     Kokkos::parallel_reduce("treacle::viscous_step", n, KOKKOS_LAMBDA(int i, double& out) {
+        double square = 0;
         for (int k = 0; k < 3; ++k) {
             u(i, k) += alpha * p(i, k);
-            r(i, k) -= alpha * q(i, k);
-            out += r(i, k) * r(i, k);
+            const double left = r(i, k) - alpha * q(i, k);
+            r(i, k) = left;
+            square += left * left;
         }
+        out += square;
     }, sum);
     return n > 0 ? sum : 0;
 }
 
-// p = z + beta p; with beta = 0 whatever p was.
-void turn(double beta, const Array3& z, int n, const Array3& p) {
+// To numbers of single precision: products in it then are those of a itself.
+KOKKOS_INLINE_FUNCTION double rounded(double x) { return static_cast<double>(static_cast<float>(x)); }
+void round(const Array3& a, int n) {
+    Kokkos::parallel_for("treacle::viscous_rounding", n, KOKKOS_LAMBDA(int i) {
+        for (int k = 0; k < 3; ++k) a(i, k) = rounded(a(i, k));
+    });
+}
+
+// p = z + beta p, rounded if it is for products in single precision; with beta = 0 whatever p was.
+void turn(double beta, const Array3& z, int n, bool nearly, const Array3& p) {
     Kokkos::parallel_for("treacle::viscous_turn", n, KOKKOS_LAMBDA(int i) {
-        for (int k = 0; k < 3; ++k) p(i, k) = z(i, k) + (beta != 0 ? beta * p(i, k) : 0);
+        for (int k = 0; k < 3; ++k) {
+            const double turned = z(i, k) + (beta != 0 ? beta * p(i, k) : 0);
+            p(i, k) = nearly ? rounded(turned) : turned;
+        }
+    });
+}
+
+// a += b.
+void add(const Array3& b, int n, const Array3& a) {
+    Kokkos::parallel_for("treacle::viscous_sum", n, KOKKOS_LAMBDA(int i) {
+        for (int k = 0; k < 3; ++k) a(i, k) += b(i, k);
     });
 }
 
@@ -275,6 +304,7 @@ solve::SolveReport ImplicitViscosity::solve_once(Progress progress) {
     const auto& parts = progress.parts;
     const int n = parts.liquid.store.owned();
     const bool nearly = multiplies_nearly(parts.options.viscosity);
+    if (nearly) round(parts.liquid.velocity(), n); // as the directions are: only differences of velocities are rounded then
     double square = find_residual(progress, nearly);
     // A liquid at rest between walls that move: what these add counts.
     const double right = parts.comm.sum(sum_squares(progress.before, n, relative_density(parts.constants, parts.liquid)));
@@ -335,7 +365,7 @@ void ImplicitViscosity::solve_assembled(Progress& progress) {
     if (own) ours = [&](const Array3& r, const Array3& z) { precondition(liquid, r, z); };
     const double start = progress.report.error_measure;
     auto report = matrix_->solve(liquid, residual_, viscosity.residual * progress.norm, ours, product_);
-    turn(1, product_, liquid.store.owned(), liquid.velocity());
+    add(product_, liquid.store.owned(), liquid.velocity());
     report.iterations += progress.report.iterations;
     report.products += progress.report.products;
     report.set_up_seconds += progress.report.set_up_seconds;
@@ -411,7 +441,7 @@ void ImplicitViscosity::follow_directions(Progress& progress, bool nearly) {
     const int n = liquid.store.owned();
     const auto u = liquid.velocity(), p = liquid.store.get<Array3>(direction_);
     double rz = comm.sum(precondition(liquid)) + dot(body_.residual, body_.scaled);
-    turn(0, product_, n, p);
+    turn(0, product_, n, nearly, p);
     body_.direction = body_.scaled;
     std::vector<double> body_product;
     while (report.iterations < parts.options.viscosity.max_iterations) {
@@ -429,7 +459,7 @@ void ImplicitViscosity::follow_directions(Progress& progress, bool nearly) {
         next[0] += dot(body_.residual, body_.residual);
         next[1] += dot(body_.residual, body_.scaled);
         if (progress.ended(next[0])) return;
-        turn(next[1] / rz, product_, n, p);
+        turn(next[1] / rz, product_, n, nearly, p);
         for (std::size_t k = 0; k < body_.q.size(); ++k) body_.direction[k] = body_.scaled[k] + next[1] / rz * body_.direction[k];
         rz = next[1];
     }

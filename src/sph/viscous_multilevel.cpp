@@ -111,6 +111,7 @@ struct ParticleVelocities {
 
     KOKKOS_INLINE_FUNCTION void operator()(int e, double& sum) const {
         Four around[corners<D>];
+        double product = 0;
         for (int a = 0; a < corners<D>; ++a) around[a] = Four::load(u.data() + 4 * std::int64_t(corner(corners<D> * e + a)));
         for (int m = members.begin(e); m < members.begin(e + 1); ++m) {
             const float* share = members.share.data() + corners<D> * std::int64_t(m);
@@ -128,9 +129,10 @@ struct ParticleVelocities {
             for (int k = 0; k < 3; ++k) {
                 to[k] += static_cast<double>(mean[k]);
                 z(i, k) = to[k];
-                sum += from[k] * to[k];
+                product += from[k] * to[k];
             }
         }
+        sum += product;
     }
 };
 } // namespace

@@ -473,7 +473,7 @@ void ViscousOperator::thin(const ViscousParts& parts, const Array<flow::FlowCurv
 
 std::size_t ViscousOperator::bytes() const {
     return sizeof(double) * (correction_.span() + span_.span() + rate_.span()) +
-           sizeof(float) * (weights_.span() + block_.span() + ground_.span() + tiles_.span()) + slip_.bytes();
+           sizeof(float) * (weights_.span() + block_.span() + ground_.span() + tiles_.span() + fits_.span()) + slip_.bytes();
 }
 
 } // namespace treacle::sph

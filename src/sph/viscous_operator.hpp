@@ -59,7 +59,7 @@ public:
     std::size_t bytes() const;
 
 private:
-    void write_tiles(LiquidParticles& liquid, const Array<double>& share);
+    void write_tiles(LiquidParticles& liquid, const Array<double>& share, int dimensions);
     void exchange_tiles(const ViscousParts& parts, Walls which);
     void add_slip(const ViscousParts& parts, Walls which, const Array3& product) const;
 
@@ -76,7 +76,8 @@ private:
     Array<float> ground_{"treacle::viscous_ground", 0};
     Blocks block_{"treacle::viscous_block", 0};
     Array16 tiles_{"treacle::viscous_tiles", 0}; // see viscous_tiles.cpp
-    bool tiles_are_placed_ = false;              // since prepare()
+    Array8 fits_{"treacle::viscous_fits", 0};
+    bool tiles_are_placed_ = false; // since prepare()
 };
 
 } // namespace treacle::sph

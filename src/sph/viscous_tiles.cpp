@@ -16,6 +16,16 @@ void write_places(const Array3& x, const Array<double>& share, int n, const Arra
     });
 }
 
+// B_i^+, the share, and whether the neighbours spread in all directions: 1, or 0 where the span is to be looked at.
+void write_fits(const Array6& correction, const Array6& span, const Array<double>& share, int dimensions, int n,
+                const Array8& fits) {
+    Kokkos::parallel_for("treacle::float_fits", n, KOKKOS_LAMBDA(int i) {
+        for (int k = 0; k < 6; ++k) fits(i, k) = static_cast<float>(correction(i, k));
+        fits(i, 6) = static_cast<float>(share(i));
+        fits(i, 7) = span(i, 0) + span(i, 1) + span(i, 2) > dimensions - 0.5 ? 1 : 0;
+    });
+}
+
 void write_velocities(const Array3& u, int n, const Array16& tiles) {
     Kokkos::parallel_for("treacle::velocity_tiles", n, KOKKOS_LAMBDA(int i) {
         for (int k = 0; k < 3; ++k) tiles(i, 12 + k) = static_cast<float>(u(i, k));
@@ -74,36 +84,49 @@ KOKKOS_INLINE_FUNCTION Tile sum_tiles(const Fluid& fluid, const Array<float>& we
     return sum + other;
 }
 
-// As StressLoop.
+// As StressLoop, of some particles at a time: what each makes of its sums takes long, but little room beside that of others.
+constexpr int rows_at_once = lanes > 1 ? 8 : 1;
+
 template <class Kernel>
 struct TileStressLoop : ViscousLoop<Kernel> {
     using Base = ViscousLoop<Kernel>;
     float damping;
-    Array<double> share;
-    Array6 correction, span;
+    Array8 fits;
+    Array6 span;
     Array3 velocity;
     Array16 tiles;
 
-    KOKKOS_INLINE_FUNCTION void operator()(int i) const {
-        float* row = tiles.data() + 16 * std::int64_t(i);
-        const Tile own = Tile::load(row);
-        Tile n = sum_tiles(Base::fluid, Base::weights, tiles, i, [&](Tile& sum, float w, const Tile& other) {
-            const Tile apart = own - other;
-            sum.add(Tile(w) * apart.all<3>(), apart.quad<3>());
-        });
-        if (Base::walls.pairs.count(i) > 0) n = n + walls(i);
-        const double *fit = correction.data() + 6 * std::int64_t(i), *within = span.data() + 6 * std::int64_t(i);
-        const Tile rows[3] = {Tile::spread<0>(fit), Tile::spread<1>(fit), Tile::spread<2>(fit)};
-        const Tile g = times(n, rows);
-        Tile half = 0.0f; // see StressLoop::strain
-        half.add(Tile::repeat<0>(within), g.all<0>());
-        half.add(Tile::repeat<1>(within), g.all<1>());
-        half.add(Tile::repeat<2>(within), g.all<2>());
-        const Tile q = times(half + half.transposed(), rows);
-        (Tile(static_cast<float>(share(i))) * (q - Tile(damping) * g)).store_vectors(row);
+    KOKKOS_INLINE_FUNCTION void operator()(int block) const {
+        const int first = rows_at_once * block, last = math::min(first + rows_at_once, Base::fluid.count);
+        Tile sums[rows_at_once];
+        for (int i = first; i < last; ++i) sums[i - first] = sum(i);
+        for (int i = first; i < last; ++i) stress(i, sums[i - first]).store_vectors(tiles.data() + 16 * std::int64_t(i));
     }
 
 private:
+    // N_i
+    KOKKOS_INLINE_FUNCTION Tile sum(int i) const {
+        const Tile own = Tile::load(tiles.data() + 16 * std::int64_t(i));
+        const Tile liquid = sum_tiles(Base::fluid, Base::weights, tiles, i, [&](Tile& to, float w, const Tile& other) {
+            const Tile apart = own - other;
+            to.add(Tile(w) * apart.all<3>(), apart.quad<3>());
+        });
+        return Base::walls.pairs.count(i) > 0 ? liquid + walls(i) : liquid;
+    }
+    KOKKOS_INLINE_FUNCTION Tile stress(int i, const Tile& n) const {
+        const float* fit = fits.data() + 8 * std::int64_t(i);
+        const Tile rows[3] = {Tile::spread<0>(fit), Tile::spread<1>(fit), Tile::spread<2>(fit)};
+        const Tile g = times(n, rows);
+        Tile half = g; // see StressLoop::strain
+        if (fit[7] == 0) {
+            const double* within = span.data() + 6 * std::int64_t(i);
+            half = Tile::repeat<0>(within) * g.all<0>();
+            half.add(Tile::repeat<1>(within), g.all<1>());
+            half.add(Tile::repeat<2>(within), g.all<2>());
+        }
+        const Tile q = times(half + half.transposed(), rows);
+        return Tile(fit[6]) * (q - Tile(damping) * g);
+    }
     // The matrix of columns a times the symmetric one of these rows.
     KOKKOS_INLINE_FUNCTION static Tile times(const Tile& a, const Tile rows[3]) {
         Tile out = a.quad<0>() * rows[0];
@@ -157,10 +180,12 @@ struct TileForceLoop : ViscousLoop<Kernel> {
 };
 } // namespace
 
-void ViscousOperator::write_tiles(LiquidParticles& liquid, const Array<double>& share) {
+void ViscousOperator::write_tiles(LiquidParticles& liquid, const Array<double>& share, int dimensions) {
     const int n = liquid.store.total();
     reserve(tiles_, static_cast<std::size_t>(n));
+    reserve(fits_, static_cast<std::size_t>(liquid.store.owned()));
     write_places(liquid.store.position(), share, n, tiles_);
+    write_fits(correction_, span_, share, dimensions, liquid.store.owned(), fits_);
     tiles_are_placed_ = true;
 }
 
@@ -179,7 +204,7 @@ void ViscousOperator::multiply_nearly(const ViscousParts& parts, int u_field, Wa
     const auto& store = liquid.store;
     const auto& constants = parts.constants;
     const auto share = store.get<Array<double>>(share_);
-    if (!tiles_are_placed_) write_tiles(liquid, share);
+    if (!tiles_are_placed_) write_tiles(liquid, share, constants.dimensions);
     parts.halo.gather(store, {u_field});
     const auto velocity = store.get<Array3>(u_field);
     if (slip_.any() || which == Walls::moving) pack_motion(liquid, u_field, constants); // slip and loads() read it there
@@ -189,9 +214,8 @@ void ViscousOperator::multiply_nearly(const ViscousParts& parts, int u_field, Wa
     with_kernel(parts.options.kernel, constants.dimensions, constants.support, [&](const auto& kernel) {
         using Kernel = std::decay_t<decltype(kernel)>;
         const ViscousLoop<Kernel> base{kernel, fluid, walls(parts, which), weights_};
-        Kokkos::parallel_for("treacle::viscous_tile_stress", fluid.count,
-                             TileStressLoop<Kernel>{base, static_cast<float>(damping_), share, correction_, span_, velocity,
-                                                    tiles_});
+        Kokkos::parallel_for("treacle::viscous_tile_stress", (fluid.count + rows_at_once - 1) / rows_at_once,
+                             TileStressLoop<Kernel>{base, static_cast<float>(damping_), fits_, span_, velocity, tiles_});
         exchange_tiles(parts, which);
         Kokkos::parallel_for("treacle::viscous_tile_forces", fluid.count,
                              TileForceLoop<Kernel>{base, damping_, relative, share, velocity, tiles_, product});
