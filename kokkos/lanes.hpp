@@ -22,6 +22,8 @@ KOKKOS_INLINE_FUNCTION double select(bool condition, double yes, double no) { re
 KOKKOS_INLINE_FUNCTION double inverse(double x) { return 1 / x; }
 KOKKOS_INLINE_FUNCTION double inverse_sqrt(double x) { return 1 / math::sqrt(x); }
 KOKKOS_INLINE_FUNCTION double sum_lanes(double x) { return x; }
+// To numbers that a float has.
+KOKKOS_INLINE_FUNCTION double rounded(double x) { return static_cast<double>(static_cast<float>(x)); }
 KOKKOS_INLINE_FUNCTION unsigned bits_of(bool condition) { return condition ? 1u : 0u; }
 
 KOKKOS_INLINE_FUNCTION int lowest_bit(unsigned bits) {
@@ -85,6 +87,7 @@ inline Lanes inverse_sqrt(Lanes x) {
     }
     return y;
 }
+inline Lanes rounded(Lanes x) { return _mm512_maskz_cvtps_pd(0xff, _mm512_maskz_cvtpd_ps(0xff, x.v)); }
 namespace math {
 inline Lanes min(Lanes a, Lanes b) { return _mm512_maskz_min_pd(0xff, a.v, b.v); }
 inline Lanes max(Lanes a, Lanes b) { return _mm512_maskz_max_pd(0xff, a.v, b.v); }
@@ -118,6 +121,7 @@ inline double sum_lanes(Lanes x) {
 }
 inline Lanes inverse(Lanes x) { return _mm256_div_pd(_mm256_set1_pd(1.0), x.v); }
 inline Lanes inverse_sqrt(Lanes x) { return _mm256_div_pd(_mm256_set1_pd(1.0), _mm256_sqrt_pd(x.v)); }
+inline Lanes rounded(Lanes x) { return _mm256_cvtps_pd(_mm256_cvtpd_ps(x.v)); }
 namespace math {
 inline Lanes min(Lanes a, Lanes b) { return _mm256_min_pd(a.v, b.v); }
 inline Lanes max(Lanes a, Lanes b) { return _mm256_max_pd(a.v, b.v); }

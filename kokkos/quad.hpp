@@ -23,6 +23,7 @@ struct Quad {
 #endif
     }
     void store(double* to) const { _mm256_storeu_pd(to, v); }
+    friend Quad operator+(Quad a, Quad b) { return _mm256_add_pd(a.v, b.v); }
     friend Quad operator-(Quad a, Quad b) { return _mm256_sub_pd(a.v, b.v); }
     friend Quad operator*(Quad a, Quad b) { return _mm256_mul_pd(a.v, b.v); }
     // this += a b
@@ -130,6 +131,17 @@ KOKKOS_INLINE_FUNCTION Lanes load_lanes(const float* from) {
     return _mm256_cvtps_pd(_mm_loadu_ps(from));
 #else
     return *from;
+#endif
+}
+
+// The first n of them as floats; nothing else is written.
+KOKKOS_INLINE_FUNCTION void store_floats(Lanes x, int n, float* to) {
+#if defined(TREACLE_AVX512)
+    _mm256_mask_storeu_ps(to, first_lanes(n), _mm512_maskz_cvtpd_ps(0xff, x.v));
+#else
+    double all[lanes];
+    store_lanes(x, all);
+    for (int k = 0; k < math::min(n, lanes); ++k) to[k] = static_cast<float>(all[k]);
 #endif
 }
 

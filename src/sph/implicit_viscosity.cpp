@@ -1,6 +1,7 @@
 #include "sph/implicit_viscosity.hpp"
 
 #include "base/clock.hpp"
+#include "kokkos/lanes.hpp"
 #include "sph/bodies.hpp"
 #include "sph/inflow.hpp"
 
@@ -65,8 +66,7 @@ double step(double alpha, const Array3& p, const Array3& q, int n, const Array3&
     return n > 0 ? sum : 0;
 }
 
-// To numbers of single precision: products in it then are those of a itself.
-KOKKOS_INLINE_FUNCTION double rounded(double x) { return static_cast<double>(static_cast<float>(x)); }
+// Products in single precision then are those of a itself.
 void round(const Array3& a, int n) {
     Kokkos::parallel_for("treacle::viscous_rounding", n, KOKKOS_LAMBDA(int i) {
         for (int k = 0; k < 3; ++k) a(i, k) = rounded(a(i, k));

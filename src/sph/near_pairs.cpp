@@ -7,25 +7,35 @@
 namespace treacle::sph {
 
 namespace {
-// The near ones of the liquid around particle i, whose places are where pair sums read them: how many, or which.
+// The near ones of the liquid around particle i, whose places are where pair sums read them: how many, which leaves a bit for
+// each, and then which.
 struct NearLiquid {
     Pairs from;
     Array4 place;
     double square; // of the support [m2]
+    Array<std::uint8_t> masks; // of the pairs of the list that go through the formula together
 
     KOKKOS_INLINE_FUNCTION int count(int i) const {
         const Row row = from.row(i, place);
+        std::uint8_t* mask = masks_of(i);
         int out = 0;
-        for (int k = 0; k < row.count; k += lanes) out += count_bits(bits(row, k));
+        for (int k = 0; k < row.count; k += lanes, ++mask) {
+            const unsigned bits = bits_of(row.near(k).r2 < Lanes(square)) & first_bits(row.count - k);
+            *mask = static_cast<std::uint8_t>(bits);
+            out += count_bits(bits);
+        }
         return out;
     }
     KOKKOS_INLINE_FUNCTION void write(int i, int* to) const {
         const Row row = from.row(i, place);
-        for (int k = 0; k < row.count; k += lanes) to += write_ints(bits(row, k), load_ints(row.index + k), to);
+        const std::uint8_t* mask = masks_of(i);
+        for (int k = 0; k < row.count; k += lanes, ++mask) to += write_ints(*mask, load_ints(row.index + k), to);
     }
-    KOKKOS_INLINE_FUNCTION unsigned bits(const Row& row, int k) const {
-        return bits_of(row.near(k).r2 < Lanes(square)) & first_bits(row.count - k);
-    }
+    // Rows begin with masks of their own.
+    static std::int64_t count_masks(std::int64_t pairs, int rows) { return pairs / lanes + rows; }
+
+private:
+    KOKKOS_INLINE_FUNCTION std::uint8_t* masks_of(int i) const { return masks.data() + from.offset(i) / lanes + i; }
 };
 
 // And of the solids, which are few.
@@ -74,11 +84,12 @@ ViscousScene NearPairs::among(const ViscousScene& scene) {
     const auto& liquid = scene.liquid.store;
     const int n = liquid.owned();
     write_places(scene.liquid, scene.liquid.volume());
-    keep(NearLiquid{pairs(scene.neighbours.liquid, liquid, liquid), scene.liquid.place, support * support}, n, near_.liquid);
+    reserve(masks_, static_cast<std::size_t>(NearLiquid::count_masks(scene.neighbours.liquid.size, n)));
+    keep(NearLiquid{pairs(scene.neighbours.liquid, liquid, liquid), scene.liquid.place, support * support, masks_}, n, near_.liquid);
     keep(NearSolids{pairs(scene.neighbours.solid, liquid, scene.solid.store), support * support}, n, near_.solid);
     return {{scene.options, constants_, scene.comm, scene.liquid, scene.solid, near_, scene.halo}, scene.forces, scene.solid_halo};
 }
 
-std::size_t NearPairs::bytes() const { return near_.liquid.bytes() + near_.solid.bytes(); }
+std::size_t NearPairs::bytes() const { return near_.liquid.bytes() + near_.solid.bytes() + masks_.span(); }
 
 } // namespace treacle::sph

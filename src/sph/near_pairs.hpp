@@ -19,6 +19,7 @@ public:
 private:
     Neighbourhood near_;
     Constants constants_;
+    Array<std::uint8_t> masks_{"treacle::near_masks", 0};
 };
 
 } // namespace treacle::sph

@@ -12,31 +12,12 @@ constexpr double least_spread = 0.02;
 // Particles are not taken to be nearer to a surface than that many spacings.
 constexpr double least_height = 0.25;
 
-// The weights, which a solve needs in every product; the same number for both particles of a pair.
-template <class Kernel>
-struct WeightLoop {
-    Kernel kernel;
-    Fluid fluid;
-    double volume; // V0 [m^D]
-    Array<float> weights;
-
-    KOKKOS_INLINE_FUNCTION void operator()(int i) const {
-        const Row row = fluid.row(i);
-        const std::int64_t first = fluid.liquid.offset(i);
-        for (int k = 0; k < row.count; k += lanes) {
-            const auto along = distance(row.near(k).r2);
-            double w[lanes];
-            store_lanes(-volume * kernel.gradient(along.r, along.inverse), w);
-            for (int l = 0; l < math::min(lanes, row.count - k); ++l) weights(first + k + l) = static_cast<float>(w[l]);
-        }
-    }
-};
-
-// B_i = sum V w x x^T, its inverse, and the blocks that precondition.
+// The weights, B_i = sum V w x x^T, its inverse, and the blocks that precondition.
 template <class Kernel>
 struct PrepareLoop : ViscousLoop<Kernel> {
     using Base = ViscousLoop<Kernel>;
     ViscosityForm form;
+    double volume; // V0 [m^D]
     double damping;
     RelativeDensity relative;
     Array<double> share;
@@ -47,6 +28,7 @@ struct PrepareLoop : ViscousLoop<Kernel> {
     Array6 correction, span;
     ViscousOperator::Blocks block;
     Array<float> ground;
+    ViscousOperator::WallSums wall_sums; // where there are tiles
 
     KOKKOS_INLINE_FUNCTION void operator()(int i) const {
         PartialInverse fit{{1, 1, 1, 0, 0, 0}, {1, 1, 1, 0, 0, 0}};
@@ -62,20 +44,31 @@ struct PrepareLoop : ViscousLoop<Kernel> {
     }
 
 private:
+    // Writes V0 |W'|/r of the liquid around i, the same number for both particles of a pair, and visits some pairs at a time with
+    // what was written, 0 beyond the row.
+    template <class Visit>
+    KOKKOS_INLINE_FUNCTION void weigh(int i, const Visit& visit) const {
+        const Row row = Base::fluid.row(i);
+        float* w = Base::weights.data() + Base::fluid.liquid.offset(i);
+        for (int k = 0; k < row.count; k += lanes) {
+            const auto near = row.near(k);
+            const auto along = distance(near.r2);
+            const Lanes weight = rounded(-volume * Base::kernel.gradient(along.r, along.inverse));
+            store_floats(weight, row.count - k, w + k);
+            visit(near, row.within(k, weight));
+        }
+    }
     // Over the neighbours of a particle.
     struct Sums {
         Symmetric spread, strained; // w x x^T; (s_i + s_j)/2 w^2 x x^T
         double weights = 0, pull[3] = {0, 0, 0};
     };
     KOKKOS_INLINE_FUNCTION Sums sum_row(int i) const {
-        const Row row = Base::fluid.row(i);
-        const float* w = Base::weights.data() + Base::fluid.liquid.offset(i);
         const double own = share(i);
         Lanes n[6] = {0.0, 0.0, 0.0, 0.0, 0.0, 0.0}, m[6] = {0.0, 0.0, 0.0, 0.0, 0.0, 0.0};
         Lanes weights = 0.0, x = 0.0, y = 0.0, z = 0.0;
-        for (int k = 0; k < row.count; k += lanes) {
-            const auto d = row.near(k);
-            const Lanes f = row.within(k, load_lanes(w + k)), g = 0.5 * (own + d.number) * f * f;
+        weigh(i, [&](const Row::Near& d, Lanes f) {
+            const Lanes g = 0.5 * (own + d.number) * f * f;
             const Lanes squares[6] = {d.x * d.x, d.y * d.y, d.z * d.z, d.x * d.y, d.x * d.z, d.y * d.z};
             for (int e = 0; e < 6; ++e) {
                 n[e] = n[e] + f * squares[e];
@@ -85,7 +78,7 @@ private:
             x = x + f * d.x;
             y = y + f * d.y;
             z = z + f * d.z;
-        }
+        });
         const auto symmetric = [](const Lanes e[6]) {
             return Symmetric{sum_lanes(e[0]), sum_lanes(e[1]), sum_lanes(e[2]), sum_lanes(e[3]), sum_lanes(e[4]), sum_lanes(e[5])};
         };
@@ -95,13 +88,19 @@ private:
     // be like its own, which this finds.
     KOKKOS_INLINE_FUNCTION Symmetric stress_block(int i, PartialInverse& fit, double& held) const {
         Sums sums = sum_row(i);
+        double walls[4] = {0, 0, 0, 0};
         Base::each_wall(i, [&](int, double w, double dx, double dy, double dz, const auto& contact) {
             const double reach = contact.reach, x[3] = {dx, dy, dz};
             sums.spread.add_square(w, dx, dy, dz);
-            sums.weights += w * reach * reach;
             held += w * reach;
-            for (int k = 0; k < 3; ++k) sums.pull[k] += w * reach * x[k];
+            for (int k = 0; k < 3; ++k) walls[k] += w * reach * x[k];
+            walls[3] += w * reach * reach;
         });
+        for (int k = 0; k < 3; ++k) sums.pull[k] += walls[k];
+        sums.weights += walls[3];
+        if (ViscousOperator::has_tiles(form)) {
+            for (int k = 0; k < 4; ++k) wall_sums(i, k) = static_cast<float>(walls[k]);
+        }
         if (form == ViscosityForm::corrected) fit = invert_above(sums.spread, least_spread);
         double own[3];
         fit.inverse.times(sums.pull, own);
@@ -124,6 +123,7 @@ private:
                 d.xx += along, d.yy += along, d.zz += along;
             }
         };
+        weigh(i, [](const Row::Near&, Lanes) {});
         Base::each_pair(i, [&](double w, int j, double dx, double dy, double dz, double r2) {
             pair(share(i) + share(j), w, dx, dy, dz, r2);
         });
@@ -187,9 +187,8 @@ private:
     KOKKOS_INLINE_FUNCTION void sum_pairs(int i, double n[3][3]) const {
         const double *place = Base::fluid.place.data(), *motion = Base::fluid.motion.data();
         const Quad x = Quad::load(place + 4 * std::int64_t(i)), u = Quad::load(motion + 4 * std::int64_t(i));
-        Quad columns[3] = {0.0, 0.0, 0.0};
-        const std::int64_t last = Base::fluid.liquid.offset(i + 1);
-        for (std::int64_t k = Base::fluid.liquid.offset(i); k < last; ++k) {
+        Quad even[3] = {0.0, 0.0, 0.0}, odd[3] = {0.0, 0.0, 0.0};
+        Base::each_entry(i, even, odd, [&](Quad columns[3], std::int64_t k) {
             const double* other = motion + 4 * std::int64_t(Base::fluid.liquid.index(k));
             const double w = by_volumes ? Base::weights(k) * other[3] : Base::weights(k);
             const Quad along = Quad(w) * (x - Quad::load(place + 4 * std::int64_t(Base::fluid.liquid.index(k))));
@@ -197,10 +196,10 @@ private:
             columns[0].add(along.all<0>(), apart);
             columns[1].add(along.all<1>(), apart);
             columns[2].add(along.all<2>(), apart);
-        }
+        });
         for (int l = 0; l < 3; ++l) {
             double column[4];
-            columns[l].store(column);
+            (even[l] + odd[l]).store(column);
             for (int k = 0; k < 3; ++k) n[k][l] = column[k];
         }
     }
@@ -247,24 +246,25 @@ private:
         const Quad x = read(place, i), u = read(motion, i);
         const Quad twice = 2 * Base::fluid.place(i, 3), factor = damping;
         const Quad own[3] = {Quad::load(stress[0], i), Quad::load(stress[1], i), Quad::load(stress[2], i)};
-        Quad pull[3] = {0.0, 0.0, 0.0}, slide = 0.0, spread = 0.0;
-        const std::int64_t last = Base::fluid.liquid.offset(i + 1);
-        for (std::int64_t k = Base::fluid.liquid.offset(i); k < last; ++k) {
+        struct Sums {
+            Quad pull[3] = {0.0, 0.0, 0.0}, slide = 0.0, spread = 0.0;
+        } even, odd;
+        Base::each_entry(i, even, odd, [&](Sums& sums, std::int64_t k) {
             const int j = Base::fluid.liquid.index(k);
             const Quad w = static_cast<double>(Base::weights(k)), apart = x - read(place, j);
             const Quad along = w * apart;
-            spread.add(w, apart);
-            pull[0].add(along.all<0>(), Quad::load(stress[0], j));
-            pull[1].add(along.all<1>(), Quad::load(stress[1], j));
-            pull[2].add(along.all<2>(), Quad::load(stress[2], j));
-            slide.add(w * twice - along.all<3>(), u - read(motion, j));
-        }
-        Quad sum = 0.0;
-        sum.add(factor, slide);
+            sums.spread.add(w, apart);
+            sums.pull[0].add(along.all<0>(), Quad::load(stress[0], j));
+            sums.pull[1].add(along.all<1>(), Quad::load(stress[1], j));
+            sums.pull[2].add(along.all<2>(), Quad::load(stress[2], j));
+            sums.slide.add(w * twice - along.all<3>(), u - read(motion, j));
+        });
+        const Quad spread = even.spread + odd.spread;
+        Quad sum = factor * (even.slide + odd.slide);
+        for (int l = 0; l < 3; ++l) sum = sum + even.pull[l] + odd.pull[l];
         sum.add(spread.all<0>(), own[0]);
         sum.add(spread.all<1>(), own[1]);
         sum.add(spread.all<2>(), own[2]);
-        for (const Quad& one : pull) sum.add(1.0, one);
         double out[4];
         sum.store(out);
         for (int k = 0; k < 3; ++k) f[k] = out[k];
@@ -399,6 +399,7 @@ double ViscousOperator::prepare(const ViscousParts& parts, double dt) {
     for (auto* array : {&correction_, &span_}) reserve(*array, static_cast<std::size_t>(n));
     reserve(block_, static_cast<std::size_t>(n));
     reserve(ground_, static_cast<std::size_t>(n));
+    if (has_tiles(viscosity.form)) reserve(wall_sums_, static_cast<std::size_t>(n));
     const auto inlet = liquid.has_inlets() ? liquid.inlet() : Array<int>();
     write_places(liquid, share);
     const auto fluid = gather_fluid(constants, liquid, parts.solid, parts.neighbours);
@@ -406,13 +407,11 @@ double ViscousOperator::prepare(const ViscousParts& parts, double dt) {
     reserve(weights_, static_cast<std::size_t>(parts.neighbours.liquid.size + NeighbourList::spare));
     with_kernel(parts.options.kernel, constants.dimensions, constants.support, [&](const auto& kernel) {
         using Kernel = std::decay_t<decltype(kernel)>;
-        Kokkos::parallel_for("treacle::viscous_weights", n,
-                             WeightLoop<Kernel>{kernel, fluid, constants.rest_volume, weights_});
+        const ViscousLoop<Kernel> base{kernel, fluid, walls(parts, Walls::resting), weights_};
         Kokkos::parallel_for("treacle::viscous_prepare", n,
-                             PrepareLoop<Kernel>{{kernel, fluid, walls(parts, Walls::resting), weights_},
-                                                 viscosity.form, damping_, relative_density(constants, liquid), share,
-                                                 slip_.any(), slip_.drag(), liquid.has_inlets(), inlet, correction_, span_,
-                                                 block_, ground_});
+                             PrepareLoop<Kernel>{base, viscosity.form, constants.rest_volume, damping_,
+                                                 relative_density(constants, liquid), share, slip_.any(), slip_.drag(),
+                                                 liquid.has_inlets(), inlet, correction_, span_, block_, ground_, wall_sums_});
     });
     return most;
 }
@@ -472,8 +471,9 @@ void ViscousOperator::thin(const ViscousParts& parts, const Array<flow::FlowCurv
 }
 
 std::size_t ViscousOperator::bytes() const {
-    return sizeof(double) * (correction_.span() + span_.span() + rate_.span()) +
-           sizeof(float) * (weights_.span() + block_.span() + ground_.span() + tiles_.span() + fits_.span()) + slip_.bytes();
+    const std::size_t doubles = correction_.span() + span_.span() + rate_.span();
+    const std::size_t floats = weights_.span() + block_.span() + ground_.span() + tiles_.span() + fits_.span() + wall_sums_.span();
+    return sizeof(double) * doubles + sizeof(float) * floats + slip_.bytes();
 }
 
 } // namespace treacle::sph

@@ -55,6 +55,8 @@ public:
     const Array<float>& ground() const { return ground_; }
     using Blocks = Kokkos::View<float* [6], Memory>;
     const Blocks& block() const { return block_; } // inverses of the diagonal blocks, nearly
+    // Over the solids around a particle: of w reach x and, in the last place, w reach^2. All that a product needs of solids at rest.
+    using WallSums = Kokkos::View<float* [4], Kokkos::LayoutRight, Memory>;
 
     std::size_t bytes() const;
 
@@ -77,6 +79,7 @@ private:
     Blocks block_{"treacle::viscous_block", 0};
     Array16 tiles_{"treacle::viscous_tiles", 0}; // see viscous_tiles.cpp
     Array8 fits_{"treacle::viscous_fits", 0};
+    WallSums wall_sums_{"treacle::viscous_wall_sums", 0};
     bool tiles_are_placed_ = false; // since prepare()
 };
 

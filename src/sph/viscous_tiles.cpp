@@ -60,28 +60,16 @@ void write_stresses(const Array3& x, const Array3& y, const Array3& z, int first
     });
 }
 
-// The list and its weights are read once a product, faster than the processor foresees by itself: 180 bytes of each a row.
-constexpr int row_ahead = 64, lines_ahead = 6;
-
-// sum += of each liquid particle around i what visit makes of its tile and of V0 |W'|/r.
-template <class Visit>
-KOKKOS_INLINE_FUNCTION Tile sum_tiles(const Fluid& fluid, const Array<float>& weights, const Array16& tiles, int i,
-                                      const Visit& visit) {
-    const float* rows = tiles.data();
-    const int* index = fluid.liquid.index.data();
-    Tile sum = 0.0f, other = 0.0f; // two, since each addition waits for the one before
-    const std::int64_t last = fluid.liquid.offset(i + 1);
-    std::int64_t k = fluid.liquid.offset(i);
-    for (int line = 0; line < lines_ahead; ++line) { // of the row after the next
-        prefetch(index + last + row_ahead + 16 * line);
-        prefetch(weights.data() + last + row_ahead + 16 * line);
-    }
-    for (; k + 1 < last; k += 2) {
-        visit(sum, weights(k), Tile::load(rows + 16 * std::int64_t(index[k])));
-        visit(other, weights(k + 1), Tile::load(rows + 16 * std::int64_t(index[k + 1])));
-    }
-    if (k < last) visit(sum, weights(k), Tile::load(rows + 16 * std::int64_t(index[k])));
-    return sum + other;
+// The sum of what visit adds for each liquid particle around i, of its tile and of V0 |W'|/r.
+template <class Kernel, class Visit>
+KOKKOS_INLINE_FUNCTION Tile sum_tiles(const ViscousLoop<Kernel>& loop, const Array16& tiles, int i, const Visit& visit) {
+    const float *rows = tiles.data(), *weights = loop.weights.data();
+    const int* index = loop.fluid.liquid.index.data();
+    Tile even = 0.0f, odd = 0.0f;
+    loop.each_entry(i, even, odd, [&](Tile& sum, std::int64_t k) {
+        visit(sum, Tile(weights[k]), Tile::load(rows + 16 * std::int64_t(index[k])));
+    });
+    return even + odd;
 }
 
 // As StressLoop, of some particles at a time: what each makes of its sums takes long, but little room beside that of others.
@@ -93,6 +81,7 @@ struct TileStressLoop : ViscousLoop<Kernel> {
     float damping;
     Array8 fits;
     Array6 span;
+    ViscousOperator::WallSums wall_sums;
     Array3 velocity;
     Array16 tiles;
 
@@ -107,11 +96,12 @@ private:
     // N_i
     KOKKOS_INLINE_FUNCTION Tile sum(int i) const {
         const Tile own = Tile::load(tiles.data() + 16 * std::int64_t(i));
-        const Tile liquid = sum_tiles(Base::fluid, Base::weights, tiles, i, [&](Tile& to, float w, const Tile& other) {
+        const Tile liquid = sum_tiles(*this, tiles, i, [&](Tile& to, const Tile& w, const Tile& other) {
             const Tile apart = own - other;
-            to.add(Tile(w) * apart.all<3>(), apart.quad<3>());
+            to.add(w * apart.all<3>(), apart.quad<3>());
         });
-        return Base::walls.pairs.count(i) > 0 ? liquid + walls(i) : liquid;
+        if (Base::walls.pairs.count(i) == 0) return liquid;
+        return liquid + (Base::walls.resting ? resting_walls(i) : moving_walls(i));
     }
     KOKKOS_INLINE_FUNCTION Tile stress(int i, const Tile& n) const {
         const float* fit = fits.data() + 8 * std::int64_t(i);
@@ -134,7 +124,14 @@ private:
         out.add(a.quad<2>(), rows[2]);
         return out;
     }
-    KOKKOS_INLINE_FUNCTION Tile walls(int i) const {
+    KOKKOS_INLINE_FUNCTION Tile resting_walls(int i) const {
+        float sum[16] = {};
+        for (int l = 0; l < 3; ++l) {
+            for (int k = 0; k < 3; ++k) sum[4 * l + k] = tiles(i, 12 + k) * wall_sums(i, l);
+        }
+        return Tile::load(sum);
+    }
+    KOKKOS_INLINE_FUNCTION Tile moving_walls(int i) const {
         float sum[16] = {};
         const double u[3] = {velocity(i, 0), velocity(i, 1), velocity(i, 2)};
         Base::each_wall(i, [&](int, double w, double dx, double dy, double dz, const auto& contact) {
@@ -156,26 +153,45 @@ struct TileForceLoop : ViscousLoop<Kernel> {
     double damping;
     RelativeDensity relative;
     Array<double> share;
+    ViscousOperator::WallSums wall_sums;
     Array3 velocity;
     Array16 tiles;
     Array3 product;
 
-    KOKKOS_INLINE_FUNCTION void operator()(int i) const {
+    KOKKOS_INLINE_FUNCTION void operator()(int block) const {
+        const int first = rows_at_once * block, last = math::min(first + rows_at_once, Base::fluid.count);
+        Tile sums[rows_at_once];
+        for (int i = first; i < last; ++i) sums[i - first] = sum(i);
+        for (int i = first; i < last; ++i) finish(i, sums[i - first]);
+    }
+
+private:
+    KOKKOS_INLINE_FUNCTION Tile sum(int i) const {
         constexpr float for_pairs[16] = {1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, -1};   // less another: -(s_i + s_j)
         constexpr float for_values[16] = {1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, -1, -1, -1, 1}; // and another: u_j - u_i
         const Tile own = Tile::load(tiles.data() + 16 * std::int64_t(i));
         const Tile from = own * Tile::load(for_pairs), with = own * Tile::load(for_values);
-        const Tile sum = sum_tiles(Base::fluid, Base::weights, tiles, i, [&](Tile& to, float w, const Tile& other) {
-            to.add(Tile(w) * (from - other).all<3>(), with + other);
+        return sum_tiles(*this, tiles, i, [&](Tile& to, const Tile& w, const Tile& other) {
+            to.add(w * (from - other).all<3>(), with + other);
         });
+    }
+    KOKKOS_INLINE_FUNCTION void finish(int i, const Tile& sum) const {
         float s[16];
         sum.store(s);
         double f[3];
         const double u[3] = {velocity(i, 0), velocity(i, 1), velocity(i, 2)};
         for (int k = 0; k < 3; ++k) f[k] = s[k] + s[4 + k] + s[8 + k] + damping * s[12 + k];
-        if (Base::walls.pairs.count(i) > 0) Base::add_walls(i, StressGrip<TileStresses>{{tiles}, share, damping}, u, f);
+        if (Base::walls.pairs.count(i) > 0) add_walls(i, u, f);
         const double inertia = relative(i);
         for (int k = 0; k < 3; ++k) product(i, k) = inertia * u[k] + f[k];
+    }
+    KOKKOS_INLINE_FUNCTION void add_walls(int i, const double u[3], double f[3]) const {
+        if (!Base::walls.resting) return Base::add_walls(i, StressGrip<TileStresses>{{tiles}, share, damping}, u, f);
+        const double slide = damping * share(i) * wall_sums(i, 3);
+        for (int k = 0; k < 3; ++k) {
+            for (int l = 0; l < 3; ++l) f[k] += tiles(i, 4 * l + k) * wall_sums(i, l);
+            f[k] += slide * u[k];
+        }
     }
 };
 } // namespace
@@ -214,11 +230,12 @@ void ViscousOperator::multiply_nearly(const ViscousParts& parts, int u_field, Wa
     with_kernel(parts.options.kernel, constants.dimensions, constants.support, [&](const auto& kernel) {
         using Kernel = std::decay_t<decltype(kernel)>;
         const ViscousLoop<Kernel> base{kernel, fluid, walls(parts, which), weights_};
-        Kokkos::parallel_for("treacle::viscous_tile_stress", (fluid.count + rows_at_once - 1) / rows_at_once,
-                             TileStressLoop<Kernel>{base, static_cast<float>(damping_), fits_, span_, velocity, tiles_});
+        const int blocks = (fluid.count + rows_at_once - 1) / rows_at_once;
+        Kokkos::parallel_for("treacle::viscous_tile_stress", blocks,
+                             TileStressLoop<Kernel>{base, static_cast<float>(damping_), fits_, span_, wall_sums_, velocity, tiles_});
         exchange_tiles(parts, which);
-        Kokkos::parallel_for("treacle::viscous_tile_forces", fluid.count,
-                             TileForceLoop<Kernel>{base, damping_, relative, share, velocity, tiles_, product});
+        Kokkos::parallel_for("treacle::viscous_tile_forces", blocks,
+                             TileForceLoop<Kernel>{base, damping_, relative, share, wall_sums_, velocity, tiles_, product});
     });
     add_slip(parts, which, product);
 }
