@@ -54,7 +54,7 @@ BodyLoads ViscousOperator::loads(const ViscousParts& parts) const {
     if (!any_grips(parts)) return out;
     with_kernel(parts.options.kernel, constants.dimensions, constants.support, [&](const auto& kernel) {
         using Kernel = std::decay_t<decltype(kernel)>;
-        const ViscousLoop<Kernel> base{kernel, fluid, walls(parts, Walls::moving), weights_};
+        const ViscousLoop<Kernel> base{kernel, fluid, walls(parts, Walls::moving), weights_, wall_sums_};
         const auto sum = [&](const auto& grip) {
             using Grip = std::decay_t<decltype(grip)>;
             BodyLoads sums(out.size(), 0.0);
@@ -81,7 +81,7 @@ std::vector<double> ViscousOperator::stiffness(const ViscousParts& parts) const 
     if (any_grips(parts)) {
         with_kernel(parts.options.kernel, constants.dimensions, constants.support, [&](const auto& kernel) {
             using Kernel = std::decay_t<decltype(kernel)>;
-            const ViscousLoop<Kernel> base{kernel, fluid, walls(parts, Walls::resting), weights_};
+            const ViscousLoop<Kernel> base{kernel, fluid, walls(parts, Walls::resting), weights_, wall_sums_};
             Kokkos::parallel_reduce("treacle::viscous_stiffness", fluid.count,
                                     StiffnessLoop<Kernel>{base, {out.size()}, share}, host_sums(out));
         });

@@ -19,6 +19,9 @@ struct ViscousLoop {
     Fluid fluid;
     ViscousWalls walls;
     Array<float> weights; // V0 |W'|/r of each pair in the list [1/m2]
+    // Of the forms with gradients, over the solids that grip: w reach x and, in the last place, w reach^2. That is all that
+    // solids at rest put into a product, none of which goes through them again then.
+    Array4 wall_sums;
 
     // visit(w, j, dx, dy, dz, r2) for the liquid particles around i.
     template <class Visit>
@@ -65,6 +68,29 @@ struct ViscousLoop {
             for (int k = 0; k < 3; ++k) sum[k] += force[k];
         });
     }
+    // Of the forms with gradients: to N, the sum of w (u_i - u_j) x^T, and to C u.
+    KOKKOS_INLINE_FUNCTION void add_wall_gradients(int i, const double u[3], double n[3][3]) const {
+        if (walls.pairs.count(i) == 0) return;
+        if (walls.resting) {
+            for (int k = 0; k < 3; ++k) {
+                for (int l = 0; l < 3; ++l) n[k][l] += u[k] * wall_sums(i, l);
+            }
+            return;
+        }
+        each_wall(i, [&](int, double w, double dx, double dy, double dz, const auto& contact) {
+            const double x[3] = {dx, dy, dz};
+            for (int k = 0; k < 3; ++k) {
+                const double difference = w * contact.reach * (u[k] - contact.velocity[k]);
+                for (int l = 0; l < 3; ++l) n[k][l] += difference * x[l];
+            }
+        });
+    }
+    template <class Grip>
+    KOKKOS_INLINE_FUNCTION void add_wall_stresses(int i, const Grip& grip, const double u[3], double sum[3]) const {
+        if (walls.pairs.count(i) == 0) return;
+        if (walls.resting) grip.add(i, wall_sums, u, sum);
+        else add_walls(i, grip, u, sum);
+    }
     KOKKOS_INLINE_FUNCTION void read_velocity(int i, double u[3]) const {
         for (int k = 0; k < 3; ++k) u[k] = fluid.motion(i, k);
     }
@@ -80,7 +106,7 @@ struct TileStresses {
     KOKKOS_INLINE_FUNCTION double operator()(int i, int k, int l) const { return tiles(i, 4 * l + k); }
 };
 
-// What one solid particle adds to a row of C u.
+// What one solid particle adds to a row of C u, or all of them at rest.
 template <class Stress>
 struct StressGrip {
     Stress stress;
@@ -94,6 +120,12 @@ struct StressGrip {
             const double pull = stress(i, k, 0) * x[0] + stress(i, k, 1) * x[1] + stress(i, k, 2) * x[2];
             const double slide = damping * share(i) * contact.reach * (u[k] - contact.velocity[k]);
             out[k] = w * contact.reach * (pull + slide);
+        }
+    }
+    KOKKOS_INLINE_FUNCTION void add(int i, const Array4& sums, const double u[3], double out[3]) const {
+        for (int k = 0; k < 3; ++k) {
+            for (int l = 0; l < 3; ++l) out[k] += stress(i, k, l) * sums(i, l);
+            out[k] += damping * share(i) * sums(i, 3) * u[k];
         }
     }
 };

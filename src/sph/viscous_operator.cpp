@@ -28,7 +28,6 @@ struct PrepareLoop : ViscousLoop<Kernel> {
     Array6 correction, span;
     ViscousOperator::Blocks block;
     Array<float> ground;
-    ViscousOperator::WallSums wall_sums; // where there are tiles
 
     KOKKOS_INLINE_FUNCTION void operator()(int i) const {
         PartialInverse fit{{1, 1, 1, 0, 0, 0}, {1, 1, 1, 0, 0, 0}};
@@ -88,19 +87,17 @@ private:
     // be like its own, which this finds.
     KOKKOS_INLINE_FUNCTION Symmetric stress_block(int i, PartialInverse& fit, double& held) const {
         Sums sums = sum_row(i);
-        double walls[4] = {0, 0, 0, 0};
+        double around[4] = {0, 0, 0, 0}; // see ViscousLoop::wall_sums
         Base::each_wall(i, [&](int, double w, double dx, double dy, double dz, const auto& contact) {
             const double reach = contact.reach, x[3] = {dx, dy, dz};
             sums.spread.add_square(w, dx, dy, dz);
             held += w * reach;
-            for (int k = 0; k < 3; ++k) walls[k] += w * reach * x[k];
-            walls[3] += w * reach * reach;
+            for (int k = 0; k < 3; ++k) around[k] += w * reach * x[k];
+            around[3] += w * reach * reach;
         });
-        for (int k = 0; k < 3; ++k) sums.pull[k] += walls[k];
-        sums.weights += walls[3];
-        if (ViscousOperator::has_tiles(form)) {
-            for (int k = 0; k < 4; ++k) wall_sums(i, k) = static_cast<float>(walls[k]);
-        }
+        for (int k = 0; k < 4; ++k) Base::wall_sums(i, k) = around[k];
+        for (int k = 0; k < 3; ++k) sums.pull[k] += around[k];
+        sums.weights += around[3];
         if (form == ViscosityForm::corrected) fit = invert_above(sums.spread, least_spread);
         double own[3];
         fit.inverse.times(sums.pull, own);
@@ -152,14 +149,7 @@ struct StressLoop : ViscousLoop<Kernel> {
         sum_pairs(i, n);
         double u[3];
         Base::read_velocity(i, u);
-        Base::each_wall(i, [&](int, double w, double dx, double dy, double dz, const auto& contact) {
-            for (int k = 0; k < 3; ++k) {
-                const double difference = w * contact.reach * (u[k] - contact.velocity[k]);
-                n[k][0] += difference * dx;
-                n[k][1] += difference * dy;
-                n[k][2] += difference * dz;
-            }
-        });
+        Base::add_wall_gradients(i, u, n);
         const Symmetric fit = read_symmetric(correction, i), spanned = read_symmetric(span, i);
         double g[3][3];
         for (int k = 0; k < 3; ++k) fit.times(n[k], g[k]);
@@ -233,7 +223,7 @@ struct StressForceLoop : ViscousLoop<Kernel> {
         Base::read_velocity(i, u);
         double f[3];
         sum_pairs(i, f);
-        Base::add_walls(i, StressGrip<Stresses>{{stress[0], stress[1], stress[2]}, share, damping}, u, f);
+        Base::add_wall_stresses(i, StressGrip<Stresses>{{stress[0], stress[1], stress[2]}, share, damping}, u, f);
         const double inertia = relative(i);
         for (int k = 0; k < 3; ++k) product(i, k) = inertia * u[k] + f[k];
     }
@@ -337,6 +327,15 @@ void scale_by_volumes(const Array<double>& volume, double rest_volume, int n, co
     });
 }
 
+// Whether no solid moves at all.
+bool at_rest(const Array<double>& motion) {
+    int moving = 0;
+    Kokkos::parallel_reduce("treacle::moving_solids", motion.extent(0), KOKKOS_LAMBDA(std::size_t k, int& count) {
+        count += motion(k) != 0 ? 1 : 0;
+    }, moving);
+    return moving == 0;
+}
+
 } // namespace
 
 void pack_motion(LiquidParticles& liquid, int u_field, const Constants& constants) {
@@ -369,7 +368,7 @@ ViscousWalls ViscousOperator::walls(const ViscousParts& parts, Walls which) cons
             parts.constants.wall_grip,
             parts.constants.wall_depth,
             least_height * parts.constants.spacing,
-            which == Walls::resting};
+            which == Walls::resting || at_rest(parts.motion)};
 }
 
 double ViscousOperator::prepare(const ViscousParts& parts, double dt) {
@@ -399,7 +398,7 @@ double ViscousOperator::prepare(const ViscousParts& parts, double dt) {
     for (auto* array : {&correction_, &span_}) reserve(*array, static_cast<std::size_t>(n));
     reserve(block_, static_cast<std::size_t>(n));
     reserve(ground_, static_cast<std::size_t>(n));
-    if (has_tiles(viscosity.form)) reserve(wall_sums_, static_cast<std::size_t>(n));
+    if (by_gradients(viscosity.form)) reserve(wall_sums_, static_cast<std::size_t>(n));
     const auto inlet = liquid.has_inlets() ? liquid.inlet() : Array<int>();
     write_places(liquid, share);
     const auto fluid = gather_fluid(constants, liquid, parts.solid, parts.neighbours);
@@ -407,11 +406,11 @@ double ViscousOperator::prepare(const ViscousParts& parts, double dt) {
     reserve(weights_, static_cast<std::size_t>(parts.neighbours.liquid.size + NeighbourList::spare));
     with_kernel(parts.options.kernel, constants.dimensions, constants.support, [&](const auto& kernel) {
         using Kernel = std::decay_t<decltype(kernel)>;
-        const ViscousLoop<Kernel> base{kernel, fluid, walls(parts, Walls::resting), weights_};
+        const ViscousLoop<Kernel> base{kernel, fluid, walls(parts, Walls::resting), weights_, wall_sums_};
         Kokkos::parallel_for("treacle::viscous_prepare", n,
                              PrepareLoop<Kernel>{base, viscosity.form, constants.rest_volume, damping_,
                                                  relative_density(constants, liquid), share, slip_.any(), slip_.drag(),
-                                                 liquid.has_inlets(), inlet, correction_, span_, block_, ground_, wall_sums_});
+                                                 liquid.has_inlets(), inlet, correction_, span_, block_, ground_});
     });
     return most;
 }
@@ -427,7 +426,7 @@ void ViscousOperator::multiply(const ViscousParts& parts, int u_field, Walls whi
     const auto relative = relative_density(constants, liquid);
     with_kernel(parts.options.kernel, constants.dimensions, constants.support, [&](const auto& kernel) {
         using Kernel = std::decay_t<decltype(kernel)>;
-        const ViscousLoop<Kernel> base{kernel, fluid, walls(parts, which), weights_};
+        const ViscousLoop<Kernel> base{kernel, fluid, walls(parts, which), weights_, wall_sums_};
         if (!by_gradients(form)) {
             Kokkos::parallel_for("treacle::viscous_pairs", fluid.count,
                                  PairForceLoop<Kernel>{base, relative, pair_grip(parts, share), product});
@@ -471,8 +470,8 @@ void ViscousOperator::thin(const ViscousParts& parts, const Array<flow::FlowCurv
 }
 
 std::size_t ViscousOperator::bytes() const {
-    const std::size_t doubles = correction_.span() + span_.span() + rate_.span();
-    const std::size_t floats = weights_.span() + block_.span() + ground_.span() + tiles_.span() + fits_.span() + wall_sums_.span();
+    const std::size_t doubles = correction_.span() + span_.span() + rate_.span() + wall_sums_.span();
+    const std::size_t floats = weights_.span() + block_.span() + ground_.span() + tiles_.span() + fits_.span();
     return sizeof(double) * doubles + sizeof(float) * floats + slip_.bytes();
 }
 

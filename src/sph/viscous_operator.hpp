@@ -55,8 +55,6 @@ public:
     const Array<float>& ground() const { return ground_; }
     using Blocks = Kokkos::View<float* [6], Memory>;
     const Blocks& block() const { return block_; } // inverses of the diagonal blocks, nearly
-    // Over the solids around a particle: of w reach x and, in the last place, w reach^2. All that a product needs of solids at rest.
-    using WallSums = Kokkos::View<float* [4], Kokkos::LayoutRight, Memory>;
 
     std::size_t bytes() const;
 
@@ -73,13 +71,13 @@ private:
     Array<double> rate_{"treacle::shear_rate", 0}; // of owned particles [1/s], where a viscosity depends on it
     int share_ = -1;                 // field: dt/m V mu [m2]
     Array<float> weights_{"treacle::viscous_weights", 0};
+    Array4 wall_sums_{"treacle::viscous_wall_sums", 0}; // see ViscousLoop
     Array6 correction_{"treacle::gradient_correction", 0}; // B_i^+
     Array6 span_{"treacle::gradient_span", 0};             // projector on its range
     Array<float> ground_{"treacle::viscous_ground", 0};
     Blocks block_{"treacle::viscous_block", 0};
     Array16 tiles_{"treacle::viscous_tiles", 0}; // see viscous_tiles.cpp
     Array8 fits_{"treacle::viscous_fits", 0};
-    WallSums wall_sums_{"treacle::viscous_wall_sums", 0};
     bool tiles_are_placed_ = false; // since prepare()
 };
 

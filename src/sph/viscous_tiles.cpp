@@ -81,7 +81,6 @@ struct TileStressLoop : ViscousLoop<Kernel> {
     float damping;
     Array8 fits;
     Array6 span;
-    ViscousOperator::WallSums wall_sums;
     Array3 velocity;
     Array16 tiles;
 
@@ -100,8 +99,7 @@ private:
             const Tile apart = own - other;
             to.add(w * apart.all<3>(), apart.quad<3>());
         });
-        if (Base::walls.pairs.count(i) == 0) return liquid;
-        return liquid + (Base::walls.resting ? resting_walls(i) : moving_walls(i));
+        return Base::walls.pairs.count(i) > 0 ? liquid + walls(i) : liquid;
     }
     KOKKOS_INLINE_FUNCTION Tile stress(int i, const Tile& n) const {
         const float* fit = fits.data() + 8 * std::int64_t(i);
@@ -124,24 +122,14 @@ private:
         out.add(a.quad<2>(), rows[2]);
         return out;
     }
-    KOKKOS_INLINE_FUNCTION Tile resting_walls(int i) const {
+    KOKKOS_INLINE_FUNCTION Tile walls(int i) const {
+        const double u[3] = {velocity(i, 0), velocity(i, 1), velocity(i, 2)};
+        double n[3][3] = {};
+        Base::add_wall_gradients(i, u, n);
         float sum[16] = {};
         for (int l = 0; l < 3; ++l) {
-            for (int k = 0; k < 3; ++k) sum[4 * l + k] = tiles(i, 12 + k) * wall_sums(i, l);
+            for (int k = 0; k < 3; ++k) sum[4 * l + k] = static_cast<float>(n[k][l]);
         }
-        return Tile::load(sum);
-    }
-    KOKKOS_INLINE_FUNCTION Tile moving_walls(int i) const {
-        float sum[16] = {};
-        const double u[3] = {velocity(i, 0), velocity(i, 1), velocity(i, 2)};
-        Base::each_wall(i, [&](int, double w, double dx, double dy, double dz, const auto& contact) {
-            const double x[3] = {dx, dy, dz};
-            for (int l = 0; l < 3; ++l) {
-                for (int k = 0; k < 3; ++k) {
-                    sum[4 * l + k] += static_cast<float>(w * contact.reach * (u[k] - contact.velocity[k]) * x[l]);
-                }
-            }
-        });
         return Tile::load(sum);
     }
 };
@@ -153,7 +141,6 @@ struct TileForceLoop : ViscousLoop<Kernel> {
     double damping;
     RelativeDensity relative;
     Array<double> share;
-    ViscousOperator::WallSums wall_sums;
     Array3 velocity;
     Array16 tiles;
     Array3 product;
@@ -181,17 +168,9 @@ private:
         double f[3];
         const double u[3] = {velocity(i, 0), velocity(i, 1), velocity(i, 2)};
         for (int k = 0; k < 3; ++k) f[k] = s[k] + s[4 + k] + s[8 + k] + damping * s[12 + k];
-        if (Base::walls.pairs.count(i) > 0) add_walls(i, u, f);
+        Base::add_wall_stresses(i, StressGrip<TileStresses>{{tiles}, share, damping}, u, f);
         const double inertia = relative(i);
         for (int k = 0; k < 3; ++k) product(i, k) = inertia * u[k] + f[k];
-    }
-    KOKKOS_INLINE_FUNCTION void add_walls(int i, const double u[3], double f[3]) const {
-        if (!Base::walls.resting) return Base::add_walls(i, StressGrip<TileStresses>{{tiles}, share, damping}, u, f);
-        const double slide = damping * share(i) * wall_sums(i, 3);
-        for (int k = 0; k < 3; ++k) {
-            for (int l = 0; l < 3; ++l) f[k] += tiles(i, 4 * l + k) * wall_sums(i, l);
-            f[k] += slide * u[k];
-        }
     }
 };
 } // namespace
@@ -229,13 +208,13 @@ void ViscousOperator::multiply_nearly(const ViscousParts& parts, int u_field, Wa
     const auto relative = relative_density(constants, liquid);
     with_kernel(parts.options.kernel, constants.dimensions, constants.support, [&](const auto& kernel) {
         using Kernel = std::decay_t<decltype(kernel)>;
-        const ViscousLoop<Kernel> base{kernel, fluid, walls(parts, which), weights_};
+        const ViscousLoop<Kernel> base{kernel, fluid, walls(parts, which), weights_, wall_sums_};
         const int blocks = (fluid.count + rows_at_once - 1) / rows_at_once;
         Kokkos::parallel_for("treacle::viscous_tile_stress", blocks,
-                             TileStressLoop<Kernel>{base, static_cast<float>(damping_), fits_, span_, wall_sums_, velocity, tiles_});
+                             TileStressLoop<Kernel>{base, static_cast<float>(damping_), fits_, span_, velocity, tiles_});
         exchange_tiles(parts, which);
         Kokkos::parallel_for("treacle::viscous_tile_forces", blocks,
-                             TileForceLoop<Kernel>{base, damping_, relative, share, wall_sums_, velocity, tiles_, product});
+                             TileForceLoop<Kernel>{base, damping_, relative, share, velocity, tiles_, product});
     });
     add_slip(parts, which, product);
 }

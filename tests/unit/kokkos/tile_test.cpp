@@ -39,8 +39,9 @@ TEST(Tile, TransposesTheElementsAndNoneElse) {
 }
 
 TEST(Tile, IsMadeOfTheRowsOfASymmetricMatrix) {
-    expect(Tile::spread<0>(matrix), [](int k) { return k < 12 ? rows[0][k / 4] : 0; });
-    expect(Tile::spread<2>(matrix), [](int k) { return k < 12 ? rows[2][k / 4] : 0; });
+    constexpr float eight[8] = {1, 2, 3, 4, 5, 6, 7, 8};
+    expect(Tile::spread<0>(eight), [](int k) { return k < 12 ? rows[0][k / 4] : 0; });
+    expect(Tile::spread<2>(eight), [](int k) { return k < 12 ? rows[2][k / 4] : 0; });
     expect(Tile::repeat<1>(matrix), [](int k) { return k % 4 < 3 ? rows[1][k % 4] : 0; });
 }
 
