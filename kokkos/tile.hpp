@@ -13,11 +13,13 @@ KOKKOS_INLINE_FUNCTION void prefetch([[maybe_unused]] const void* address) {
 
 // Four quads of four floats that go through one formula together, in one register where there are such: a row of a View of
 // sixteen floats. Three vectors and a fourth one fit, each with a number of its own in its last place.
-using Array8 = Kokkos::View<float* [8], Kokkos::LayoutRight, Memory>;
 using Array16 = Kokkos::View<float* [16], Kokkos::LayoutRight, Memory>;
 
 // Where the element (k, l) of a symmetric matrix is among six: xx, yy, zz, xy, xz, yz.
 KOKKOS_INLINE_FUNCTION constexpr int symmetric_element(int k, int l) { return k == l ? k : k + l + 2; }
+
+// Rows of eight floats: those of such a matrix, and two more.
+using Array8 = Kokkos::View<float* [8], Kokkos::LayoutRight, Memory>;
 
 #if defined(TREACLE_AVX512)
 struct Tile {
@@ -49,7 +51,7 @@ struct Tile {
         const __m512i from = _mm512_setr_epi32(0, 4, 8, 3, 1, 5, 9, 7, 2, 6, 10, 11, 12, 13, 14, 15);
         return _mm512_maskz_permutexvar_ps(0xffff, from, v);
     }
-    // All of quad l are the matrix' element (m, l); the last quad is 0. Of rows of eight floats.
+    // All of quad l are the matrix' element (m, l); the last quad is 0. Eight floats are read.
     template <int m>
     static Tile spread(const float* matrix) {
         constexpr int x = symmetric_element(m, 0), y = symmetric_element(m, 1), z = symmetric_element(m, 2);

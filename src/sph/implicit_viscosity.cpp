@@ -11,8 +11,9 @@
 
 namespace treacle::sph {
 
-// What a loop sums up is at an address that the compiler takes other stores to change: particles add to it once each.
 namespace {
+// Of a loop that stores as well, each particle adds to the sum once: the compiler takes the stores to change it, and goes to
+// memory for every addition.
 double sum_squares(const Array3& a, int n, const RelativeDensity& weight) {
     double sum = 0;
     Kokkos::parallel_reduce("treacle::viscous_norm", n, KOKKOS_LAMBDA(int i, double& out) {
@@ -64,13 +65,6 @@ double step(double alpha, const Array3& p, const Array3& q, int n, const Array3&
         out += square;
     }, sum);
     return n > 0 ? sum : 0;
-}
-
-// Products in single precision then are those of a itself.
-void round(const Array3& a, int n) {
-    Kokkos::parallel_for("treacle::viscous_rounding", n, KOKKOS_LAMBDA(int i) {
-        for (int k = 0; k < 3; ++k) a(i, k) = rounded(a(i, k));
-    });
 }
 
 // p = z + beta p, rounded if it is for products in single precision; with beta = 0 whatever p was.
@@ -126,6 +120,18 @@ void hold_rows(const LiquidParticles& liquid, const RelativeDensity& inertia, co
     Kokkos::parallel_for("treacle::viscous_held", liquid.store.owned(), KOKKOS_LAMBDA(int i) {
         if (inlet(i) == 0) return;
         for (int k = 0; k < 3; ++k) product(i, k) = inertia(i) * u(i, k);
+    });
+}
+
+// Velocities to numbers of single precision, of which products in it are exact but for their differences. Not those that inlets
+// hold: no direction would make up for that.
+void round_free(const LiquidParticles& liquid) {
+    const auto u = liquid.velocity();
+    const bool holds = liquid.has_inlets();
+    const auto inlet = holds ? liquid.inlet() : Array<int>();
+    Kokkos::parallel_for("treacle::viscous_rounding", liquid.store.owned(), KOKKOS_LAMBDA(int i) {
+        if (holds && inlet(i) > 0) return;
+        for (int k = 0; k < 3; ++k) u(i, k) = rounded(u(i, k));
     });
 }
 
@@ -304,12 +310,15 @@ solve::SolveReport ImplicitViscosity::solve_once(Progress progress) {
     const auto& parts = progress.parts;
     const int n = parts.liquid.store.owned();
     const bool nearly = multiplies_nearly(parts.options.viscosity);
-    if (nearly) round(parts.liquid.velocity(), n); // as the directions are: only differences of velocities are rounded then
+    if (nearly) round_free(parts.liquid);
     double square = find_residual(progress, nearly);
     // A liquid at rest between walls that move: what these add counts.
     const double right = parts.comm.sum(sum_squares(progress.before, n, relative_density(parts.constants, parts.liquid)));
     progress.norm = std::sqrt(std::max(square, right));
-    if (nearly && progress.ended(square)) square = find_residual(progress, false);
+    if (nearly && progress.ended(square)) { // the velocities may stay as they came, to the last bit
+        if (progress.first) copy(progress.before, n, parts.liquid.velocity());
+        square = find_residual(progress, false);
+    }
     const bool guessing = last_change_ >= 0 && progress.first;
     if (!progress.ended(square) && !(guessing && start_from_last_change(progress, square))) {
         set_up(progress);

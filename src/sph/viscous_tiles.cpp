@@ -72,9 +72,11 @@ KOKKOS_INLINE_FUNCTION Tile sum_tiles(const ViscousLoop<Kernel>& loop, const Arr
     return even + odd;
 }
 
-// As StressLoop, of some particles at a time: what each makes of its sums takes long, but little room beside that of others.
+// Particles that sum over their neighbours one after the other, and then make of their sums what they are for: a long chain of
+// operations each, of which the processor then has several going at once.
 constexpr int rows_at_once = lanes > 1 ? 8 : 1;
 
+// As StressLoop.
 template <class Kernel>
 struct TileStressLoop : ViscousLoop<Kernel> {
     using Base = ViscousLoop<Kernel>;

@@ -224,6 +224,19 @@ TEST(ImplicitViscosity, MixedPrecisionReachesAnyResidual) {
     }
 }
 
+TEST(ImplicitViscosity, LeavesABlobThatMovesAsOneAsItIs) {
+    const BlobSetup blob{3, 5, 0.2, ViscosityForm::corrected};
+    auto sample = turning_blob(blob);
+    const std::array<double, 3> u{0.1, -1 / 3.0, 0.7}; // no numbers of single precision
+    for (auto& point : sample.liquid) point.u = {u[0], u[1], u[2]};
+    sample.setup.options.viscosity.residual = 1e-6;
+    ViscousCase one(sample);
+    EXPECT_EQ(one.solve(step_of(10, blob)).solve.iterations, 0);
+    for (const auto& [id, now] : all_states(one.parts.comm, one.parts.liquid)) {
+        for (std::size_t k = 0; k < 3; ++k) EXPECT_EQ(now.u[k], u[k]);
+    }
+}
+
 TEST(ImplicitViscosity, EveryFormKeepsMomentum) {
     for (const auto form : every_form) {
         const BlobSetup blob{3, 4, 0.3, form};
