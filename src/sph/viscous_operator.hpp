@@ -23,7 +23,7 @@ public:
     // Collective: product = C u of the owned particles. Gathers the ghosts' u.
     void multiply(const ViscousParts& parts, int u_field, Walls walls, const Array3& product);
 
-    // The same in single precision but for u itself: C u + O(1e-6) C u, in 0.4 of the time. Of the symmetric
+    // The same in single precision but for u itself: C u + O(1e-6) C u, in a third of the time. Of the symmetric
     // forms with gradients (`has_tiles`).
     void multiply_nearly(const ViscousParts& parts, int u_field, Walls walls, const Array3& product);
     static bool has_tiles(ViscosityForm form) { return form == ViscosityForm::corrected || form == ViscosityForm::adjoint; }
