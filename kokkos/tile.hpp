@@ -18,7 +18,7 @@ using Array16 = Kokkos::View<float* [16], Kokkos::LayoutRight, Memory>;
 // Where the element (k, l) of a symmetric matrix is among six: xx, yy, zz, xy, xz, yz.
 KOKKOS_INLINE_FUNCTION constexpr int symmetric_element(int k, int l) { return k == l ? k : k + l + 2; }
 
-// Rows of eight floats: those of such a matrix, and two more.
+// Rows of eight floats: those of such a matrix, and up to two more.
 using Array8 = Kokkos::View<float* [8], Kokkos::LayoutRight, Memory>;
 
 #if defined(TREACLE_AVX512)

@@ -77,17 +77,10 @@ void turn(double beta, const Array3& z, int n, bool nearly, const Array3& p) {
     });
 }
 
-// a += b.
-void add(const Array3& b, int n, const Array3& a) {
+// a += c b.
+void add(double c, const Array3& b, int n, const Array3& a) {
     Kokkos::parallel_for("treacle::viscous_sum", n, KOKKOS_LAMBDA(int i) {
-        for (int k = 0; k < 3; ++k) a(i, k) += b(i, k);
-    });
-}
-
-// a -= b.
-void subtract(const Array3& b, int n, const Array3& a) {
-    Kokkos::parallel_for("treacle::viscous_difference", n, KOKKOS_LAMBDA(int i) {
-        for (int k = 0; k < 3; ++k) a(i, k) -= b(i, k);
+        for (int k = 0; k < 3; ++k) a(i, k) += c * b(i, k);
     });
 }
 
@@ -332,7 +325,7 @@ void ImplicitViscosity::keep_change(const LiquidParticles& liquid) {
     const int n = liquid.store.owned();
     const auto change = liquid.store.get<Array3>(last_change_);
     copy(liquid.velocity(), n, change);
-    subtract(before_, n, change);
+    add(-1, before_, n, change);
 }
 
 // The preconditioner's coarse part, and the matrix.
@@ -374,7 +367,7 @@ void ImplicitViscosity::solve_assembled(Progress& progress) {
     if (own) ours = [&](const Array3& r, const Array3& z) { precondition(liquid, r, z); };
     const double start = progress.report.error_measure;
     auto report = matrix_->solve(liquid, residual_, viscosity.residual * progress.norm, ours, product_);
-    add(product_, liquid.store.owned(), liquid.velocity());
+    add(1, product_, liquid.store.owned(), liquid.velocity());
     report.iterations += progress.report.iterations;
     report.products += progress.report.products;
     report.set_up_seconds += progress.report.set_up_seconds;

@@ -16,13 +16,11 @@ void write_places(const Array3& x, const Array<double>& share, int n, const Arra
     });
 }
 
-// B_i^+, the share, and whether the neighbours spread in all directions: 1, or 0 where the span is to be looked at.
-void write_fits(const Array6& correction, const Array6& span, const Array<double>& share, int dimensions, int n,
-                const Array8& fits) {
+// B_i^+, and whether the neighbours spread in all directions: 1, or 0 where the span is to be looked at.
+void write_fits(const Array6& correction, const Array6& span, int dimensions, int n, const Array8& fits) {
     Kokkos::parallel_for("treacle::float_fits", n, KOKKOS_LAMBDA(int i) {
         for (int k = 0; k < 6; ++k) fits(i, k) = static_cast<float>(correction(i, k));
-        fits(i, 6) = static_cast<float>(share(i));
-        fits(i, 7) = span(i, 0) + span(i, 1) + span(i, 2) > dimensions - 0.5 ? 1 : 0;
+        fits(i, 6) = span(i, 0) + span(i, 1) + span(i, 2) > dimensions - 0.5 ? 1 : 0;
     });
 }
 
@@ -76,6 +74,14 @@ KOKKOS_INLINE_FUNCTION Tile sum_tiles(const ViscousLoop<Kernel>& loop, const Arr
 // operations each, of which the processor then has several going at once.
 constexpr int rows_at_once = lanes > 1 ? 8 : 1;
 
+template <class Sum, class Finish>
+KOKKOS_INLINE_FUNCTION void each_row(int block, int count, const Sum& sum, const Finish& finish) {
+    const int first = rows_at_once * block, last = math::min(first + rows_at_once, count);
+    Tile sums[rows_at_once];
+    for (int i = first; i < last; ++i) sums[i - first] = sum(i);
+    for (int i = first; i < last; ++i) finish(i, sums[i - first]);
+}
+
 // As StressLoop.
 template <class Kernel>
 struct TileStressLoop : ViscousLoop<Kernel> {
@@ -87,10 +93,9 @@ struct TileStressLoop : ViscousLoop<Kernel> {
     Array16 tiles;
 
     KOKKOS_INLINE_FUNCTION void operator()(int block) const {
-        const int first = rows_at_once * block, last = math::min(first + rows_at_once, Base::fluid.count);
-        Tile sums[rows_at_once];
-        for (int i = first; i < last; ++i) sums[i - first] = sum(i);
-        for (int i = first; i < last; ++i) stress(i, sums[i - first]).store_vectors(tiles.data() + 16 * std::int64_t(i));
+        each_row(block, Base::fluid.count, [&](int i) { return sum(i); }, [&](int i, const Tile& n) {
+            stress(i, n).store_vectors(tiles.data() + 16 * std::int64_t(i));
+        });
     }
 
 private:
@@ -108,14 +113,14 @@ private:
         const Tile rows[3] = {Tile::spread<0>(fit), Tile::spread<1>(fit), Tile::spread<2>(fit)};
         const Tile g = times(n, rows);
         Tile half = g; // see StressLoop::strain
-        if (fit[7] == 0) {
+        if (fit[6] == 0) {
             const double* within = span.data() + 6 * std::int64_t(i);
             half = Tile::repeat<0>(within) * g.all<0>();
             half.add(Tile::repeat<1>(within), g.all<1>());
             half.add(Tile::repeat<2>(within), g.all<2>());
         }
         const Tile q = times(half + half.transposed(), rows);
-        return Tile(fit[6]) * (q - Tile(damping) * g);
+        return Tile(tiles(i, 15)) * (q - Tile(damping) * g);
     }
     // The matrix of columns a times the symmetric one of these rows.
     KOKKOS_INLINE_FUNCTION static Tile times(const Tile& a, const Tile rows[3]) {
@@ -148,10 +153,7 @@ struct TileForceLoop : ViscousLoop<Kernel> {
     Array3 product;
 
     KOKKOS_INLINE_FUNCTION void operator()(int block) const {
-        const int first = rows_at_once * block, last = math::min(first + rows_at_once, Base::fluid.count);
-        Tile sums[rows_at_once];
-        for (int i = first; i < last; ++i) sums[i - first] = sum(i);
-        for (int i = first; i < last; ++i) finish(i, sums[i - first]);
+        each_row(block, Base::fluid.count, [&](int i) { return sum(i); }, [&](int i, const Tile& pairs) { finish(i, pairs); });
     }
 
 private:
@@ -182,7 +184,7 @@ void ViscousOperator::write_tiles(LiquidParticles& liquid, const Array<double>& 
     reserve(tiles_, static_cast<std::size_t>(n));
     reserve(fits_, static_cast<std::size_t>(liquid.store.owned()));
     write_places(liquid.store.position(), share, n, tiles_);
-    write_fits(correction_, span_, share, dimensions, liquid.store.owned(), fits_);
+    write_fits(correction_, span_, dimensions, liquid.store.owned(), fits_);
     tiles_are_placed_ = true;
 }
 
