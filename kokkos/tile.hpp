@@ -1,5 +1,5 @@
 #pragma once
-#include "kokkos/lanes.hpp"
+#include "kokkos/quad.hpp"
 
 namespace treacle {
 
@@ -45,6 +45,12 @@ struct Tile {
     template <int q>
     Tile quad() const {
         return _mm512_maskz_shuffle_f32x4(0xffff, v, v, q * 0x55);
+    }
+    // But for the last quad 0.
+    Tile only_last() const { return _mm512_maskz_mov_ps(0xf000, v); }
+    Four sum_quads() const {
+        const __m256 two = _mm256_add_ps(_mm512_castps512_ps256(v), _mm512_maskz_extractf32x8_ps(0xff, v, 1));
+        return _mm_add_ps(_mm256_castps256_ps128(two), _mm256_extractf128_ps(two, 1));
     }
     // Of the 3 x 3 elements; the others stay as they are.
     Tile transposed() const {
@@ -116,6 +122,14 @@ struct Tile {
         Tile out;
         for (int l = 0; l < 16; ++l) out.v[l] = v[4 * q + l % 4];
         return out;
+    }
+    KOKKOS_INLINE_FUNCTION Tile only_last() const {
+        Tile out(0.0f);
+        for (int l = 12; l < 16; ++l) out.v[l] = v[l];
+        return out;
+    }
+    KOKKOS_INLINE_FUNCTION Four sum_quads() const {
+        return (Four::load(v) + Four::load(v + 4)) + (Four::load(v + 8) + Four::load(v + 12));
     }
     KOKKOS_INLINE_FUNCTION Tile transposed() const {
         Tile out = *this;

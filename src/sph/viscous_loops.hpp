@@ -31,16 +31,21 @@ struct ViscousLoop {
             visit(static_cast<double>(weights(k++)), j, dx, dy, dz, r2);
         });
     }
-    // visit(sums, k) for the list's entries around i, even and odd ones apart, since each addition waits for the one before. The
-    // list and its weights are read once a product, faster than the processor foresees by itself.
-    template <class Sums, class Visit>
-    KOKKOS_INLINE_FUNCTION void each_entry(int i, Sums& even, Sums& odd, const Visit& visit) const {
+    // The list and its weights are read once a product, faster than the processor foresees by itself: asks for those of the row
+    // after the next.
+    KOKKOS_INLINE_FUNCTION void read_ahead(int i) const {
         constexpr int row_ahead = 64, line = 16; // in entries
         const std::int64_t last = fluid.liquid.offset(i + 1);
-        for (int ahead = row_ahead; ahead < row_ahead + 3 * line; ahead += line) { // of the row after the next
+        for (int ahead = row_ahead; ahead < row_ahead + 3 * line; ahead += line) {
             prefetch(fluid.liquid.index.data() + last + ahead);
             prefetch(weights.data() + last + ahead);
         }
+    }
+    // visit(sums, k) for the list's entries around i, even and odd ones apart, since each addition waits for the one before.
+    template <class Sums, class Visit>
+    KOKKOS_INLINE_FUNCTION void each_entry(int i, Sums& even, Sums& odd, const Visit& visit) const {
+        read_ahead(i);
+        const std::int64_t last = fluid.liquid.offset(i + 1);
         std::int64_t k = fluid.liquid.offset(i);
         for (; k + 1 < last; k += 2) {
             visit(even, k);

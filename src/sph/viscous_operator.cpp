@@ -471,7 +471,7 @@ void ViscousOperator::thin(const ViscousParts& parts, const Array<flow::FlowCurv
 
 std::size_t ViscousOperator::bytes() const {
     const std::size_t doubles = correction_.span() + span_.span() + rate_.span() + wall_sums_.span();
-    const std::size_t floats = weights_.span() + block_.span() + ground_.span() + tiles_.span() + fits_.span();
+    const std::size_t floats = weights_.span() + block_.span() + ground_.span() + tiles_.span() + rows_.span() + fits_.span();
     return sizeof(double) * doubles + sizeof(float) * floats + slip_.bytes();
 }
 

@@ -77,7 +77,7 @@ private:
     Array<float> ground_{"treacle::viscous_ground", 0};
     Blocks block_{"treacle::viscous_block", 0};
     Array16 tiles_{"treacle::viscous_tiles", 0}; // see viscous_tiles.cpp
-    Array8 fits_{"treacle::viscous_fits", 0};
+    Array8 rows_{"treacle::viscous_rows", 0}, fits_{"treacle::viscous_fits", 0};
     bool tiles_are_placed_ = false; // since prepare()
 };
 

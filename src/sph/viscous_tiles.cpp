@@ -1,18 +1,18 @@
+#include "kokkos/pair_products.hpp"
 #include "sph/viscous_loops.hpp"
 
-// Products in single precision. The tile of a particle is all that its neighbours read of it, one line of the cache: its
-// velocity and its share dt/m V mu in the last quad, the columns of Q in the others, and its place, from that of the rank's
-// first particle, behind these. A particle's tile less another's then has in it all that a pair is made of.
+// Products in single precision. Of a particle its neighbours read a row, for its stress, and then a tile, for the forces. The row:
+// its place, from that of the rank's first particle, its share dt/m V mu and its velocity. The tile, one line of the cache: the
+// columns of Q, the place behind these, and in the last quad what the particle adds to its own force: Q_i sum w x, and the damping.
 namespace treacle::sph {
 
 namespace {
-void write_places(const Array3& x, const Array<double>& share, int n, const Array16& tiles) {
+void write_places(const Array3& x, const Array<double>& share, int n, const Array8& rows, const Array16& tiles) {
     Kokkos::parallel_for("treacle::place_tiles", n, KOKKOS_LAMBDA(int i) {
-        for (int l = 0; l < 3; ++l) {
-            for (int k = 0; k < 3; ++k) tiles(i, 4 * l + k) = 0;
-            tiles(i, 4 * l + 3) = static_cast<float>(x(i, l) - x(0, l));
-        }
-        tiles(i, 15) = static_cast<float>(share(i));
+        for (int k = 0; k < 16; ++k) tiles(i, k) = 0;
+        for (int l = 0; l < 3; ++l) rows(i, l) = tiles(i, 4 * l + 3) = static_cast<float>(x(i, l) - x(0, l));
+        rows(i, 3) = static_cast<float>(share(i));
+        rows(i, 7) = 0;
     });
 }
 
@@ -24,9 +24,9 @@ void write_fits(const Array6& correction, const Array6& span, int dimensions, in
     });
 }
 
-void write_velocities(const Array3& u, int n, const Array16& tiles) {
-    Kokkos::parallel_for("treacle::velocity_tiles", n, KOKKOS_LAMBDA(int i) {
-        for (int k = 0; k < 3; ++k) tiles(i, 12 + k) = static_cast<float>(u(i, k));
+void write_velocities(const Array3& u, int n, const Array8& rows) {
+    Kokkos::parallel_for("treacle::velocity_rows", n, KOKKOS_LAMBDA(int i) {
+        for (int k = 0; k < 3; ++k) rows(i, 4 + k) = static_cast<float>(u(i, k));
     });
 }
 
@@ -87,31 +87,35 @@ template <class Kernel>
 struct TileStressLoop : ViscousLoop<Kernel> {
     using Base = ViscousLoop<Kernel>;
     float damping;
-    Array8 fits;
+    Array8 rows, fits;
     Array6 span;
     Array3 velocity;
     Array16 tiles;
 
     KOKKOS_INLINE_FUNCTION void operator()(int block) const {
-        each_row(block, Base::fluid.count, [&](int i) { return sum(i); }, [&](int i, const Tile& n) {
-            stress(i, n).store_vectors(tiles.data() + 16 * std::int64_t(i));
-        });
+        each_row(block, Base::fluid.count, [&](int i) { return sum(i); }, [&](int i, const Tile& n) { finish(i, n); });
     }
 
 private:
-    // N_i
+    // N_i, behind its columns sum w x, and sum w (s_i + s_j) (u_j - u_i).
     KOKKOS_INLINE_FUNCTION Tile sum(int i) const {
-        const Tile own = Tile::load(tiles.data() + 16 * std::int64_t(i));
-        const Tile liquid = sum_tiles(*this, tiles, i, [&](Tile& to, const Tile& w, const Tile& other) {
-            const Tile apart = own - other;
-            to.add(w * apart.all<3>(), apart.quad<3>());
-        });
+        const std::int64_t first = Base::fluid.liquid.offset(i);
+        Base::read_ahead(i);
+        const Tile liquid = sum_pair_products(rows.data(), i, Base::fluid.liquid.index.data() + first, Base::weights.data() + first,
+                                              Base::fluid.liquid.count(i));
         return Base::walls.pairs.count(i) > 0 ? liquid + walls(i) : liquid;
+    }
+    KOKKOS_INLINE_FUNCTION void finish(int i, const Tile& n) const {
+        float* tile = tiles.data() + 16 * std::int64_t(i);
+        const Tile q = stress(i, n);
+        q.store_vectors(tile);
+        const Tile own = q * n.all<3>() - Tile(damping) * n.only_last();
+        own.sum_quads().store(tile + 12);
     }
     KOKKOS_INLINE_FUNCTION Tile stress(int i, const Tile& n) const {
         const float* fit = fits.data() + 8 * std::int64_t(i);
-        const Tile rows[3] = {Tile::spread<0>(fit), Tile::spread<1>(fit), Tile::spread<2>(fit)};
-        const Tile g = times(n, rows);
+        const Tile inverse[3] = {Tile::spread<0>(fit), Tile::spread<1>(fit), Tile::spread<2>(fit)};
+        const Tile g = times(n, inverse);
         Tile half = g; // see StressLoop::strain
         if (fit[6] == 0) {
             const double* within = span.data() + 6 * std::int64_t(i);
@@ -119,8 +123,8 @@ private:
             half.add(Tile::repeat<1>(within), g.all<1>());
             half.add(Tile::repeat<2>(within), g.all<2>());
         }
-        const Tile q = times(half + half.transposed(), rows);
-        return Tile(tiles(i, 15)) * (q - Tile(damping) * g);
+        const Tile q = times(half + half.transposed(), inverse);
+        return Tile(rows(i, 3)) * (q - Tile(damping) * g);
     }
     // The matrix of columns a times the symmetric one of these rows.
     KOKKOS_INLINE_FUNCTION static Tile times(const Tile& a, const Tile rows[3]) {
@@ -157,13 +161,11 @@ struct TileForceLoop : ViscousLoop<Kernel> {
     }
 
 private:
+    // Over j: w Q_j x.
     KOKKOS_INLINE_FUNCTION Tile sum(int i) const {
-        constexpr float for_pairs[16] = {1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, -1};   // less another: -(s_i + s_j)
-        constexpr float for_values[16] = {1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, -1, -1, -1, 1}; // and another: u_j - u_i
         const Tile own = Tile::load(tiles.data() + 16 * std::int64_t(i));
-        const Tile from = own * Tile::load(for_pairs), with = own * Tile::load(for_values);
         return sum_tiles(*this, tiles, i, [&](Tile& to, const Tile& w, const Tile& other) {
-            to.add(w * (from - other).all<3>(), with + other);
+            to.add(w * (own - other).all<3>(), other);
         });
     }
     KOKKOS_INLINE_FUNCTION void finish(int i, const Tile& sum) const {
@@ -171,7 +173,7 @@ private:
         sum.store(s);
         double f[3];
         const double u[3] = {velocity(i, 0), velocity(i, 1), velocity(i, 2)};
-        for (int k = 0; k < 3; ++k) f[k] = s[k] + s[4 + k] + s[8 + k] + damping * s[12 + k];
+        for (int k = 0; k < 3; ++k) f[k] = s[k] + s[4 + k] + s[8 + k] + tiles(i, 12 + k);
         Base::add_wall_stresses(i, StressGrip<TileStresses>{{tiles}, share, damping}, u, f);
         const double inertia = relative(i);
         for (int k = 0; k < 3; ++k) product(i, k) = inertia * u[k] + f[k];
@@ -181,9 +183,10 @@ private:
 
 void ViscousOperator::write_tiles(LiquidParticles& liquid, const Array<double>& share, int dimensions) {
     const int n = liquid.store.total();
+    reserve(rows_, static_cast<std::size_t>(n));
     reserve(tiles_, static_cast<std::size_t>(n));
     reserve(fits_, static_cast<std::size_t>(liquid.store.owned()));
-    write_places(liquid.store.position(), share, n, tiles_);
+    write_places(liquid.store.position(), share, n, rows_, tiles_);
     write_fits(correction_, span_, dimensions, liquid.store.owned(), fits_);
     tiles_are_placed_ = true;
 }
@@ -207,7 +210,7 @@ void ViscousOperator::multiply_nearly(const ViscousParts& parts, int u_field, Wa
     parts.halo.gather(store, {u_field});
     const auto velocity = store.get<Array3>(u_field);
     if (slip_.any() || which == Walls::moving) pack_motion(liquid, u_field, constants); // slip and loads() read it there
-    write_velocities(velocity, store.total(), tiles_);
+    write_velocities(velocity, store.total(), rows_);
     const auto fluid = gather_fluid(constants, liquid, parts.solid, parts.neighbours);
     const auto relative = relative_density(constants, liquid);
     with_kernel(parts.options.kernel, constants.dimensions, constants.support, [&](const auto& kernel) {
@@ -215,7 +218,7 @@ void ViscousOperator::multiply_nearly(const ViscousParts& parts, int u_field, Wa
         const ViscousLoop<Kernel> base{kernel, fluid, walls(parts, which), weights_, wall_sums_};
         const int blocks = (fluid.count + rows_at_once - 1) / rows_at_once;
         Kokkos::parallel_for("treacle::viscous_tile_stress", blocks,
-                             TileStressLoop<Kernel>{base, static_cast<float>(damping_), fits_, span_, velocity, tiles_});
+                             TileStressLoop<Kernel>{base, static_cast<float>(damping_), rows_, fits_, span_, velocity, tiles_});
         exchange_tiles(parts, which);
         Kokkos::parallel_for("treacle::viscous_tile_forces", blocks,
                              TileForceLoop<Kernel>{base, damping_, relative, share, velocity, tiles_, product});
