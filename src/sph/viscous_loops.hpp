@@ -12,6 +12,19 @@ KOKKOS_INLINE_FUNCTION bool by_gradients(ViscosityForm form) {
 // Copies the velocities of a field, ghosts included, and volumes over the lattice's, to where the loops read them.
 void pack_motion(LiquidParticles& liquid, int u_field, const Constants& constants);
 
+// Particles that sum over their neighbours one after the other, and then make of their sums what they are for: a long chain of
+// operations each, of which the processor then has several going at once.
+inline constexpr int rows_at_once = lanes > 1 ? 8 : 1;
+constexpr int row_blocks(int rows) { return (rows + rows_at_once - 1) / rows_at_once; }
+
+template <class Sums, class Sum, class Finish>
+KOKKOS_INLINE_FUNCTION void each_row(int block, int count, const Sum& sum, const Finish& finish) {
+    const int first = rows_at_once * block, last = math::min(first + rows_at_once, count);
+    Sums sums[rows_at_once];
+    for (int i = first; i < last; ++i) sums[i - first] = sum(i);
+    for (int i = first; i < last; ++i) finish(i, sums[i - first]);
+}
+
 // What every loop reads; `place` has the shares dt/m V mu, `motion` the velocities.
 template <class Kernel>
 struct ViscousLoop {

@@ -144,9 +144,22 @@ struct StressLoop : ViscousLoop<Kernel> {
     bool rated;
     Array<double> rate;
 
-    KOKKOS_INLINE_FUNCTION void operator()(int i) const {
+    KOKKOS_INLINE_FUNCTION void operator()(int block) const {
+        each_row<Columns>(block, Base::fluid.count, [&](int i) { return sum_pairs(i); },
+                          [&](int i, const Columns& pairs) { finish(i, pairs); });
+    }
+
+private:
+    struct Columns {
+        Quad column[3];
+    };
+    KOKKOS_INLINE_FUNCTION void finish(int i, const Columns& pairs) const {
         double n[3][3];
-        sum_pairs(i, n);
+        for (int l = 0; l < 3; ++l) {
+            double column[4];
+            pairs.column[l].store(column);
+            for (int k = 0; k < 3; ++k) n[k][l] = column[k];
+        }
         double u[3];
         Base::read_velocity(i, u);
         Base::add_wall_gradients(i, u, n);
@@ -165,8 +178,6 @@ struct StressLoop : ViscousLoop<Kernel> {
         }
         if (rated) rate(i) = math::sqrt(2 * contract(s));
     }
-
-private:
     KOKKOS_INLINE_FUNCTION static double contract(const double s[3][3]) {
         double sum = 0;
         for (int k = 0; k < 3; ++k) {
@@ -174,7 +185,7 @@ private:
         }
         return sum;
     }
-    KOKKOS_INLINE_FUNCTION void sum_pairs(int i, double n[3][3]) const {
+    KOKKOS_INLINE_FUNCTION Columns sum_pairs(int i) const {
         const double *place = Base::fluid.place.data(), *motion = Base::fluid.motion.data();
         const Quad x = Quad::load(place + 4 * std::int64_t(i)), u = Quad::load(motion + 4 * std::int64_t(i));
         Quad even[3] = {0.0, 0.0, 0.0}, odd[3] = {0.0, 0.0, 0.0};
@@ -187,11 +198,7 @@ private:
             columns[1].add(along.all<1>(), apart);
             columns[2].add(along.all<2>(), apart);
         });
-        for (int l = 0; l < 3; ++l) {
-            double column[4];
-            (even[l] + odd[l]).store(column);
-            for (int k = 0; k < 3; ++k) n[k][l] = column[k];
-        }
+        return {{even[0] + odd[0], even[1] + odd[1], even[2] + odd[2]}};
     }
     // The symmetric part of G within the span, in which a rotation has none.
     KOKKOS_INLINE_FUNCTION static void strain(const Symmetric& spanned, const double g[3][3], double s[3][3]) {
@@ -218,19 +225,21 @@ struct StressForceLoop : ViscousLoop<Kernel> {
     Array3 stress[3];
     Array3 product;
 
-    KOKKOS_INLINE_FUNCTION void operator()(int i) const {
-        double u[3];
+    KOKKOS_INLINE_FUNCTION void operator()(int block) const {
+        each_row<Quad>(block, Base::fluid.count, [&](int i) { return sum_pairs(i); }, [&](int i, const Quad& pairs) { finish(i, pairs); });
+    }
+
+private:
+    KOKKOS_INLINE_FUNCTION void finish(int i, const Quad& pairs) const {
+        double u[3], f[4];
         Base::read_velocity(i, u);
-        double f[3];
-        sum_pairs(i, f);
+        pairs.store(f);
         Base::add_wall_stresses(i, StressGrip<Stresses>{{stress[0], stress[1], stress[2]}, share, damping}, u, f);
         const double inertia = relative(i);
         for (int k = 0; k < 3; ++k) product(i, k) = inertia * u[k] + f[k];
     }
-
-private:
     // The fourth ones of `place` are the shares dt/m V mu, of which `damping` acts on differences of velocities.
-    KOKKOS_INLINE_FUNCTION void sum_pairs(int i, double f[3]) const {
+    KOKKOS_INLINE_FUNCTION Quad sum_pairs(int i) const {
         const double *place = Base::fluid.place.data(), *motion = Base::fluid.motion.data();
         const auto read = [](const double* rows, int row) { return Quad::load(rows + 4 * std::int64_t(row)); };
         const Quad x = read(place, i), u = read(motion, i);
@@ -255,9 +264,7 @@ private:
         sum.add(spread.all<0>(), own[0]);
         sum.add(spread.all<1>(), own[1]);
         sum.add(spread.all<2>(), own[2]);
-        double out[4];
-        sum.store(out);
-        for (int k = 0; k < 3; ++k) f[k] = out[k];
+        return sum;
     }
 };
 
@@ -434,11 +441,11 @@ void ViscousOperator::multiply(const ViscousParts& parts, int u_field, Walls whi
         }
         const auto& store = liquid.store;
         const Array3 rows[3] = {store.get<Array3>(stress_[0]), store.get<Array3>(stress_[1]), store.get<Array3>(stress_[2])};
-        Kokkos::parallel_for("treacle::viscous_stress", fluid.count,
+        Kokkos::parallel_for("treacle::viscous_stress", row_blocks(fluid.count),
                              StressLoop<Kernel>{base, damping_, form == ViscosityForm::printed, share, correction_, span_,
                                                 {rows[0], rows[1], rows[2]}, !parts.forces.rheology.empty(), rate_});
         parts.halo.gather(store, {stress_[0], stress_[1], stress_[2]});
-        Kokkos::parallel_for("treacle::viscous_forces", fluid.count,
+        Kokkos::parallel_for("treacle::viscous_forces", row_blocks(fluid.count),
                              StressForceLoop<Kernel>{base, damping_, relative, share, {rows[0], rows[1], rows[2]}, product});
     });
     add_slip(parts, which, product);

@@ -70,18 +70,6 @@ KOKKOS_INLINE_FUNCTION Tile sum_tiles(const ViscousLoop<Kernel>& loop, const Arr
     return even + odd;
 }
 
-// Particles that sum over their neighbours one after the other, and then make of their sums what they are for: a long chain of
-// operations each, of which the processor then has several going at once.
-constexpr int rows_at_once = lanes > 1 ? 8 : 1;
-
-template <class Sum, class Finish>
-KOKKOS_INLINE_FUNCTION void each_row(int block, int count, const Sum& sum, const Finish& finish) {
-    const int first = rows_at_once * block, last = math::min(first + rows_at_once, count);
-    Tile sums[rows_at_once];
-    for (int i = first; i < last; ++i) sums[i - first] = sum(i);
-    for (int i = first; i < last; ++i) finish(i, sums[i - first]);
-}
-
 // As StressLoop.
 template <class Kernel>
 struct TileStressLoop : ViscousLoop<Kernel> {
@@ -93,7 +81,7 @@ struct TileStressLoop : ViscousLoop<Kernel> {
     Array16 tiles;
 
     KOKKOS_INLINE_FUNCTION void operator()(int block) const {
-        each_row(block, Base::fluid.count, [&](int i) { return sum(i); }, [&](int i, const Tile& n) { finish(i, n); });
+        each_row<Tile>(block, Base::fluid.count, [&](int i) { return sum(i); }, [&](int i, const Tile& n) { finish(i, n); });
     }
 
 private:
@@ -157,7 +145,7 @@ struct TileForceLoop : ViscousLoop<Kernel> {
     Array3 product;
 
     KOKKOS_INLINE_FUNCTION void operator()(int block) const {
-        each_row(block, Base::fluid.count, [&](int i) { return sum(i); }, [&](int i, const Tile& pairs) { finish(i, pairs); });
+        each_row<Tile>(block, Base::fluid.count, [&](int i) { return sum(i); }, [&](int i, const Tile& pairs) { finish(i, pairs); });
     }
 
 private:
@@ -216,7 +204,7 @@ void ViscousOperator::multiply_nearly(const ViscousParts& parts, int u_field, Wa
     with_kernel(parts.options.kernel, constants.dimensions, constants.support, [&](const auto& kernel) {
         using Kernel = std::decay_t<decltype(kernel)>;
         const ViscousLoop<Kernel> base{kernel, fluid, walls(parts, which), weights_, wall_sums_};
-        const int blocks = (fluid.count + rows_at_once - 1) / rows_at_once;
+        const int blocks = row_blocks(fluid.count);
         Kokkos::parallel_for("treacle::viscous_tile_stress", blocks,
                              TileStressLoop<Kernel>{base, static_cast<float>(damping_), rows_, fits_, span_, velocity, tiles_});
         exchange_tiles(parts, which);

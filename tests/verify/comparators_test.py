@@ -35,13 +35,13 @@ class Comparators(Workplace):
             if name in UNSTABLE:
                 continue
             with self.subTest(name):
-                self.run_scene(scene, name, 2, {"time.end": "0.8", "output.interval": "0.8", **settings})
+                self.run_scene(scene, name, 2, {"time.end": "2", "output.interval": "2", **settings})
                 loads = self.columns(name, "bodies.csv")
                 late = loads["time [s]"] >= SETTLED
                 sides = [column for column in loads.dtype.names if column.endswith("pressure force y [N/m]")]
                 carried = -sum(loads[column][late].mean() for column in sides)
-                # Without a wall term the load rings by as much as itself; this is the mean of 600 steps.
-                self.assertAlmostEqual(carried / WEIGHT, 1, delta=0.05)
+                # Without a wall term the load rings by twice itself: means of 600 steps are 5 % off, of these 3000 1 %.
+                self.assertAlmostEqual(carried / WEIGHT, 1, delta=0.03)
                 x = self.frame(name)["position"]
                 self.assertLess(abs(x[:, 1].max() - 0.63), 0.02)  # the highest layer, within a spacing
 
