@@ -91,7 +91,7 @@ void CellLevels<D>::sort_particles(const ViscousParts& parts, const ViscousOpera
     const auto& store = parts.liquid.store;
     const auto n = static_cast<std::size_t>(store.owned());
     const auto x = on_host(store.position());
-    const auto share = on_host(of.share(parts.liquid));
+    const auto share = on_host(of.smeared_share());
     const auto ground = on_host(of.ground());
     std::vector<int> cell_of(n);
     std::vector<float> shares(corners<D> * n);

@@ -282,7 +282,7 @@ double ViscousOperator::prepare(const ViscousParts& parts, double dt) {
     if (!parts.forces.rheology.empty()) reserve(rate_, static_cast<std::size_t>(n));
     for (auto* array : {&correction_, &span_}) reserve(*array, static_cast<std::size_t>(n));
     reserve(block_, static_cast<std::size_t>(n));
-    reserve(ground_, static_cast<std::size_t>(n));
+    for (auto* array : {&ground_, &smeared_share_}) reserve(*array, static_cast<std::size_t>(n));
     if (by_gradients(viscosity.form)) reserve(wall_sums_, static_cast<std::size_t>(n));
     const auto inlet = liquid.has_inlets() ? liquid.inlet() : Array<int>();
     write_places(liquid, share);
@@ -295,7 +295,7 @@ double ViscousOperator::prepare(const ViscousParts& parts, double dt) {
         Kokkos::parallel_for("treacle::viscous_prepare", n,
                              PrepareLoop<Kernel>{base, viscosity.form, constants.rest_volume, damping_,
                                                  relative_density(constants, liquid), share, slip_.any(), slip_.drag(),
-                                                 liquid.has_inlets(), inlet, correction_, span_, block_, ground_});
+                                                 liquid.has_inlets(), inlet, correction_, span_, block_, ground_, smeared_share_});
     });
     return most;
 }
@@ -356,7 +356,7 @@ void ViscousOperator::thin(const ViscousParts& parts, const Array<flow::FlowCurv
 
 std::size_t ViscousOperator::bytes() const {
     const std::size_t doubles = correction_.span() + span_.span() + rate_.span() + wall_sums_.span();
-    const std::size_t floats = weights_.span() + block_.span() + ground_.span() + tiles_.span() + rows_.span() + fits_.span();
+    const std::size_t floats = weights_.span() + block_.span() + ground_.span() + smeared_share_.span() + tiles_.span() + rows_.span() + fits_.span();
     return sizeof(double) * doubles + sizeof(float) * floats + slip_.bytes();
 }
 

@@ -53,6 +53,9 @@ public:
     // Of the owned particles: what holds them but their neighbours, the mass and the solids, roughly; that of the diagonal block
     // where an inlet prescribes the velocity.
     const Array<float>& ground() const { return ground_; }
+    // Half of their own share and half of the mean of their neighbours', whose stresses hold them as well: where viscosities jump, a
+    // thin liquid follows a thick one as far as the support reaches.
+    const Array<float>& smeared_share() const { return smeared_share_; }
     using Blocks = Kokkos::View<float* [6], Memory>;
     const Blocks& block() const { return block_; } // inverses of the diagonal blocks, nearly
 
@@ -74,7 +77,7 @@ private:
     Array4 wall_sums_{"treacle::viscous_wall_sums", 0}; // see ViscousLoop
     Array6 correction_{"treacle::gradient_correction", 0}; // B_i^+
     Array6 span_{"treacle::gradient_span", 0};             // projector on its range
-    Array<float> ground_{"treacle::viscous_ground", 0};
+    Array<float> ground_{"treacle::viscous_ground", 0}, smeared_share_{"treacle::smeared_viscous_share", 0};
     Blocks block_{"treacle::viscous_block", 0};
     Array16 tiles_{"treacle::viscous_tiles", 0}; // see viscous_tiles.cpp
     Array8 rows_{"treacle::viscous_rows", 0}, fits_{"treacle::viscous_fits", 0};

@@ -22,22 +22,29 @@ struct PrepareLoop : ViscousLoop<Kernel> {
     Array<int> inlet;
     Array6 correction, span;
     ViscousOperator::Blocks block;
-    Array<float> ground;
+    Array<float> ground, smeared_share;
 
     KOKKOS_INLINE_FUNCTION void operator()(int i) const {
         PartialInverse fit{{1, 1, 1, 0, 0, 0}, {1, 1, 1, 0, 0, 0}};
         double held = 0; // by the solids
-        Symmetric d = by_gradients(form) ? stress_block(i, fit, held) : pair_block(i, held);
+        Shares around;
+        Symmetric d = by_gradients(form) ? stress_block(i, fit, held, around) : pair_block(i, held, around);
         write_symmetric(fit.inverse, correction, i);
         write_symmetric(fit.span, span, i);
         const double inertia = relative(i) + (slips ? drag(i) : 0);
         d.xx += inertia, d.yy += inertia, d.zz += inertia;
         write_symmetric(inverse(d), block, i);
         const bool prescribed = has_inlets && inlet(i) > 0;
+        smeared_share(i) = static_cast<float>(0.5 * (share(i) + around.mean(share(i))));
         ground(i) = static_cast<float>(prescribed ? (d.xx + d.yy + d.zz) / 3 : inertia + 2 * share(i) * held);
     }
 
 private:
+    // Sums over the neighbours, of w r^2 and of that times their shares.
+    struct Shares {
+        double weights = 0, shares = 0;
+        KOKKOS_INLINE_FUNCTION double mean(double alone) const { return weights > 0 ? shares / weights : alone; }
+    };
     // Writes V0 |W'|/r of the liquid around i, the same number for both particles of a pair, and visits some pairs at a time with
     // what was written, 0 beyond the row.
     template <class Visit>
@@ -54,21 +61,23 @@ private:
     }
     // Over the neighbours of a particle.
     struct Sums {
-        Symmetric spread, strained; // w x x^T; (s_i + s_j)/2 w^2 x x^T
-        double weights = 0, pull[3] = {0, 0, 0};
+        Symmetric spread, strained; // w x x^T; s_j w^2 x x^T
+        double damped = 0, pull[3] = {0, 0, 0}; // w (s_i + s_j); w x
+        Shares around;
     };
     KOKKOS_INLINE_FUNCTION Sums sum_row(int i) const {
         const double own = share(i);
         Lanes n[6] = {0.0, 0.0, 0.0, 0.0, 0.0, 0.0}, m[6] = {0.0, 0.0, 0.0, 0.0, 0.0, 0.0};
-        Lanes weights = 0.0, x = 0.0, y = 0.0, z = 0.0;
+        Lanes damped = 0.0, shares = 0.0, x = 0.0, y = 0.0, z = 0.0;
         weigh(i, [&](const Row::Near& d, Lanes f) {
-            const Lanes g = 0.5 * (own + d.number) * f * f;
+            const Lanes g = d.number * f * f;
             const Lanes squares[6] = {d.x * d.x, d.y * d.y, d.z * d.z, d.x * d.y, d.x * d.z, d.y * d.z};
             for (int e = 0; e < 6; ++e) {
                 n[e] = n[e] + f * squares[e];
                 m[e] = m[e] + g * squares[e];
             }
-            weights = weights + f;
+            damped = damped + f * (own + d.number);
+            shares = shares + f * d.r2 * d.number;
             x = x + f * d.x;
             y = y + f * d.y;
             z = z + f * d.z;
@@ -76,12 +85,15 @@ private:
         const auto symmetric = [](const Lanes e[6]) {
             return Symmetric{sum_lanes(e[0]), sum_lanes(e[1]), sum_lanes(e[2]), sum_lanes(e[3]), sum_lanes(e[4]), sum_lanes(e[5])};
         };
-        return {symmetric(n), symmetric(m), sum_lanes(weights), {sum_lanes(x), sum_lanes(y), sum_lanes(z)}};
+        const Symmetric spread = symmetric(n);
+        return {spread, symmetric(m), sum_lanes(damped), {sum_lanes(x), sum_lanes(y), sum_lanes(z)},
+                {spread.xx + spread.yy + spread.zz, sum_lanes(shares)}};
     }
     // What the strains of the particle and of its neighbours put into its diagonal block. The neighbours' corrections are taken to
     // be like its own, which this finds.
-    KOKKOS_INLINE_FUNCTION Symmetric stress_block(int i, PartialInverse& fit, double& held) const {
+    KOKKOS_INLINE_FUNCTION Symmetric stress_block(int i, PartialInverse& fit, double& held, Shares& shares) const {
         Sums sums = sum_row(i);
+        shares = sums.around;
         double around[4] = {0, 0, 0, 0}; // see ViscousLoop::wall_sums
         Base::each_wall(i, [&](int, double w, double dx, double dy, double dz, const auto& contact) {
             const double reach = contact.reach, x[3] = {dx, dy, dz};
@@ -92,19 +104,19 @@ private:
         });
         for (int k = 0; k < 4; ++k) Base::wall_sums(i, k) = around[k];
         for (int k = 0; k < 3; ++k) sums.pull[k] += around[k];
-        sums.weights += around[3];
+        sums.damped += 2 * share(i) * around[3];
         if (form == ViscosityForm::corrected) fit = invert_above(sums.spread, least_spread);
         double own[3];
         fit.inverse.times(sums.pull, own);
         Symmetric d = enclosed(fit.inverse, sums.strained);
         const double c = share(i), square = own[0] * own[0] + own[1] * own[1] + own[2] * own[2];
-        const double both = d.xx + d.yy + d.zz + c * square + 2 * damping * c * sums.weights;
+        const double both = d.xx + d.yy + d.zz + c * square + damping * sums.damped;
         d.add_square(c, own[0], own[1], own[2]);
         d.xx += both, d.yy += both, d.zz += both;
         return d;
     }
     // What the pairs put there.
-    KOKKOS_INLINE_FUNCTION Symmetric pair_block(int i, double& held) const {
+    KOKKOS_INLINE_FUNCTION Symmetric pair_block(int i, double& held, Shares& around) const {
         Symmetric d;
         const double soft = pair_softening(Base::kernel.h);
         const auto pair = [&](double shares, double w, double dx, double dy, double dz, double r2) {
@@ -118,6 +130,8 @@ private:
         weigh(i, [](const Row::Near&, Lanes) {});
         Base::each_pair(i, [&](double w, int j, double dx, double dy, double dz, double r2) {
             pair(share(i) + share(j), w, dx, dy, dz, r2);
+            around.weights += w * r2;
+            around.shares += w * r2 * share(j);
         });
         Base::each_wall(i, [&](int, double w, double dx, double dy, double dz, const auto& contact) {
             pair(2 * share(i), w * contact.reach, dx, dy, dz, dx * dx + dy * dy + dz * dz);

@@ -140,4 +140,25 @@ TEST(ViscousMultilevel, KeepsIterationsFewBetweenPeriodicSidesAndOnAnyRanks) {
     }
 }
 
+// What a thick liquid's stresses hold of a thin one around it the cells hold as well: a coarse correction that did not know of that
+// threw it about, 50 to 1000 iterations.
+TEST(ViscousMultilevel, KeepsIterationsFewWhereAThinLiquidMeetsAThickOne) {
+    for (const int dimensions : {2, 3}) {
+        for (const double thin : {0.0, 1e-6}) {
+            auto sample = blob_or_all(dimensions, false);
+            sample.setup.options.viscosity.residual = 1e-6;
+            sample.setup.constants.mixture =
+                make_mixture(std::vector<LiquidMaterial>{{rest_density, thin * viscosity}, {rest_density, viscosity}});
+            for (auto& point : sample.liquid) point.liquid = point.x[0] > (dimensions == 2 ? 11 : 6) * spacing ? 1 : 0; // the middle
+            ViscousCase one(sample);
+            fill_within(sample, one.parts.liquid, one.parts.liquid.velocity_field(), 0);
+            const auto report = one.solve(1e7 * spacing * spacing * rest_density / viscosity).solve;
+            ASSERT_TRUE(report.converged()) << report.reason;
+            const auto name = std::to_string(dimensions) + (thin > 0 ? "_thin" : "_inviscid");
+            RecordProperty("iterations_" + name, report.iterations);
+            EXPECT_LE(report.iterations, 40) << name;
+        }
+    }
+}
+
 } // namespace treacle::sph
