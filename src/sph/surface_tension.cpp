@@ -109,7 +109,7 @@ void balance(const StepParts& parts, const SurfaceCurvature& surface, bool turns
     if (turns) {
         const double* a = &sums[Sums::inertia];
         const Symmetric inertia{a[0], a[1], a[2], a[5], a[4], a[3]};
-        const auto inverse = invert_above(inertia, 1e-9 * (a[0] + a[1] + a[2])).inverse; // none about the axis of a row
+        const auto inverse = invert_above(inertia, 1e-9 * (a[0] + a[1] + a[2])); // none about the axis of a row
         inverse.times(&sums[Sums::torque], turn);
     }
     const auto x = parts.liquid.position(), n = surface.normal(parts.liquid), out = parts.liquid.acceleration();

@@ -77,7 +77,7 @@ struct ViscousMatrix::Assembly {
     ViscousWalls walls;
     Array<int>::HostMirror row;
     Array<double>::HostMirror share, volume;
-    Array6::HostMirror correction, span;
+    Array6::HostMirror correction;
     Array<float>::HostMirror weights;
     int owned, total;
     int first; // global number of this rank's first row
@@ -190,7 +190,7 @@ void ViscousMatrix::Assembly::add_stresses(int i, RowStorage& storage) const {
         const auto begin = offsets[static_cast<std::size_t>(j)],
                    end = offsets[static_cast<std::size_t>(j) + 1];
         const Member& at = members[begin + static_cast<std::size_t>(which)];
-        const Symmetric p = read_symmetric(span, j);
+        const Symmetric p = range_of(read_symmetric(correction, j));
         const Block projector{p.xx, p.xy, p.xz, p.xy, p.yy, p.yz, p.xz, p.yz, p.zz};
         const double c = share(j), damping = 0.5 * of.damping();
         for (auto k = begin; k < end; ++k) {
@@ -346,7 +346,6 @@ void ViscousMatrix::assemble(const ViscousParts& parts, const ViscousOperator& o
                       on_host(of.share(parts.liquid)),
                       on_host(parts.liquid.volume()),
                       on_host(of.correction()),
-                      on_host(of.span()),
                       on_host(of.weights()),
                       store.owned(),
                       store.total(),

@@ -17,7 +17,7 @@ struct StressLoop : ViscousLoop<Kernel> {
     double damping;
     bool by_volumes; // of the neighbours, as the printed form has it
     Array<double> share;
-    Array6 correction, span;
+    Array6 correction;
     Array3 stress[3]; // columns
     bool rated;
     Array<double> rate;
@@ -41,7 +41,7 @@ private:
         double u[3];
         Base::read_velocity(i, u);
         Base::add_wall_gradients(i, u, n);
-        const Symmetric fit = read_symmetric(correction, i), spanned = read_symmetric(span, i);
+        const Symmetric fit = read_symmetric(correction, i), spanned = range_of(fit);
         double g[3][3];
         for (int k = 0; k < 3; ++k) fit.times(n[k], g[k]);
         double s[3][3];
@@ -280,7 +280,7 @@ double ViscousOperator::prepare(const ViscousParts& parts, double dt) {
     if (slip_.any()) slip_.prepare(parts, parts.points, share);
     parts.halo.gather(liquid.store, {share_});
     if (!parts.forces.rheology.empty()) reserve(rate_, static_cast<std::size_t>(n));
-    for (auto* array : {&correction_, &span_}) reserve(*array, static_cast<std::size_t>(n));
+    reserve(correction_, static_cast<std::size_t>(n));
     reserve(block_, static_cast<std::size_t>(n));
     for (auto* array : {&ground_, &smeared_share_}) reserve(*array, static_cast<std::size_t>(n));
     if (by_gradients(viscosity.form)) reserve(wall_sums_, static_cast<std::size_t>(n));
@@ -295,7 +295,7 @@ double ViscousOperator::prepare(const ViscousParts& parts, double dt) {
         Kokkos::parallel_for("treacle::viscous_prepare", n,
                              PrepareLoop<Kernel>{base, viscosity.form, constants.rest_volume, damping_,
                                                  relative_density(constants, liquid), share, slip_.any(), slip_.drag(),
-                                                 liquid.has_inlets(), inlet, correction_, span_, block_, ground_, smeared_share_});
+                                                 liquid.has_inlets(), inlet, correction_, block_, ground_, smeared_share_});
     });
     return most;
 }
@@ -320,7 +320,7 @@ void ViscousOperator::multiply(const ViscousParts& parts, int u_field, Walls whi
         const auto& store = liquid.store;
         const Array3 rows[3] = {store.get<Array3>(stress_[0]), store.get<Array3>(stress_[1]), store.get<Array3>(stress_[2])};
         Kokkos::parallel_for("treacle::viscous_stress", row_blocks(fluid.count),
-                             StressLoop<Kernel>{base, damping_, form == ViscosityForm::printed, share, correction_, span_,
+                             StressLoop<Kernel>{base, damping_, form == ViscosityForm::printed, share, correction_,
                                                 {rows[0], rows[1], rows[2]}, !parts.forces.rheology.empty(), rate_});
         parts.halo.gather(store, {stress_[0], stress_[1], stress_[2]});
         Kokkos::parallel_for("treacle::viscous_forces", row_blocks(fluid.count),
@@ -355,7 +355,7 @@ void ViscousOperator::thin(const ViscousParts& parts, const Array<flow::FlowCurv
 }
 
 std::size_t ViscousOperator::bytes() const {
-    const std::size_t doubles = correction_.span() + span_.span() + rate_.span() + wall_sums_.span();
+    const std::size_t doubles = correction_.span() + rate_.span() + wall_sums_.span();
     const std::size_t floats = weights_.span() + block_.span() + ground_.span() + smeared_share_.span() + tiles_.span() + rows_.span() + fits_.span();
     return sizeof(double) * doubles + sizeof(float) * floats + slip_.bytes();
 }

@@ -40,10 +40,8 @@ public:
     // Viscosities of the particles at the shear rates of the last multiply; forms with gradients only.
     void thin(const ViscousParts& parts, const Array<flow::FlowCurve>& curves) const;
 
-    // After prepare(): B_i^+ of the owned particles and the projector on its range, whose elements are those of
-    // sph::Symmetric; dt/m V mu of owned and ghost particles [m2]; and the solids.
+    // After prepare(): B_i^+ of the owned particles, whose elements are those of sph::Symmetric; dt/m V mu of owned and ghost particles [m2]; and the solids.
     const Array6& correction() const { return correction_; }
-    const Array6& span() const { return span_; }
     const Array<float>& weights() const { return weights_; } // V0 |W'|/r of each pair in the list [1/m2]
     double damping() const { return damping_; }
     double largest_share() const { return largest_share_; } // of all ranks [m2]
@@ -76,7 +74,6 @@ private:
     Array<float> weights_{"treacle::viscous_weights", 0};
     Array4 wall_sums_{"treacle::viscous_wall_sums", 0}; // see ViscousLoop
     Array6 correction_{"treacle::gradient_correction", 0}; // B_i^+
-    Array6 span_{"treacle::gradient_span", 0};             // projector on its range
     Array<float> ground_{"treacle::viscous_ground", 0}, smeared_share_{"treacle::smeared_viscous_share", 0};
     Blocks block_{"treacle::viscous_block", 0};
     Array16 tiles_{"treacle::viscous_tiles", 0}; // see viscous_tiles.cpp

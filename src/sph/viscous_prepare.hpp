@@ -20,17 +20,16 @@ struct PrepareLoop : ViscousLoop<Kernel> {
     Array<double> drag; // of walls along which the liquid slips
     bool has_inlets;
     Array<int> inlet;
-    Array6 correction, span;
+    Array6 correction;
     ViscousOperator::Blocks block;
     Array<float> ground, smeared_share;
 
     KOKKOS_INLINE_FUNCTION void operator()(int i) const {
-        PartialInverse fit{{1, 1, 1, 0, 0, 0}, {1, 1, 1, 0, 0, 0}};
+        Symmetric fit{1, 1, 1, 0, 0, 0};
         double held = 0; // by the solids
         Shares around;
         Symmetric d = by_gradients(form) ? stress_block(i, fit, held, around) : pair_block(i, held, around);
-        write_symmetric(fit.inverse, correction, i);
-        write_symmetric(fit.span, span, i);
+        write_symmetric(fit, correction, i);
         const double inertia = relative(i) + (slips ? drag(i) : 0);
         d.xx += inertia, d.yy += inertia, d.zz += inertia;
         write_symmetric(inverse(d), block, i);
@@ -91,7 +90,7 @@ private:
     }
     // What the strains of the particle and of its neighbours put into its diagonal block. The neighbours' corrections are taken to
     // be like its own, which this finds.
-    KOKKOS_INLINE_FUNCTION Symmetric stress_block(int i, PartialInverse& fit, double& held, Shares& shares) const {
+    KOKKOS_INLINE_FUNCTION Symmetric stress_block(int i, Symmetric& fit, double& held, Shares& shares) const {
         Sums sums = sum_row(i);
         shares = sums.around;
         double around[4] = {0, 0, 0, 0}; // see ViscousLoop::wall_sums
@@ -107,8 +106,8 @@ private:
         sums.damped += 2 * share(i) * around[3];
         if (form == ViscosityForm::corrected) fit = invert_above(sums.spread, least_spread);
         double own[3];
-        fit.inverse.times(sums.pull, own);
-        Symmetric d = enclosed(fit.inverse, sums.strained);
+        fit.times(sums.pull, own);
+        Symmetric d = enclosed(fit, sums.strained);
         const double c = share(i), square = own[0] * own[0] + own[1] * own[1] + own[2] * own[2];
         const double both = d.xx + d.yy + d.zz + c * square + damping * sums.damped;
         d.add_square(c, own[0], own[1], own[2]);

@@ -17,10 +17,11 @@ void write_places(const Array3& x, const Array<double>& share, int n, const Arra
 }
 
 // B_i^+, and whether the neighbours spread in all directions: 1, or 0 where the span is to be looked at.
-void write_fits(const Array6& correction, const Array6& span, int dimensions, int n, const Array8& fits) {
+void write_fits(const Array6& correction, int dimensions, int n, const Array8& fits) {
     Kokkos::parallel_for("treacle::float_fits", n, KOKKOS_LAMBDA(int i) {
         for (int k = 0; k < 6; ++k) fits(i, k) = static_cast<float>(correction(i, k));
-        fits(i, 6) = span(i, 0) + span(i, 1) + span(i, 2) > dimensions - 0.5 ? 1 : 0;
+        const Symmetric span = range_of(read_symmetric(correction, i));
+        fits(i, 6) = span.xx + span.yy + span.zz > dimensions - 0.5 ? 1 : 0;
     });
 }
 
@@ -76,7 +77,7 @@ struct TileStressLoop : ViscousLoop<Kernel> {
     using Base = ViscousLoop<Kernel>;
     float damping;
     Array8 rows, fits;
-    Array6 span;
+    Array6 correction;
     Array3 velocity;
     Array16 tiles;
 
@@ -106,7 +107,8 @@ private:
         const Tile g = times(n, inverse);
         Tile half = g; // see StressLoop::strain
         if (fit[6] == 0) {
-            const double* within = span.data() + 6 * std::int64_t(i);
+            const Symmetric span = range_of(read_symmetric(correction, i));
+            const double within[6] = {span.xx, span.yy, span.zz, span.xy, span.xz, span.yz};
             half = Tile::repeat<0>(within) * g.all<0>();
             half.add(Tile::repeat<1>(within), g.all<1>());
             half.add(Tile::repeat<2>(within), g.all<2>());
@@ -175,7 +177,7 @@ void ViscousOperator::write_tiles(LiquidParticles& liquid, const Array<double>& 
     reserve(tiles_, static_cast<std::size_t>(n));
     reserve(fits_, static_cast<std::size_t>(liquid.store.owned()));
     write_places(liquid.store.position(), share, n, rows_, tiles_);
-    write_fits(correction_, span_, dimensions, liquid.store.owned(), fits_);
+    write_fits(correction_, dimensions, liquid.store.owned(), fits_);
     tiles_are_placed_ = true;
 }
 
@@ -206,7 +208,7 @@ void ViscousOperator::multiply_nearly(const ViscousParts& parts, int u_field, Wa
         const ViscousLoop<Kernel> base{kernel, fluid, walls(parts, which), weights_, wall_sums_};
         const int blocks = row_blocks(fluid.count);
         Kokkos::parallel_for("treacle::viscous_tile_stress", blocks,
-                             TileStressLoop<Kernel>{base, static_cast<float>(damping_), rows_, fits_, span_, velocity, tiles_});
+                             TileStressLoop<Kernel>{base, static_cast<float>(damping_), rows_, fits_, correction_, velocity, tiles_});
         exchange_tiles(parts, which);
         Kokkos::parallel_for("treacle::viscous_tile_forces", blocks,
                              TileForceLoop<Kernel>{base, damping_, relative, share, velocity, tiles_, product});
