@@ -108,29 +108,30 @@ KOKKOS_INLINE_FUNCTION bool surely_above(const Symmetric& a, double least) {
     return determinant > least * 0.25 * trace * trace;
 }
 
-// The inverse on the span of the eigenvectors whose eigenvalues exceed `least`, 0 across it.
-KOKKOS_INLINE_FUNCTION Symmetric invert_above(const Symmetric& a, double least) {
-    if (surely_above(a, least)) return inverse(a); // spares the eigenvectors of nearly all
+// The function of the eigenvalues that exceed `least` on the span of their eigenvectors, 0 across it.
+template <class Function>
+KOKKOS_INLINE_FUNCTION Symmetric apply_above(const Symmetric& a, double least, const Function& function) {
     const Eigen3 e = eigen(a);
     Symmetric out;
     for (int k = 0; k < 3; ++k) {
-        if (e.value[k] > least) out.add_square(1 / e.value[k], e.vector[0][k], e.vector[1][k], e.vector[2][k]);
+        if (e.value[k] > least) out.add_square(function(e.value[k]), e.vector[0][k], e.vector[1][k], e.vector[2][k]);
     }
     return out;
+}
+
+// The inverse on the span of the eigenvectors whose eigenvalues exceed `least`, 0 across it.
+KOKKOS_INLINE_FUNCTION Symmetric invert_above(const Symmetric& a, double least) {
+    if (surely_above(a, least)) return inverse(a); // spares the eigenvectors of nearly all
+    return apply_above(a, least, [](double value) { return 1 / value; });
 }
 
 // The projector on the range of a positive semidefinite matrix whose eigenvalues are 0 or comparable.
 KOKKOS_INLINE_FUNCTION Symmetric range_of(const Symmetric& a) {
     constexpr double comparable = 1e-6;
-    const double trace = a.xx + a.yy + a.zz;
-    if (surely_above(a, comparable * trace)) return {1, 1, 1, 0, 0, 0};
-    if (a.zz == 0 && a.xx * a.yy - a.xy * a.xy > comparable * trace * trace) return {1, 1, 0, 0, 0, 0}; // of a plane scene
-    const Eigen3 e = eigen(a);
-    Symmetric out;
-    for (int k = 0; k < 3; ++k) {
-        if (e.value[k] > comparable * trace) out.add_square(1, e.vector[0][k], e.vector[1][k], e.vector[2][k]);
-    }
-    return out;
+    const double trace = a.xx + a.yy + a.zz, least = comparable * trace;
+    if (surely_above(a, least)) return {1, 1, 1, 0, 0, 0};
+    if (a.zz == 0 && a.xx * a.yy - a.xy * a.xy > least * trace) return {1, 1, 0, 0, 0, 0}; // of a plane scene
+    return apply_above(a, least, [](double) { return 1.0; });
 }
 
 } // namespace treacle::sph

@@ -57,7 +57,7 @@ struct Members {
 
 // Of a place in a cell, from 0 to 1 along each axis.
 template <int D>
-KOKKOS_INLINE_FUNCTION void corner_shares(const double at[3], float share[corners<D>]) {
+void corner_shares(const double at[3], float share[corners<D>]) {
     share[0] = 1;
     for (int k = 0; k < D; ++k) {
         for (int a = 0; a < 1 << k; ++a) {

@@ -76,7 +76,6 @@ private:
     std::size_t used_ = 0;
     bool dense_ = false;
     Members members_;
-    bool connected_ = false; // the finest level, with the cells that it has
     double aspect_[3]{0, 0, 0}; // of the last element
     typename Element<D>::Matrix matrix_;
     Element<D> element_;
@@ -115,11 +114,9 @@ void CellLevels<D>::sort_particles(const ViscousParts& parts, const ViscousOpera
         cell_of[i] = number;
     }
     level.shape = finest_;
-    const bool same = connected_ && level.cell_keys == numbers.keys();
-    if (comm_.sum(std::int64_t{!same}) > 0) { // on any rank
+    if (comm_.sum(std::int64_t{level.cell_keys != numbers.keys()}) > 0) { // on any rank
         level.cell_keys = numbers.keys();
         level.connect(comm_);
-        connected_ = true;
     }
     std::vector<int> begin(level.cell_keys.size() + 1, 0);
     for (const int e : cell_of) ++begin[static_cast<std::size_t>(e) + 1];

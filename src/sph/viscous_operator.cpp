@@ -356,7 +356,8 @@ void ViscousOperator::thin(const ViscousParts& parts, const Array<flow::FlowCurv
 
 std::size_t ViscousOperator::bytes() const {
     const std::size_t doubles = correction_.span() + rate_.span() + wall_sums_.span();
-    const std::size_t floats = weights_.span() + block_.span() + ground_.span() + smeared_share_.span() + tiles_.span() + rows_.span() + fits_.span();
+    const std::size_t floats = weights_.span() + block_.span() + ground_.span() + smeared_share_.span() + tiles_.span() +
+                               rows_.span() + fits_.span();
     return sizeof(double) * doubles + sizeof(float) * floats + slip_.bytes();
 }
 

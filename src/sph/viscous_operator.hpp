@@ -40,7 +40,8 @@ public:
     // Viscosities of the particles at the shear rates of the last multiply; forms with gradients only.
     void thin(const ViscousParts& parts, const Array<flow::FlowCurve>& curves) const;
 
-    // After prepare(): B_i^+ of the owned particles, whose elements are those of sph::Symmetric; dt/m V mu of owned and ghost particles [m2]; and the solids.
+    // After prepare(): B_i^+ of the owned particles, whose elements are those of sph::Symmetric; dt/m V mu of owned and ghost
+    // particles [m2]; and the solids.
     const Array6& correction() const { return correction_; }
     const Array<float>& weights() const { return weights_; } // V0 |W'|/r of each pair in the list [1/m2]
     double damping() const { return damping_; }

@@ -27,23 +27,18 @@ struct PrepareLoop : ViscousLoop<Kernel> {
     KOKKOS_INLINE_FUNCTION void operator()(int i) const {
         Symmetric fit{1, 1, 1, 0, 0, 0};
         double held = 0; // by the solids
-        Shares around;
+        double around = share(i); // mean share of the neighbours, weighted by w r^2
         Symmetric d = by_gradients(form) ? stress_block(i, fit, held, around) : pair_block(i, held, around);
         write_symmetric(fit, correction, i);
         const double inertia = relative(i) + (slips ? drag(i) : 0);
         d.xx += inertia, d.yy += inertia, d.zz += inertia;
         write_symmetric(inverse(d), block, i);
         const bool prescribed = has_inlets && inlet(i) > 0;
-        smeared_share(i) = static_cast<float>(0.5 * (share(i) + around.mean(share(i))));
+        smeared_share(i) = static_cast<float>(0.5 * (share(i) + around));
         ground(i) = static_cast<float>(prescribed ? (d.xx + d.yy + d.zz) / 3 : inertia + 2 * share(i) * held);
     }
 
 private:
-    // Sums over the neighbours, of w r^2 and of that times their shares.
-    struct Shares {
-        double weights = 0, shares = 0;
-        KOKKOS_INLINE_FUNCTION double mean(double alone) const { return weights > 0 ? shares / weights : alone; }
-    };
     // Writes V0 |W'|/r of the liquid around i, the same number for both particles of a pair, and visits some pairs at a time with
     // what was written, 0 beyond the row.
     template <class Visit>
@@ -62,7 +57,7 @@ private:
     struct Sums {
         Symmetric spread, strained; // w x x^T; s_j w^2 x x^T
         double damped = 0, pull[3] = {0, 0, 0}; // w (s_i + s_j); w x
-        Shares around;
+        double shares = 0; // s_j w r^2
     };
     KOKKOS_INLINE_FUNCTION Sums sum_row(int i) const {
         const double own = share(i);
@@ -84,26 +79,25 @@ private:
         const auto symmetric = [](const Lanes e[6]) {
             return Symmetric{sum_lanes(e[0]), sum_lanes(e[1]), sum_lanes(e[2]), sum_lanes(e[3]), sum_lanes(e[4]), sum_lanes(e[5])};
         };
-        const Symmetric spread = symmetric(n);
-        return {spread, symmetric(m), sum_lanes(damped), {sum_lanes(x), sum_lanes(y), sum_lanes(z)},
-                {spread.xx + spread.yy + spread.zz, sum_lanes(shares)}};
+        return {symmetric(n), symmetric(m), sum_lanes(damped), {sum_lanes(x), sum_lanes(y), sum_lanes(z)}, sum_lanes(shares)};
     }
     // What the strains of the particle and of its neighbours put into its diagonal block. The neighbours' corrections are taken to
     // be like its own, which this finds.
-    KOKKOS_INLINE_FUNCTION Symmetric stress_block(int i, Symmetric& fit, double& held, Shares& shares) const {
+    KOKKOS_INLINE_FUNCTION Symmetric stress_block(int i, Symmetric& fit, double& held, double& around) const {
         Sums sums = sum_row(i);
-        shares = sums.around;
-        double around[4] = {0, 0, 0, 0}; // see ViscousLoop::wall_sums
+        const double weights = sums.spread.xx + sums.spread.yy + sums.spread.zz;
+        if (weights > 0) around = sums.shares / weights;
+        double wall[4] = {0, 0, 0, 0}; // see ViscousLoop::wall_sums
         Base::each_wall(i, [&](int, double w, double dx, double dy, double dz, const auto& contact) {
             const double reach = contact.reach, x[3] = {dx, dy, dz};
             sums.spread.add_square(w, dx, dy, dz);
             held += w * reach;
-            for (int k = 0; k < 3; ++k) around[k] += w * reach * x[k];
-            around[3] += w * reach * reach;
+            for (int k = 0; k < 3; ++k) wall[k] += w * reach * x[k];
+            wall[3] += w * reach * reach;
         });
-        for (int k = 0; k < 4; ++k) Base::wall_sums(i, k) = around[k];
-        for (int k = 0; k < 3; ++k) sums.pull[k] += around[k];
-        sums.damped += 2 * share(i) * around[3];
+        for (int k = 0; k < 4; ++k) Base::wall_sums(i, k) = wall[k];
+        for (int k = 0; k < 3; ++k) sums.pull[k] += wall[k];
+        sums.damped += 2 * share(i) * wall[3];
         if (form == ViscosityForm::corrected) fit = invert_above(sums.spread, least_spread);
         double own[3];
         fit.times(sums.pull, own);
@@ -115,8 +109,9 @@ private:
         return d;
     }
     // What the pairs put there.
-    KOKKOS_INLINE_FUNCTION Symmetric pair_block(int i, double& held, Shares& around) const {
+    KOKKOS_INLINE_FUNCTION Symmetric pair_block(int i, double& held, double& around) const {
         Symmetric d;
+        double weights = 0, shares_around = 0;
         const double soft = pair_softening(Base::kernel.h);
         const auto pair = [&](double shares, double w, double dx, double dy, double dz, double r2) {
             if (form == ViscosityForm::pairwise) {
@@ -129,9 +124,10 @@ private:
         weigh(i, [](const Row::Near&, Lanes) {});
         Base::each_pair(i, [&](double w, int j, double dx, double dy, double dz, double r2) {
             pair(share(i) + share(j), w, dx, dy, dz, r2);
-            around.weights += w * r2;
-            around.shares += w * r2 * share(j);
+            weights += w * r2;
+            shares_around += w * r2 * share(j);
         });
+        if (weights > 0) around = shares_around / weights;
         Base::each_wall(i, [&](int, double w, double dx, double dy, double dz, const auto& contact) {
             pair(2 * share(i), w * contact.reach, dx, dy, dz, dx * dx + dy * dy + dz * dz);
             held += w * contact.reach;

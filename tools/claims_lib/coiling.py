@@ -144,7 +144,7 @@ def pour(context, folder, regime, speed):
     scene = folder / f"{regime.name}_{regime.height}_{speed}.yaml"
     scene.write_text(SCENE.format(top=regime.height + 0.04, spacing=SPACING, density=DENSITY, viscosity=regime.viscosity,
                                   height=regime.height, radius=RADIUS, speed=speed, end=regime.length / speed,
-                                  interval=0.004 / speed))
+                                  interval=SPACING / speed))
     run = run_scene(context, scene, folder / scene.stem, ranks=0, timeout=4 * 3600)
     return swings(watch(run, regime.height), 2 * regime.height / speed, regime.least_fall)
 
