@@ -21,6 +21,11 @@ set_default OMP_NUM_THREADS 1
 set_default OMP_PROC_BIND false
 set_default OPENBLAS_NUM_THREADS 1
 
+# Cores that this process may use; nproc alone obeys OMP_NUM_THREADS, which is set above.
+count_cores() {
+    env -u OMP_NUM_THREADS -u OMP_THREAD_LIMIT nproc
+}
+
 # Ninja and ccache where they are there; an existing build folder keeps the generator that it has.
 if command -v ninja >/dev/null; then
     set_default CMAKE_GENERATOR Ninja
