@@ -262,7 +262,7 @@ SolveReport KrylovSolver::solve(Matrix& matrix, std::span<const double> b, std::
 }
 
 void KrylovSolver::set_up(Matrix& matrix) {
-    if (matrix.global_rows() == 0 || state_->preconditioner.set_up(matrix, prefix_, options_)) return;
+    if (state_->preconditioner.set_up(matrix, prefix_, options_)) return;
     throw SimulationError({"solver " + prefix_, "the preconditioner cannot be set up",
                            "the matrix is not positive definite or not finite", ""});
 }

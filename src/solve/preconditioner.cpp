@@ -128,6 +128,13 @@ bool BuiltPreconditioner::set_up(Matrix& matrix, const std::string& prefix, cons
     null_space_ = options.null_space;
     global_rows_ = matrix.global_rows();
     user_ = options.user;
+    if (global_rows_ == 0) { // nothing to prepare, and PETSc and a caller's hierarchy make nothing of it
+        release();
+        user_ = {};
+        ready_ = cheap_ = identity_ = true;
+        return true;
+    }
+    ready_ = true;
     if (user_) {
         cheap_ = identity_ = false;
         set_up_user(matrix);
@@ -156,6 +163,8 @@ void BuiltPreconditioner::project(std::span<double> z) const {
 }
 
 void BuiltPreconditioner::apply(std::span<const double> r, std::span<double> z) {
+    if (!ready_) throw std::logic_error("preconditioner applied before it was set up");
+    if (global_rows_ == 0) return;
     if (user_) {
         user_.apply(r, z);
     } else {
@@ -168,6 +177,7 @@ void BuiltPreconditioner::release() {
     pc_.reset();
     native_ = nullptr;
     user_revision_ = 0;
+    ready_ = false;
 }
 
 } // namespace treacle::solve

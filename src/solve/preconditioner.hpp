@@ -8,8 +8,9 @@ namespace treacle::solve {
 class BuiltPreconditioner {
 public:
     // Collective. Does nothing when it is already that of the matrix with its present values.
-    // False, and nothing left, on a breakdown on any rank.
+    // False, and nothing left, on a breakdown on any rank. A system without rows needs nothing.
     bool set_up(Matrix& matrix, const std::string& prefix, const KrylovOptions& options);
+    // std::logic_error before a set_up() that has succeeded.
     void apply(std::span<const double> r, std::span<double> z);
     void release();
 
@@ -29,6 +30,7 @@ private:
     Comm comm_ = Comm::self();
     NullSpace null_space_ = NullSpace::none;
     Index global_rows_ = 0;
+    bool ready_ = false; // set up for the matrix of the last call
     bool cheap_ = true;
     bool identity_ = false;
 };

@@ -104,14 +104,14 @@ void prolong_blocks(const Level& level, const RigidLinks& links, std::span<const
 } // namespace
 
 void RigidLinks::restrict_to(const Level& level, std::span<const double> t, std::span<double> coarse) const {
-    const auto work = axes.empty() ? (dimensions == 3 ? restrict_blocks<3> : restrict_blocks<2>)
-                                   : (dimensions == 3 ? restrict_rows<3> : restrict_rows<2>);
+    const auto work = finest ? (dimensions == 3 ? restrict_rows<3> : restrict_rows<2>)
+                             : (dimensions == 3 ? restrict_blocks<3> : restrict_blocks<2>);
     work(level, *this, t, coarse);
 }
 
 void RigidLinks::prolong(const Level& level, std::span<const double> coarse, std::span<double> z) const {
-    const auto work = axes.empty() ? (dimensions == 3 ? prolong_blocks<3> : prolong_blocks<2>)
-                                   : (dimensions == 3 ? prolong_rows<3> : prolong_rows<2>);
+    const auto work = finest ? (dimensions == 3 ? prolong_rows<3> : prolong_rows<2>)
+                             : (dimensions == 3 ? prolong_blocks<3> : prolong_blocks<2>);
     work(level, *this, coarse, z);
 }
 
@@ -203,7 +203,7 @@ void Separation::split(Level& level, int joined) {
 
 // Centres are the means of what the aggregates hold.
 void RigidCoarsener::find_arms(const Level& level, std::span<const double> places, RigidLinks& links, MadeRows& made) {
-    const std::size_t step = links.axes.empty() ? static_cast<std::size_t>(modes_) : 1;
+    const std::size_t step = links.finest ? 1 : static_cast<std::size_t>(modes_);
     const auto aggregates = static_cast<std::size_t>(level.aggregates());
     made.centres.assign(3 * aggregates, 0.0);
     scratch_.assign(aggregates, 0.0);
@@ -236,7 +236,7 @@ void RigidCoarsener::gather_arms(const Comm& comm, Level& level, const RigidLink
     const auto rows = static_cast<std::size_t>(level.rows);
     const auto modes = static_cast<std::size_t>(modes_);
     scratch_.resize(rows);
-    if (links.axes.empty()) { // the first rows of an aggregate take the numbers along
+    if (!links.finest) { // the first rows of an aggregate take the numbers along
         for (std::size_t i = 0; i < rows; ++i) {
             const std::size_t k = i % modes;
             scratch_[i] = k < 3 ? links.arms[3 * (i / modes) + k] : 0;
@@ -361,11 +361,10 @@ void RigidCoarsener::end_rows(double divisor, MadeRows& made) {
 template <int D>
 void RigidCoarsener::make_rows(const Level& level, double divisor, const RigidLinks& links, MadeRows& made) {
     constexpr int modes = rigid_modes(D);
-    const bool finest = !links.axes.empty();
     for (std::size_t a = 0; a < static_cast<std::size_t>(level.aggregates()); ++a) {
         for (auto k = static_cast<std::size_t>(level.group[a]); k < static_cast<std::size_t>(level.group[a + 1]); ++k) {
             const Run& run = level.runs[k];
-            if (finest) {
+            if (links.finest) {
                 for (Index i = run.begin; i < run.end; ++i) add_row<D>(level, links, i);
             } else {
                 for (Index n = run.begin / modes; n < run.end / modes; ++n) add_blocks<D>(level, links, n);

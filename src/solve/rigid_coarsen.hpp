@@ -35,6 +35,7 @@ private:
 // each, or the motions of the aggregates of the level before.
 struct RigidLinks {
     int dimensions = 3;
+    bool finest = false;           // below are the rows of the matrix; the same on all ranks, also on those without rows
     std::vector<signed char> axes; // [rows], of the matrix; of coarse levels empty
     std::vector<double> arms;      // [rows or aggregates below][3], from the centre of the aggregate [widths]
 

@@ -81,6 +81,7 @@ void RigidMultilevel::State::find_rows(const Matrix& matrix, const VelocityRows&
     if (border.count > 0) level.fixed.assign(n, 0);
     for (std::size_t k = 0; k < count() && comm->is_root(); ++k) level.fixed[n - 1 - k] = 1;
     dropped.assign(1, no_cell);
+    links.finest = true;
     links.axes.assign(rows.axes.begin(), rows.axes.end());
     places.resize(3 * n);
     for (std::size_t i = 0; i < 3 * n; ++i) places[i] = rows.places[i] / rows.width;
