@@ -1,5 +1,7 @@
 #include "grid/advection.hpp"
 
+#include "grid/small_matrix.hpp"
+
 namespace treacle::grid {
 
 DomainSides make_domain_sides(const MacGrid& grid, const scene::Domain& domain) {
@@ -12,25 +14,16 @@ DomainSides make_domain_sides(const MacGrid& grid, const scene::Domain& domain) 
 }
 
 namespace {
-// x after dt, from the velocity u there.
-KOKKOS_INLINE_FUNCTION void trace(const FaceSampler& faces, AdvectionScheme scheme, const double u[3], double dt,
-                                  double x[3]) {
-    double k1[3], k2[3], k3[3], stage[3];
-    for (int c = 0; c < 3; ++c) k1[c] = u[c];
-    if (scheme == AdvectionScheme::euler) {
-        for (int c = 0; c < 3; ++c) x[c] += dt * k1[c];
-        return;
+// The affine matrix of particle i, whose velocity gradient changes as it moves.
+KOKKOS_INLINE_FUNCTION void carry_affine(const Array3 c[3], int i, double dt) {
+    SmallMatrix gradient;
+    for (int a = 0; a < 3; ++a) {
+        for (int b = 0; b < 3; ++b) gradient.at[a][b] = c[a](i, b);
     }
-    const double at = scheme == AdvectionScheme::ralston2 ? 2.0 / 3 : 0.5;
-    for (int c = 0; c < 3; ++c) stage[c] = x[c] + at * dt * k1[c];
-    faces.velocity(stage, k2);
-    if (scheme == AdvectionScheme::ralston2) {
-        for (int c = 0; c < 3; ++c) x[c] += dt * (0.25 * k1[c] + 0.75 * k2[c]);
-        return;
+    const auto carried = carried_gradient(gradient, dt);
+    for (int a = 0; a < 3; ++a) {
+        for (int b = 0; b < 3; ++b) c[a](i, b) = carried.at[a][b];
     }
-    for (int c = 0; c < 3; ++c) stage[c] = x[c] + 0.75 * dt * k2[c];
-    faces.velocity(stage, k3);
-    for (int c = 0; c < 3; ++c) x[c] += dt / 9 * (2 * k1[c] + 3 * k2[c] + 4 * k3[c]);
 }
 
 // `distance` to the solids there.
@@ -59,13 +52,16 @@ KOKKOS_INLINE_FUNCTION LossCause loss_of(const Advection& how, double leak_depth
 Departures advect(const Advection& how, const GridParticles& particles, double dt) {
     const auto x = particles.position(), u = particles.velocity();
     const auto cause = particles.cause();
-    const double width = how.faces.width, clearance = how.options.clearance * width, leak = how.options.leak_depth * width;
+    const auto ux = particles.affine(0), uy = particles.affine(1), uz = particles.affine(2);
+    const double width = how.width, clearance = how.options.clearance * width, leak = how.options.leak_depth * width;
     Departures out;
     Kokkos::parallel_reduce("treacle::advect", particles.store.owned(),
         KOKKOS_LAMBDA(int i, int& lost, int& outflow, int& pushed) {
             double to[3] = {x(i, 0), x(i, 1), x(i, 2)};
             const double speed[3] = {u(i, 0), u(i, 1), u(i, 2)};
-            trace(how.faces, how.options.scheme, speed, dt, to);
+            for (int k = 0; k < 3; ++k) to[k] += dt * speed[k];
+            const Array3 c[3] = {ux, uy, uz};
+            carry_affine(c, i, dt);
             auto found = LossCause::none;
             if (math::isfinite(to[0]) && math::isfinite(to[1]) && math::isfinite(to[2])) {
                 // The window goes on beyond a periodic side, but need not hold what lies at the other one.

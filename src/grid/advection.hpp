@@ -8,19 +8,7 @@
 
 namespace treacle::grid {
 
-enum class AdvectionScheme { euler, ralston2, ralston3 }; // Runge-Kutta of order 1, 2, 3 (Ralston 1962)
-
-// Farthest place of a stage from the particle, over the whole move: what lies in the window must reach as far.
-constexpr double farthest_stage(AdvectionScheme scheme) {
-    return scheme == AdvectionScheme::euler ? 0 : scheme == AdvectionScheme::ralston2 ? 2.0 / 3 : 0.75;
-}
-// Largest CFL number with a halo of `layers` cells: one of them is what linear interpolation takes.
-constexpr double largest_cfl(AdvectionScheme scheme, int layers) {
-    return scheme == AdvectionScheme::euler ? layers : (layers - 1) / farthest_stage(scheme);
-}
-
 struct AdvectionOptions {
-    AdvectionScheme scheme = AdvectionScheme::ralston2;
     double clearance = 0.05; // least distance of particles from solids, over dx
     double leak_depth = 1;   // over dx: deeper than this in a solid, after it was pushed out, a particle is lost
 };
@@ -38,11 +26,11 @@ struct Departures {
     int pushed = 0;            // moved out of solids
 };
 
-// Moves the owned particles by dt through the velocities of the faces, their own velocity being that where they start
-// (faces_to_particles), then out of solids along the gradient of the distance; wraps along periodic axes; marks those
-// that are lost in the field `cause`. Local.
+// Moves the owned particles by dt times their velocity, that of the middle of the step (faces_to_particles), then out of solids
+// along the gradient of the distance; takes their affine matrices along; wraps along periodic axes; marks those that are
+// lost in the field `cause`. Local.
 struct Advection {
-    FaceSampler faces;
+    double width = 0;      // dx [m]
     DistanceSampler solid; // with the bodies where they will be
     DomainSides domain;
     AdvectionOptions options;

@@ -1,6 +1,27 @@
 #include "grid/body_motion.hpp"
 
+#include "rigid/algebra.hpp"
+
+#include <algorithm>
+
 namespace treacle::grid {
+
+namespace {
+// (R - I)/dt - [spin]x of the turn by spin dt.
+void upload_bend(const Vec3& spin, double dt, double* out) {
+    using namespace rigid;
+    const double angle = dt * length(spin);
+    std::fill_n(out, 9, 0.0);
+    if (!(angle > 0)) return;
+    const auto turn = to_matrix(rotation_by(dt * spin));
+    for (std::size_t i = 0; i < 3; ++i) {
+        for (std::size_t j = 0; j < 3; ++j) out[3 * i + j] = (turn[i][j] - (i == j ? 1.0 : 0.0)) / dt;
+        const std::size_t j = (i + 1) % 3, k = (i + 2) % 3;
+        out[3 * i + k] -= spin[j];
+        out[3 * i + j] += spin[k];
+    }
+}
+} // namespace
 
 void update_motion(const rigid::RigidBodies& bodies, const MacGrid& grid, BodyMotion& motion) {
     motion.bodies = static_cast<int>(bodies.size());
@@ -16,6 +37,7 @@ void update_motion(const rigid::RigidBodies& bodies, const MacGrid& grid, BodyMo
             host(BodyMotion::width * b + 3 + k) = velocity[k];
             host(BodyMotion::width * b + 6 + k) = spin[k];
         }
+        upload_bend(spin, bodies.step(), &host(BodyMotion::width * b + 9));
     }
     Kokkos::deep_copy(motion.frame, host);
 }

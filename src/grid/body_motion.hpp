@@ -8,8 +8,10 @@ namespace treacle::grid {
 
 // How the bodies move, as kernels read it.
 struct BodyMotion {
-    static constexpr int width = 9;
-    Array<double> frame{"treacle::body_motion", 0}; // [bodies][9] centre [m], velocity [m/s], spin [rad/s]
+    static constexpr int width = 18;
+    // [bodies][18] centre [m], velocity [m/s], spin [rad/s]; and B [1/s], 3 x 3: how the chord of a turn in a step differs from
+    // the spin, (R - I)/dt - [spin]x, zero outside of a step.
+    Array<double> frame{"treacle::body_motion", 0};
     int bodies = 0;
     double period[3]{0, 0, 0}; // [m], 0: not periodic
 
@@ -20,10 +22,24 @@ struct BodyMotion {
             if (period[k] > 0) r[k] -= period[k] * math::floor(r[k] / period[k] + 0.5);
         }
     }
-    // Of the point at r from the centre.
+    // Of the point at r from the centre: along the straight line to where it will be at the end of the step.
     KOKKOS_INLINE_FUNCTION double velocity(int body, int axis, const double r[3]) const {
         const int at = width * body, b = (axis + 1) % 3, c = (axis + 2) % 3;
-        return frame(at + 3 + axis) + frame(at + 6 + b) * r[c] - frame(at + 6 + c) * r[b];
+        return frame(at + 3 + axis) + frame(at + 6 + b) * r[c] - frame(at + 6 + c) * r[b] + bend(body, axis, r);
+    }
+    // What it has of that beside the rigid motion.
+    KOKKOS_INLINE_FUNCTION double bend(int body, int axis, const double r[3]) const {
+        const int at = width * body + 9 + 3 * axis;
+        return frame(at) * r[0] + frame(at + 1) * r[1] + frame(at + 2) * r[2];
+    }
+    // The strain rates of that: xx, yy, zz, xy, yz, zx.
+    KOKKOS_INLINE_FUNCTION void strains(int body, double out[6]) const {
+        const int at = width * body + 9;
+        for (int a = 0; a < 3; ++a) {
+            const int b = (a + 1) % 3;
+            out[a] = frame(at + 4 * a);
+            out[3 + a] = 0.5 * (frame(at + 3 * a + b) + frame(at + 3 * b + a));
+        }
     }
     // Of solid `number` (Solids::number) at x; sides of the domain rest.
     KOKKOS_INLINE_FUNCTION void velocity(int number, const double x[3], double u[3]) const {

@@ -160,6 +160,24 @@ void GridStep::find_surface() {
     fraction_builder_.build_body_shares(solids_.nodes(), solids_.distance(), solids_.number(), solids_.moves(), shares_.data());
 }
 
+// (S), (D)
+void GridStep::find_strains(double dt) {
+    strains_.find({grid_, cells_halo_, velocity_, mass_, fractions_, solids_, before_, dt});
+    if (contracts()) contraction_.find(setup_.options.contraction, {grid_, cells_halo_, cells_, distance_, fractions_}, dt);
+    const CellBox window = cells_halo_.window(), owned = cells_halo_.owned();
+    reserve(inflow_, static_cast<std::size_t>(window.size()));
+    const auto out = inflow_, more = contraction_.inflow();
+    const bool contracts = more.extent(0) > 0;
+    const double dx = grid_.dx;
+    const auto xx = strains_.normal(0), yy = strains_.normal(1), zz = strains_.normal(2);
+    Kokkos::parallel_for("treacle::inflow", static_cast<int>(owned.size()), KOKKOS_LAMBDA(int n) {
+        int c[3];
+        owned.cell(n, c);
+        const int i = window.index(c[0], c[1], c[2]);
+        out(i) = (contracts ? more(i) : 0.0) - dx * (xx(i) + yy(i) + zz(i));
+    });
+}
+
 void GridStep::project(StepReport& report, double dt, Pressure::Surface surface) {
     auto found = pressure_.project(velocity_, bodies_, dt, surface);
     gather_faces(grid_, cells_halo_, velocity_);
@@ -217,12 +235,12 @@ ViscousScene GridStep::viscous_scene() {
     if (slides) slip_.update(cells_halo_, bodies_, solids_, level_set_, setup_.options.fractions);
     find_viscosities();
     return {grid_, cells_halo_, fractions_, slides ? slip_.shares() : shares_, viscosities_, setup_.density,
-            slides ? &slip_.slip() : nullptr};
+            slides ? &slip_.slip() : nullptr, nullptr, &strains_};
 }
 
 PressureScene GridStep::pressure_scene() {
     return {grid_, cells_halo_, distance_, fractions_, shares_, bodies_, setup_.density, tensions_.largest(),
-            tensions_.differ() ? &tensions_.at_centres() : nullptr, nullptr, contracts() ? &contraction_.inflow() : nullptr};
+            tensions_.differ() ? &tensions_.at_centres() : nullptr, nullptr, &inflow_};
 }
 
 // (V)
@@ -315,7 +333,7 @@ void GridStep::move(StepReport& report, double dt) {
     pressures_to_particles(grid_, cells_halo_.window(), pressure_.pressures(), particles_);
     bodies_.move(dt);
     if (bodies_.any_moves()) solids_.update(cells_halo_, bodies_);
-    const Advection how{FaceSampler(grid_, cells_halo_.window(), velocity_), solids_.sampler(),
+    const Advection how{grid_.dx, solids_.sampler(),
                         make_domain_sides(grid_, setup_.domain), setup_.options.advection, outlets_};
     const auto gone = advect(how, particles_, dt); // (A5)
     report.pushed = gone.pushed;
@@ -355,26 +373,31 @@ StepReport GridStep::advance(double dt) {
     {
         const auto phase = timers_.scope("surface");
         find_surface(); // (F1), (F2)
-        if (contracts()) contraction_.find(setup_.options.contraction, {grid_, cells_halo_, cells_, distance_, fractions_}, dt); // (D)
         if (tensions_.differ()) tensions_.find(grid_, cells_halo_, particles_, cells_, particle_mass_);
     }
+    // Velocities are those of the middles of steps: from the middle of the last one to that of this one.
+    const double kick = 0.5 * (before_ + dt);
     bodies_.begin(dt);
-    bodies_.fall(dt);
-    accelerate(grid_, cells_halo_.window(), setup_.domain.gravity, dt, velocity_); // (A1)
-    if (solves_together(dt)) {
-        together(report, dt); // (P), (U)
+    solids_.update(cells_halo_, bodies_);
+    find_strains(dt); // (S), (D)
+    bodies_.fall(kick);
+    accelerate(grid_, cells_halo_.window(), setup_.domain.gravity, kick, velocity_); // (A1)
+    if (solves_together(kick)) {
+        together(report, kick); // (P), (U)
     } else {
-        split(report, dt); // (P), (V)
+        split(report, kick); // (P), (V)
     }
     {
         const auto phase = timers_.scope("move");
-        continue_velocity({viscous(), slip_.lengths(), viscous_spread(dt)});
+        solids_.update(cells_halo_, bodies_);
+        continue_velocity({viscous(), slip_.lengths(), viscous_spread(kick)});
         move(report, dt); // (A4), (A5)
     }
     {
         const auto phase = timers_.scope("correct");
         correct(report); // (C)
     }
+    before_ = dt;
     return report;
 }
 

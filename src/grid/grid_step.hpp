@@ -9,6 +9,7 @@
 #include "grid/pressure.hpp"
 #include "grid/rheology.hpp"
 #include "grid/slip_geometry.hpp"
+#include "grid/step_strains.hpp"
 #include "grid/stokes.hpp"
 #include "grid/tension.hpp"
 #include "grid/viscosity.hpp"
@@ -102,6 +103,7 @@ public:
 
     // Parts of advance(); not private, since nvcc takes no kernel in a private function.
     void take_centres();
+    void find_strains(double dt);
     double largest_viscosity() const;
 
 private:
@@ -160,9 +162,12 @@ private:
     FaceField open_; // of faces that no solid takes along
     PositionCorrection correction_;
     Contraction contraction_;
+    StepStrains strains_;
+    Array<double> inflow_{"treacle::inflow", 0}; // [window] what must flow into cells, of contraction and strains [m/s]
     PhaseTimers timers_;
     std::int64_t steps_ = 0;
     double imbalance_after_cut_ = 1;
+    double before_ = 0;   // [s] length of the last step, 0: there was none
     double crowding_ = 0; // largest density error that the last correction of places left
 };
 

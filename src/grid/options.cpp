@@ -63,11 +63,6 @@ void StokesOptions::declare(Declaration& d) {
 
 namespace {
 void declare_advection(Declaration& d, AdvectionOptions& options) {
-    d.choice("scheme", options.scheme,
-             {{"euler", AdvectionScheme::euler},
-              {"ralston2", AdvectionScheme::ralston2},
-              {"ralston3", AdvectionScheme::ralston3}},
-             "Runge-Kutta scheme of order 1, 2 or 3 by which particles follow the velocities of a step.");
     d.number("clearance", options.clearance, unit::none, range_between(0, 0.5),
              "Least distance of particles from solids, in grid widths: nearer ones are pushed off.");
     d.number("leak_depth", options.leak_depth, unit::none, range_above(0),

@@ -53,10 +53,11 @@ struct CouplingLoop {
     MacGrid grid;
     BodyMotion motion;
     Array<int> cell_of, offset, body;
-    Array<double> u;
+    Array<double> u, bend;
 
     KOKKOS_INLINE_FUNCTION void operator()(int r) const {
         const int begin = offset(r), end = offset(r + 1);
+        bend(r) = 0;
         if (begin == end) return;
         for (int e = begin; e < end; ++e) {
             body(e) = -1;
@@ -73,6 +74,7 @@ struct CouplingLoop {
             motion.arm(b, x, arm);
             add_load(a, arm, sign * area, load);
             for (int k = 0; k < 6; ++k) u(6 * e + k) += load[k];
+            bend(r) += sign * area * motion.bend(b, a, arm);
         });
     }
 };
@@ -103,11 +105,13 @@ void PressureCoupling::build(const PressureSystem& system, const MacGrid& grid, 
     const int n = count(system, fluid, shares);
     reserve(body_, static_cast<std::size_t>(n));
     reserve(u_, 6 * static_cast<std::size_t>(n));
+    reserve(bend_, static_cast<std::size_t>(rows_));
     Kokkos::parallel_for("treacle::couplings", system.rows(),
                          CouplingLoop{CellBodies(system.faces(), fluid, shares), grid, motion, system.cell_of(), offset_,
-                                      body_, u_});
+                                      body_, u_, bend_});
     const auto offset = on_host(offset_), body = on_host(body_);
-    const auto u = on_host(u_);
+    const auto u = on_host(u_), bend = on_host(bend_);
+    host_bend_.assign(bend.data(), bend.data() + rows_);
     for (int r = 0; r < system.rows() && n > 0; ++r) {
         for (int e = offset(r); e < offset(r + 1); ++e) {
             Entry entry{r, body(e), {}};
@@ -120,9 +124,9 @@ void PressureCoupling::build(const PressureSystem& system, const MacGrid& grid, 
 void PressureCoupling::subtract_flux(const BodyMotion& motion, double scale, const Array<double>& out) const {
     if (entries_.empty()) return;
     const auto offset = offset_, body = body_;
-    const auto u = u_;
+    const auto u = u_, bend = bend_;
     Kokkos::parallel_for("treacle::body_flux", rows_, KOKKOS_LAMBDA(int r) {
-        double flux = 0;
+        double flux = bend(r);
         for (int e = offset(r); e < offset(r + 1); ++e) {
             for (int k = 0; k < 6; ++k) flux += u(6 * e + k) * motion.frame(BodyMotion::width * body(e) + 3 + k);
         }
@@ -158,8 +162,13 @@ void PressureCoupling::add_flux(std::span<const double> velocities, double facto
     }
 }
 
+void PressureCoupling::add_bend(double factor, std::span<double> y) const {
+    if (entries_.empty()) return;
+    for (std::size_t r = 0; r < y.size(); ++r) y[r] += factor * host_bend_[r];
+}
+
 std::size_t PressureCoupling::bytes() const {
-    return 4 * (offset_.span() + body_.span()) + 8 * u_.span() + sizeof(Entry) * entries_.capacity();
+    return 8 * (bend_.span() + host_bend_.capacity()) + 4 * (offset_.span() + body_.span()) + 8 * u_.span() + sizeof(Entry) * entries_.capacity();
 }
 
 } // namespace treacle::grid

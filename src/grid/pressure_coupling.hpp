@@ -32,6 +32,8 @@ public:
 
     // y += factor J V on this rank's rows, V 6 numbers a body.
     void add_flux(std::span<const double> velocities, double factor, std::span<double> y) const;
+    // y += factor times the flux of what the bodies' velocities have beside their rigid motions (BodyMotion::bend).
+    void add_bend(double factor, std::span<double> y) const;
 
     bool empty() const { return entries_.empty(); }
     std::size_t bytes() const;
@@ -55,7 +57,9 @@ private:
     Array<int> offset_{"treacle::coupling_offset", 0}; // [rows + 1]
     Array<int> body_{"treacle::coupling_body", 0};     // [entries]
     Array<double> u_{"treacle::coupling_row", 0};      // [entries * 6]
+    Array<double> bend_{"treacle::coupling_bend", 0};  // [rows] flux of BodyMotion::bend
     std::vector<Entry> entries_;                       // the same on the host
+    std::vector<double> host_bend_;
 };
 
 } // namespace treacle::grid

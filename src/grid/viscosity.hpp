@@ -12,6 +12,8 @@
 
 namespace treacle::grid {
 
+class StepStrains;
+
 // Dynamic viscosity [Pa s] at the centres of cells and at edges, over the window. Plane scenes use edges along z.
 struct Viscosities {
     Array<double> cell;
@@ -37,6 +39,7 @@ struct ViscousScene {
     // Where the pressure acts in the same solve: all faces that it pushes are unknowns. Those without liquid have the mass
     // of the projection, and those that it does not push none, since nothing holds it against gravity.
     const PressureFaces* pressed = nullptr;
+    const StepStrains* strains = nullptr; // in a step of particles along straight lines
 };
 
 struct ViscosityReport {

@@ -103,6 +103,24 @@ struct ListLoop {
     }
 };
 
+// What pulls at the bodies in a face besides their rigid motions and the liquid: D^T K (e - D W_S bend).
+struct GivenLoop {
+    ViscousFaces faces;
+    OwnedFaces owned;
+    ViscousBodies::List moved;
+    Array<double> out;
+
+    KOKKOS_INLINE_FUNCTION void operator()(int n) const {
+        int a, c[3];
+        const auto i = owned.place(n, a, c);
+        out(n) = 0;
+        if (moved.first(n) == moved.last(n)) return;
+        double sum = faces.strain_pull(a, i);
+        faces.each_entry(a, i, [&](int b, std::ptrdiff_t j, double entry) { sum -= entry * faces.bend.axis[b](j); });
+        out(n) = sum;
+    }
+};
+
 // The velocities at the slip surface of a cell, along each axis, that the motions of its body give.
 struct SurfaceLoop {
     ViscousFaces faces;
@@ -163,6 +181,8 @@ void ViscousBodies::list(const ViscousScene& scene, const ViscousFaces& faces, c
     loop.moved = moved_;
     loop.write = true;
     Kokkos::parallel_for("treacle::list_viscous_bodies", all.count(), loop);
+    reserve(given_pull_, static_cast<std::size_t>(all.count()));
+    Kokkos::parallel_for("treacle::given_pull", all.count(), GivenLoop{faces, all, moved_, given_pull_});
 }
 
 void ViscousBodies::add_stiffness(int b, const double* left, int other, const double* right, double factor) {
@@ -192,6 +212,8 @@ void ViscousBodies::sum_slip(const ViscousFaces& faces, const CellBox& owned) {
     const auto u = on_host(surface_.u);
     Array<double>::HostMirror traction[6];
     for (int k = 0; k < 6; ++k) traction[k] = on_host(faces.traction[k]);
+    Array<double>::HostMirror bend[3];
+    for (int k = 0; k < faces.dimensions; ++k) bend[k] = on_host(faces.wall_bend[k]);
     for (int n = 0; n < owned.size(); ++n) {
         const int at = first(n);
         if (first(n + 1) == at) continue;
@@ -202,6 +224,7 @@ void ViscousBodies::sum_slip(const ViscousFaces& faces, const CellBox& owned) {
             for (int b = 0; b < faces.dimensions; ++b) {
                 const double k = traction[ViscousFaces::component(a, b)](i);
                 add_stiffness(body(at), u.data() + 6 * (at + a), body(at), u.data() + 6 * (at + b), k);
+                for (std::size_t l = 0; l < 6; ++l) held_[6 * static_cast<std::size_t>(body(at)) + l] -= k * bend[b](i) * u(6 * static_cast<std::size_t>(at + a) + l);
             }
         }
     }
@@ -217,6 +240,7 @@ void ViscousBodies::sum_faces(const ViscousFaces& faces, const ViscousSystem& sy
         const double* at(int k) const { return u.data() + 6 * static_cast<std::size_t>(k); }
     };
     const Host pulled(pulled_), slipped(slipped_), moved(moved_);
+    const auto pull = on_host(given_pull_);
     const auto couple = [&](int row, double share, int body, const double* pull) {
         Entry entry{row, body, {}};
         for (int l = 0; l < 6; ++l) entry.u[l] = share * pull[l];
@@ -226,6 +250,7 @@ void ViscousBodies::sum_faces(const ViscousFaces& faces, const ViscousSystem& sy
     for (int a = 0; a < faces.dimensions; ++a) {
         const auto role = on_host(faces.role[a]), row = on_host(system.row_of(a));
         const auto share = on_host(faces.share.axis[a]), mass = on_host(faces.mass.axis[a]), u = on_host(velocity.axis[a]);
+        const auto bend = on_host(faces.bend.axis[a]);
         for (int n = a; n < all.count(); n += faces.dimensions) {
             if (pulled.first(n) == pulled.last(n) && moved.first(n) == moved.last(n) && slipped.first(n) == slipped.last(n)) continue;
             int axis, c[3];
@@ -244,9 +269,12 @@ void ViscousBodies::sum_faces(const ViscousFaces& faces, const ViscousSystem& sy
                     add_stiffness(slipped.body(k), pull, moved.body(m), moved.at(m), 1);
                 }
             }
+            const double given = pull(n) + (role(i) == held_face ? mass(i) * (u(i) - bend(i)) : 0.0);
+            for (int m = moved.first(n); m < moved.last(n); ++m) {
+                for (std::size_t l = 0; l < 6; ++l) held_[at(moved.body(m)) + l] += given * moved.at(m)[l];
+            }
             if (role(i) != held_face) continue;
             for (int m = moved.first(n); m < moved.last(n); ++m) {
-                for (std::size_t l = 0; l < 6; ++l) held_[at(moved.body(m)) + l] += mass(i) * u(i) * moved.at(m)[l];
                 for (int k = moved.first(n); k < moved.last(n); ++k) add_stiffness(moved.body(m), moved.at(m), moved.body(k), moved.at(k), mass(i));
             }
         }

@@ -68,6 +68,7 @@ private:
     List moved_;   // W_S R of a face
     List surface_; // of slip surfaces, by owned cells: R along each axis
     std::vector<Entry> coupling_; // C
+    Array<double> given_pull_{"treacle::given_pull", 0}; // [owned faces] D^T K (e - D W_S bend)
     std::vector<double> stiffness_, held_; // G [size][size], h [size]
 };
 

@@ -19,12 +19,18 @@ struct ViscousFaces {
     FaceField share;        // W_F of free faces, else 0
     FaceField scale;        // of the bodies' shares in a face's cube: W_S = scale * share of the body
     FaceField mass;         // of the liquid, over dt [kg/s]
-    FaceField solid;        // sum W_S R V of the bodies as they move now [m/s]
+    FaceField solid;        // sum W_S R V of the bodies as they move now [m/s], with their bend
+    FaceField bend;         // of that what BodyMotion::bend gives
+    bool strained = false;
+    Array<double> strain[3]; // normal strain rates at the centres that no stress resists [m/s over dx], step_strains.hpp
+    EdgeField shear_strain;  // and twice the shear strain rates at edges
+    double dx = 0;           // [m]
     bool slips = false;
     Array<double> traction[6]; // xx, yy, zz, xy, yz, zx of the cell's slip surface: force = -traction (u - V) [kg/s]
     FaceField lean;            // share that face i has, against face i + stride, in the velocity at a cell's slip surface
     Array<int> slip_body;      // whose surface slips in a cell, -1: at rest
-    Array<double> wall[3];     // the velocity of that body there [m/s]
+    Array<double> wall[3];     // the velocity of that body there [m/s], with its bend
+    Array<double> wall_bend[3];
 
     // The stresses beside face i across a: use(where), with where = 0 … 3 (2 in the plane): edges, and the two centres.
     template <class Use>
@@ -37,6 +43,23 @@ struct ViscousFaces {
             use(edge.axis[3 - a - b](i));
             use(edge.axis[3 - a - b](i + stride[b]));
         }
+    }
+
+    // Row (a, i) of D^T K e for the strains e that no stress resists [kg m/s2].
+    KOKKOS_INLINE_FUNCTION double strain_pull(int a, std::ptrdiff_t i) const {
+        if (!strained) return 0;
+        const std::ptrdiff_t s = stride[a];
+        double sum = 0;
+        if (normal(i - s) > 0) sum += normal(i - s) * strain[a](i - s);
+        if (normal(i) > 0) sum -= normal(i) * strain[a](i);
+        for (int b = 0; b < dimensions; ++b) {
+            if (b == a) continue;
+            const auto& weight = shear.axis[3 - a - b];
+            const auto& rate = shear_strain.axis[3 - a - b];
+            if (weight(i) > 0) sum += weight(i) * rate(i);
+            if (weight(i + stride[b]) > 0) sum -= weight(i + stride[b]) * rate(i + stride[b]);
+        }
+        return dx * sum;
     }
 
     // Row (a, i) of D^T K D: use(b, j, entry) for each face j across b that it meets, itself first; some come twice.

@@ -1,5 +1,7 @@
 #include "grid/viscous_parts.hpp"
 
+#include "grid/step_strains.hpp"
+
 namespace treacle::grid {
 
 namespace {
@@ -70,14 +72,16 @@ struct SolidLoop {
     KOKKOS_INLINE_FUNCTION void operator()(int n) const {
         int c[3];
         const auto i = inner.place(n, c);
-        double sum = 0;
+        double sum = 0, bend = 0;
         for (int k = shares.first(i); k < shares.first(i + 1); ++k) {
             double x[3], r[3];
             grid.face(axis, c, x);
             motion.arm(shares.body(k), x, r);
             sum += shares.share(k) * motion.velocity(shares.body(k), axis, r);
+            bend += shares.share(k) * motion.bend(shares.body(k), axis, r);
         }
         faces.solid.axis[axis](i) = faces.scale.axis[axis](i) * sum;
+        faces.bend.axis[axis](i) = faces.scale.axis[axis](i) * bend;
     }
 };
 
@@ -93,11 +97,12 @@ struct WallLoop {
         const int body = faces.slip_body(i);
         for (int k = 0; k < faces.dimensions; ++k) {
             double x[3], r[3];
-            faces.wall[k](i) = 0;
+            faces.wall[k](i) = faces.wall_bend[k](i) = 0;
             if (body < 0) continue;
             faces.slip_point(grid, k, c, x);
             motion.arm(body, x, r);
             faces.wall[k](i) = motion.velocity(body, k, r);
+            faces.wall_bend[k](i) = motion.bend(body, k, r);
         }
     }
 };
@@ -202,6 +207,7 @@ void ViscousParts::weigh_slip(const ViscousScene& scene, const ViscosityOptions&
     faces_.slip_body = scene.slip->body;
     for (auto& component : faces_.traction) make_room(f.cell_wet, {&component});
     for (auto& component : faces_.wall) make_room(f.cell_wet, {&component});
+    for (auto& component : faces_.wall_bend) make_room(f.cell_wet, {&component});
     const double dx = scene.grid.dx;
     const Inner second(faces_.window, faces_.dimensions, 2); // the neighbours' neighbours are read
     Kokkos::parallel_for("treacle::weigh_slip", second.count(),
@@ -220,7 +226,7 @@ void ViscousParts::cast_roles(const ViscousScene& scene, const ViscosityOptions&
     const auto& grip = scene.slip ? scene.slip->grip : f;
     const Inner inner(faces_.window, faces_.dimensions);
     for (int a = 0; a < faces_.dimensions; ++a) {
-        make_room(f.cell_wet, {&faces_.share.axis[a], &faces_.scale.axis[a], &faces_.mass.axis[a], &faces_.solid.axis[a]});
+        make_room(f.cell_wet, {&faces_.share.axis[a], &faces_.scale.axis[a], &faces_.mass.axis[a], &faces_.solid.axis[a], &faces_.bend.axis[a]});
         if (faces_.role[a].extent(0) < f.cell_wet.extent(0)) {
             reserve(faces_.role[a], f.cell_wet.extent(0));
             Kokkos::deep_copy(faces_.role[a], int(idle_face));
@@ -241,6 +247,7 @@ void ViscousParts::move_solids(const ViscousScene& scene, const BodyMotion& moti
     for (int a = 0; a < faces_.dimensions; ++a) {
         if (motion.bodies == 0) {
             Kokkos::deep_copy(faces_.solid.axis[a], 0.0);
+            Kokkos::deep_copy(faces_.bend.axis[a], 0.0);
             continue;
         }
         Kokkos::parallel_for("treacle::move_solids", inner.count(),
@@ -254,6 +261,12 @@ void ViscousParts::build(const ViscousScene& scene, const ViscosityOptions& opti
     for (int k = 1; k < 3; ++k) {
         faces_.stride[k] = faces_.stride[k - 1] * (faces_.window.hi[k - 1] - faces_.window.lo[k - 1]);
     }
+    faces_.dx = scene.grid.dx;
+    faces_.strained = scene.strains != nullptr;
+    if (scene.strains) {
+        for (int a = 0; a < 3; ++a) faces_.strain[a] = scene.strains->normal(a);
+        faces_.shear_strain = scene.strains->shear();
+    }
     if (faces_.window.empty()) return;
     weigh_stresses(scene, options);
     weigh_slip(scene, options);
@@ -265,12 +278,12 @@ std::size_t ViscousParts::bytes() const {
     std::size_t total = faces_.normal.span();
     for (int a = 0; a < 3; ++a) {
         total += faces_.shear.axis[a].span();
-        for (const auto* field : {&faces_.share, &faces_.scale, &faces_.mass, &faces_.solid, &faces_.lean}) {
+        for (const auto* field : {&faces_.share, &faces_.scale, &faces_.mass, &faces_.solid, &faces_.bend, &faces_.lean}) {
             total += field->axis[a].span();
         }
     }
     for (const auto& component : faces_.traction) total += component.span();
-    for (const auto& component : faces_.wall) total += component.span();
+    for (int a = 0; a < 3; ++a) total += faces_.wall[a].span() + faces_.wall_bend[a].span();
     return 8 * total + 4 * (faces_.role[0].span() + faces_.role[1].span() + faces_.role[2].span());
 }
 

@@ -109,7 +109,7 @@ struct RightLoop {
         double pull = 0;
         faces.each_entry(a, i, [&](int axis, std::ptrdiff_t j, double entry) { pull += entry * faces.solid.axis[axis](j); });
         faces.each_slip(a, i, [&](std::ptrdiff_t cell, int axis, double k) { pull -= k * faces.wall[axis](cell); });
-        b(r) = faces.mass.axis[a](i) * velocity.axis[a](i) - faces.share.axis[a](i) * pull;
+        b(r) = faces.mass.axis[a](i) * velocity.axis[a](i) - faces.share.axis[a](i) * (pull - faces.strain_pull(a, i));
     }
 };
 } // namespace

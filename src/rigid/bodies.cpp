@@ -75,6 +75,7 @@ Pose RigidBodies::pose_at(std::size_t body, double time) const {
 
 void RigidBodies::begin(double dt) {
     if (dt > 0) open_ledger();
+    step_ = dt;
     for (std::size_t b = 0; b < size(); ++b) {
         if (!moves(b) || dynamic(b)) continue;
         auto& state = states_[b];

@@ -89,6 +89,7 @@ public:
     void move(double dt);
 
     double time() const { return time_; } // [s]
+    double step() const { return step_; } // [s] of the step that begin() began, 0 outside of one
     const Pose& pose(std::size_t body) const { return states_[body].pose; }
     const Vec3& velocity(std::size_t body) const { return states_[body].velocity; } // of the centre [m/s]
     Vec3 spin(std::size_t body) const;                                              // [rad/s]
@@ -140,7 +141,7 @@ private:
 
     BodiesSetup setup_;
     std::vector<State> states_;
-    double time_ = 0;
+    double time_ = 0, step_ = 0;
     bool any_moves_ = false, any_dynamic_ = false;
     int contacts_ = 0;
     // Impulses of this step, 6 numbers a body: by gravity and loads, by contacts, by joints; and what each had before.

@@ -14,6 +14,7 @@ struct StepSample {
     GridSetup setup;
     std::function<double(const Vec3&)> liquid; // [m] < 0 inside
     std::function<Vec3(const Vec3&)> velocity = [](const Vec3&) { return Vec3{0, 0, 0}; };
+    std::array<Vec3, 3> gradient{}; // of the velocity, rows by component [1/s]
     double jitter = 0.1; // of the particles' spacing
 };
 
@@ -70,7 +71,7 @@ inline std::unique_ptr<GridStep> started(const Comm& comm, const StepSample& sam
         for (std::size_t k = 0; k < 3; ++k) {
             particles.position()(i, k) = places[i][k];
             particles.velocity()(i, k) = u[k];
-            for (int a = 0; a < 3; ++a) particles.affine(a)(i, k) = 0;
+            for (int a = 0; a < 3; ++a) particles.affine(a)(i, k) = sample.gradient[static_cast<std::size_t>(a)][k];
         }
         particles.id()(i) = ids[i];
         particles.liquid()(i) = 0;

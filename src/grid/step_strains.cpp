@@ -1,0 +1,127 @@
+#include "grid/step_strains.hpp"
+
+namespace treacle::grid {
+
+namespace {
+// Where half the step turns the liquid by more than its square root, the strains grow no more: the step does not resolve it.
+constexpr double most_turn = 0.1;
+
+KOKKOS_INLINE_FUNCTION int pair_of(int a, int b) { return a == b ? a : a + b == 1 ? 3 : a + b == 3 ? 4 : 5; }
+
+// (dt/2) sym(L^2), exact for a rotation by the angle 2 atan(t), with t^2 = dt^2 |L|^2 / 8.
+KOKKOS_INLINE_FUNCTION void strains_of(const SmallMatrix& middle, double dt, double out[6]) {
+    const auto square = middle.times(middle);
+    const double turn = dt * dt * middle.squares() / 8;
+    const double factor = 0.5 * dt / (1 + turn) * math::min(1.0, most_turn / math::max(turn, 1e-300));
+    for (int a = 0; a < 3; ++a) {
+        for (int b = a; b < 3; ++b) out[pair_of(a, b)] = 0.5 * factor * (square.at[a][b] + square.at[b][a]);
+    }
+}
+
+struct CentreLoop {
+    MacGrid grid;
+    CellBox window, box;
+    std::ptrdiff_t stride[3];
+    FaceField velocity, mass;
+    Array<double> fluid;
+    Array<int> number;
+    BodyMotion motion;
+    double before, dt;
+    Array<double> out[6];
+
+    // u_a rises by this from face i to face j, over dx; false where particles reach only one of them.
+    KOKKOS_INLINE_FUNCTION bool rise(int a, std::ptrdiff_t i, std::ptrdiff_t j, double& sum) const {
+        if (!(mass.axis[a](i) > 0) || !(mass.axis[a](j) > 0)) return false;
+        sum += (velocity.axis[a](j) - velocity.axis[a](i)) / grid.dx;
+        return true;
+    }
+    KOKKOS_INLINE_FUNCTION SmallMatrix gradient(std::ptrdiff_t i) const {
+        SmallMatrix out;
+        for (int a = 0; a < grid.dimensions; ++a) {
+            for (int b = 0; b < grid.dimensions; ++b) {
+                double sum = 0;
+                int count = 0;
+                if (a == b) {
+                    count = rise(a, i, i + stride[a], sum) ? 1 : 0;
+                } else {
+                    for (int corner = 0; corner < 4; ++corner) {
+                        const auto upper = i + (corner & 1 ? stride[a] : 0) + (corner & 2 ? stride[b] : 0);
+                        count += rise(a, upper - stride[b], upper, sum) ? 1 : 0;
+                    }
+                }
+                out.at[a][b] = count > 0 ? sum / count : 0.0;
+            }
+        }
+        return out;
+    }
+    KOKKOS_INLINE_FUNCTION void operator()(int n) const {
+        int c[3];
+        box.cell(n, c);
+        const auto i = window.index(c[0], c[1], c[2]);
+        double liquid[6], solid[6] = {0, 0, 0, 0, 0, 0};
+        strains_of(carried_gradient(gradient(i), -0.5 * before), dt, liquid);
+        const int body = number(FineNodes::per_cell * i + (grid.dimensions == 2 ? 3 : 7));
+        const double share = fluid(i);
+        if (share < 1 && body >= 0) motion.strains(body, solid);
+        for (int k = 0; k < 6; ++k) out[k](i) = share * liquid[k] + (1 - share) * solid[k];
+    }
+};
+
+// The mean of the centres around an edge, doubled.
+struct EdgeLoop {
+    CellBox window, box;
+    std::ptrdiff_t first, second;
+    Array<double> centre, out;
+
+    KOKKOS_INLINE_FUNCTION void operator()(int n) const {
+        int c[3];
+        box.cell(n, c);
+        const auto i = window.index(c[0], c[1], c[2]);
+        out(i) = 0.5 * (centre(i) + centre(i - first) + centre(i - second) + centre(i - first - second));
+    }
+};
+
+CellBox within(CellBox window, int layers, int dimensions) {
+    for (int k = 0; k < dimensions; ++k) {
+        window.lo[k] += layers;
+        window.hi[k] -= layers;
+    }
+    return window;
+}
+
+void clear(Array<double>& array, std::size_t n) {
+    reserve(array, n);
+    Kokkos::deep_copy(array, 0.0);
+}
+} // namespace
+
+void StepStrains::find(const Scene& scene) {
+    const CellBox window = scene.halo.window();
+    const int dimensions = scene.grid.dimensions;
+    const auto n = static_cast<std::size_t>(window.size());
+    for (auto& component : centre_) clear(component, n);
+    for (int e = dimensions == 2 ? 2 : 0; e < 3; ++e) clear(shear_.axis[e], n);
+    if (scene.halo.owned().empty()) return;
+    CentreLoop loop{scene.grid, window, within(window, 1, dimensions), {1, 1, 1}, scene.velocity, scene.mass,
+                    scene.fractions.cell_fluid, scene.solids.number(), scene.solids.motion(), scene.before, scene.dt, {}};
+    for (int k = 1; k < 3; ++k) loop.stride[k] = loop.stride[k - 1] * (window.hi[k - 1] - window.lo[k - 1]);
+    for (int k = 0; k < 6; ++k) loop.out[k] = centre_[k];
+    Kokkos::parallel_for("treacle::step_strains", static_cast<int>(loop.box.size()), loop);
+    for (int a = 0; a < 3; ++a) normal_[a] = centre_[a];
+    const CellBox inner = within(window, 2, dimensions);
+    for (int e = dimensions == 2 ? 2 : 0; e < 3; ++e) {
+        const int a = (e + 1) % 3, b = (e + 2) % 3;
+        Kokkos::parallel_for("treacle::step_shear", static_cast<int>(inner.size()),
+                             EdgeLoop{window, inner, loop.stride[a], loop.stride[b], centre_[pair_of(math::min(a, b), math::max(a, b))],
+                                      shear_.axis[e]});
+    }
+}
+
+std::size_t StepStrains::bytes() const {
+    std::size_t numbers = 0;
+    for (const auto& component : centre_) numbers += component.span();
+    for (const auto& edge : shear_.axis) numbers += edge.span();
+    return 8 * numbers;
+}
+
+} // namespace treacle::grid
