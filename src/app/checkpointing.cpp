@@ -58,7 +58,7 @@ void save_checkpoint(const io::RunFolder& folder, const Input& input, const std:
     const auto state = solver.state();
     writer.replicated("decomposition", std::span<const std::int64_t>(state.decomposition));
     writer.replicated("bodies", std::span<const double>(state.bodies));
-    if (!state.inflow.empty()) writer.replicated("inflow", std::span<const double>(state.inflow));
+    if (!state.history.empty()) writer.replicated("history", std::span<const double>(state.history));
     add_store(writer, "liquid", solver.liquid());
     if (solver.solid()) add_store(writer, "solid", *solver.solid());
     writer.commit();
@@ -103,7 +103,7 @@ void load_checkpoint(const Checkpoint& checkpoint, Simulation& solver) {
     read_store(reader, "liquid", solver.liquid());
     if (solver.solid()) read_store(reader, "solid", *solver.solid());
     RestartState state{{}, reader.replicated<double>("bodies"), {}};
-    if (!solver.state().inflow.empty()) state.inflow = reader.replicated<double>("inflow");
+    if (!solver.state().history.empty()) state.history = reader.replicated<double>("history");
     if (reader.writer_ranks() == comm.size()) state.decomposition = reader.replicated<std::int64_t>("decomposition");
     solver.restore(state);
 }

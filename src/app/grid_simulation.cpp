@@ -75,6 +75,7 @@ std::vector<std::string> GridSimulation::fill(const Geometry& geometry) {
 
 void GridSimulation::restore(const RestartState& state) {
     solver_.restore_bodies(state.bodies);
+    solver_.restore_history(state.history);
     if (state.decomposition.empty()) {
         solver_.start();
     } else {
@@ -82,7 +83,7 @@ void GridSimulation::restore(const RestartState& state) {
     }
 }
 
-RestartState GridSimulation::state() const { return {solver_.decomposition_state(), solver_.bodies().state(), {}}; }
+RestartState GridSimulation::state() const { return {solver_.decomposition_state(), solver_.bodies().state(), solver_.history()}; }
 
 // A solve that ends above its residual lets the step go on (method.grid.stokes.max_iterations). The log has one line for each
 // time that it doubles.
@@ -117,7 +118,7 @@ StepFigures GridSimulation::advance(double dt) {
 LiquidView GridSimulation::view() const {
     const auto& particles = solver_.particles();
     const double spacing = particle_spacing(input_);
-    return {particles.position(), particles.velocity(), particles.liquid(), particles.store.owned(), spacing,
+    return {particles.position(), particles.end_velocity(), particles.liquid(), particles.store.owned(), spacing,
             2.5 * spacing,        volume_of_particle(solver_.grid())};
 }
 

@@ -35,7 +35,8 @@ struct LiquidView {
 // What a checkpoint holds besides the fields of the particle stores.
 struct RestartState {
     std::vector<std::int64_t> decomposition; // empty: of another number of ranks
-    std::vector<double> bodies, inflow;
+    std::vector<double> bodies;
+    std::vector<double> history; // of the method, whatever the number of ranks
 };
 
 // A run's method, as the time loop drives it. All but the getters are collective.

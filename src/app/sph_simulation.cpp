@@ -11,7 +11,7 @@ std::vector<std::string> SphSimulation::fill(const Geometry& geometry) { return 
 
 void SphSimulation::restore(const RestartState& state) {
     solver_->restore_bodies(state.bodies);
-    if (!state.inflow.empty()) solver_->restore_inflow(state.inflow);
+    if (!state.history.empty()) solver_->restore_inflow(state.history);
     if (state.decomposition.empty()) {
         solver_->start(sph::IsphStep::SolidVolumes::keep);
     } else {

@@ -16,6 +16,15 @@ void copy_faces(const MacGrid& grid, const CellBox& window, const FaceField& fro
     }
 }
 
+void subtract_faces(const MacGrid& grid, const CellBox& window, const FaceField& a, const FaceField& b, FaceField& out) {
+    reserve_faces(out, grid, window);
+    for (int axis = 0; axis < grid.dimensions; ++axis) {
+        const auto first = a.axis[axis], second = b.axis[axis], difference = out.axis[axis];
+        Kokkos::parallel_for("treacle::subtract_faces", static_cast<int>(window.size()),
+                             KOKKOS_LAMBDA(int i) { difference(i) = first(i) - second(i); });
+    }
+}
+
 void gather_faces(const MacGrid& grid, CellHalo& halo, const FaceField& field) {
     if (grid.dimensions == 2) {
         halo.gather({field.axis[0], field.axis[1]});

@@ -12,6 +12,9 @@ void reserve_faces(FaceField& field, const MacGrid& grid, const CellBox& window)
 // Collective: halo faces take the values of their owners.
 void gather_faces(const MacGrid& grid, CellHalo& halo, const FaceField& field);
 
+// out = a - b on all faces of the window.
+void subtract_faces(const MacGrid& grid, const CellBox& window, const FaceField& a, const FaceField& b, FaceField& out);
+
 // (A1) u += g dt on all faces of the window.
 void accelerate(const MacGrid& grid, const CellBox& window, const std::array<double, 3>& g, double dt,
                 const FaceField& velocity);

@@ -39,20 +39,35 @@ GridStep::GridStep(const Comm& comm, const GridSetup& setup)
 void GridStep::start() {
     recut();
     place_particles();
+    if (before_ > 0) return;
+    begin_velocities(particles_, 0);
+    record_momentum({0, 0, true});
+}
+
+std::vector<double> GridStep::history() const {
+    std::vector<double> out{before_, crowding_, double(steps_)};
+    const auto momentum = end_momentum_.state();
+    out.insert(out.end(), momentum.begin(), momentum.end());
+    return out;
+}
+
+void GridStep::restore_history(std::span<const double> state) {
+    before_ = state[0];
+    crowding_ = state[1];
+    steps_ = static_cast<std::int64_t>(state[2]);
+    end_momentum_.restore(state.subspan(3));
 }
 
 void GridStep::restore(std::span<const std::int64_t> state) {
     imbalance_after_cut_ = std::bit_cast<double>(state[0]);
-    crowding_ = std::bit_cast<double>(state[1]);
-    steps_ = state[2];
-    decomposition_.restore(state.subspan(3));
+    decomposition_.restore(state.subspan(1));
     halo_.connect(decomposition_);
     place_particles();
 }
 
 std::vector<std::int64_t> GridStep::decomposition_state() const {
     auto out = decomposition_.state();
-    out.insert(out.begin(), {std::bit_cast<std::int64_t>(imbalance_after_cut_), std::bit_cast<std::int64_t>(crowding_), steps_});
+    out.insert(out.begin(), std::bit_cast<std::int64_t>(imbalance_after_cut_));
     return out;
 }
 
@@ -326,8 +341,11 @@ void GridStep::continue_velocity(const WallGrip& grip) {
     turn_along_solids(grid_, cells_halo_, solids_, faces, grip, velocity_, scratch_); // (A2)
 }
 
-void GridStep::move(StepReport& report, double dt) {
+void GridStep::move(StepReport& report, const StepTimes& times) {
+    const double dt = times.drift;
     faces_to_particles(grid_, cells_halo_.window(), velocity_, particles_); // (A4)
+    subtract_faces(grid_, cells_halo_.window(), velocity_, start_, scratch_);
+    end_velocities(grid_, cells_halo_.window(), scratch_, times, particles_); // (E)
     cells_halo_.gather({pressure_.pressures()});
     const double before = bodies_.time();
     pressures_to_particles(grid_, cells_halo_.window(), pressure_.pressures(), particles_);
@@ -376,7 +394,8 @@ StepReport GridStep::advance(double dt) {
         if (tensions_.differ()) tensions_.find(grid_, cells_halo_, particles_, cells_, particle_mass_);
     }
     // Velocities are those of the middles of steps: from the middle of the last one to that of this one.
-    const double kick = 0.5 * (before_ + dt);
+    const StepTimes times{0.5 * (before_ + dt), dt, !(before_ > 0)};
+    const double kick = times.kick;
     bodies_.begin(dt);
     solids_.update(cells_halo_, bodies_);
     find_strains(dt); // (S), (D)
@@ -391,13 +410,14 @@ StepReport GridStep::advance(double dt) {
         const auto phase = timers_.scope("move");
         solids_.update(cells_halo_, bodies_);
         continue_velocity({viscous(), slip_.lengths(), viscous_spread(kick)});
-        move(report, dt); // (A4), (A5)
+        move(report, times); // (A4), (E), (A5)
     }
     {
         const auto phase = timers_.scope("correct");
         correct(report); // (C)
     }
     before_ = dt;
+    record_momentum(times);
     return report;
 }
 

@@ -11,6 +11,7 @@
 #include "grid/slip_geometry.hpp"
 #include "grid/step_strains.hpp"
 #include "grid/stokes.hpp"
+#include "grid/synchronise.hpp"
 #include "grid/tension.hpp"
 #include "grid/viscosity.hpp"
 #include "mpi/halo.hpp"
@@ -72,6 +73,9 @@ public:
     void restore(std::span<const std::int64_t> decomposition);
     // The bodies as a checkpoint has them; before start() or restore().
     void restore_bodies(std::span<const double> state) { bodies_.restore(state); }
+    // What the next step needs of those before it, whatever the number of ranks; restored before start() or restore().
+    std::vector<double> history() const;
+    void restore_history(std::span<const double> state);
     std::vector<std::int64_t> decomposition_state() const;
 
     // One step of dt [s]. Throws SimulationError, on every rank, when a solve fails.
@@ -126,7 +130,9 @@ private:
     void find_viscosities();
     ViscousSpread viscous_spread(double dt) const { return {viscosities_.cell, setup_.density, dt}; }
     void continue_velocity(const WallGrip& grip);
-    void move(StepReport& report, double dt);
+    void move(StepReport& report, const StepTimes& times);
+    std::array<double, 9> sums(const Array3& velocity) const;
+    void record_momentum(const StepTimes& times);
     void correct(StepReport& report);
     void collect(StepReport& report);
 
@@ -165,6 +171,7 @@ private:
     StepStrains strains_;
     Array<double> inflow_{"treacle::inflow", 0}; // [window] what must flow into cells, of contraction and strains [m/s]
     PhaseTimers timers_;
+    EndMomentum end_momentum_;
     std::int64_t steps_ = 0;
     double imbalance_after_cut_ = 1;
     double before_ = 0;   // [s] length of the last step, 0: there was none

@@ -1,5 +1,6 @@
 #include "grid/grid_step.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace treacle::grid {
@@ -49,39 +50,54 @@ struct TotalsLoop {
 };
 } // namespace
 
-LiquidTotals GridStep::totals() const {
+// Over all ranks, with velocities of the middle or of the end of the last step.
+std::array<double, 9> GridStep::sums(const Array3& velocity) const {
     const auto& p = particles_;
     TotalsLoop loop;
     loop.grid = grid_;
     loop.x = p.position();
-    loop.u = p.velocity();
+    loop.u = velocity;
     for (int a = 0; a < 3; ++a) {
         loop.c[a] = p.affine(a);
         loop.g[a] = setup_.domain.gravity[static_cast<std::size_t>(a)];
     }
     loop.liquid = p.liquid();
     loop.mass = particle_mass_;
+    std::array<double, TotalsLoop::count> sums{};
+    Kokkos::parallel_reduce("treacle::grid_totals", p.store.owned(), loop,
+                            Kokkos::View<double*, Kokkos::HostSpace, Kokkos::MemoryTraits<Kokkos::Unmanaged>>(sums.data(), TotalsLoop::count));
+    comm_.sum(std::span<double>(sums));
+    // Plane scenes: per metre of depth.
+    if (grid_.dimensions == 2) std::ranges::for_each(sums, [&](double& sum) { sum /= grid_.dx; });
+    return sums;
+}
+
+void GridStep::record_momentum(const StepTimes& times) {
+    const auto all = sums(particles_.velocity());
+    std::array<double, 6> momentum{};
+    std::copy_n(all.begin(), 6, momentum.begin());
+    end_momentum_.record(momentum, times);
+}
+
+LiquidTotals GridStep::totals() const {
+    const auto& p = particles_;
     const int n = p.store.owned();
-    double sums[TotalsLoop::count] = {};
-    Kokkos::parallel_reduce("treacle::grid_totals", n, loop,
-                            Kokkos::View<double*, Kokkos::HostSpace, Kokkos::MemoryTraits<Kokkos::Unmanaged>>(sums, TotalsLoop::count));
-    const auto u = p.velocity();
+    const auto all = sums(p.end_velocity());
+    const auto& momentum = end_momentum_.at_end();
+    const auto u = p.end_velocity();
     double fastest = 0;
     Kokkos::parallel_reduce("treacle::fastest", n, KOKKOS_LAMBDA(int i, double& most) {
         most = math::max(most, u(i, 0) * u(i, 0) + u(i, 1) * u(i, 1) + u(i, 2) * u(i, 2));
     }, Kokkos::Max<double>(fastest));
-    comm_.sum(std::span<double>(sums));
-    // Plane scenes: per metre of depth.
-    const double share = grid_.dimensions == 2 ? 1 / grid_.dx : 1;
     LiquidTotals out;
     out.particles = comm_.sum(static_cast<std::int64_t>(n));
     for (std::size_t k = 0; k < 3; ++k) {
-        out.momentum[k] = share * sums[k];
-        out.angular_momentum[k] = share * sums[3 + k];
+        out.momentum[k] = momentum[k];
+        out.angular_momentum[k] = momentum[3 + k];
     }
-    out.kinetic_energy = share * sums[6];
-    out.potential_energy = share * sums[7];
-    out.mass = share * sums[8];
+    out.kinetic_energy = all[6];
+    out.potential_energy = all[7];
+    out.mass = all[8];
     out.max_speed = std::sqrt(comm_.max(n > 0 ? fastest : 0.0));
     return out;
 }

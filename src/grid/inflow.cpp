@@ -1,6 +1,7 @@
 #include "grid/inflow.hpp"
 
 #include "grid/seeding.hpp"
+#include "grid/synchronise.hpp"
 #include "rigid/algebra.hpp"
 
 #include <algorithm>
@@ -85,6 +86,7 @@ flow::LayerSource make_layer_source(const flow::InflowSetup& setup, const MacGri
 
 void emit_layers(const flow::LayerSource& source, const TimeSpan& time, const Decomposition& decomposition,
                  GridParticles& particles) {
+    const int before = particles.store.owned();
     const flow::LayerSource::Fields fields{particles.velocity_field(), particles.liquid_field(), particles.viscosity_field()};
     for (std::size_t q = 0; q < source.setup().inlets.size(); ++q) {
         const auto& inlet = source.setup().inlets[q];
@@ -93,6 +95,7 @@ void emit_layers(const flow::LayerSource& source, const TimeSpan& time, const De
             source.add(particles.store, fields, decomposition.grid(), decomposition.box(), q, layer, time.end);
         }
     }
+    begin_velocities(particles, before);
 }
 
 } // namespace treacle::grid

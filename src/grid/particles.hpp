@@ -8,7 +8,9 @@ namespace treacle::grid {
 class GridParticles {
 public:
     GridParticles()
-        : velocity_(store.add<Array3>("velocity", "m/s", FieldRole::state, true)),
+        : velocity_(store.add<Array3>("mid_step_velocity", "m/s", FieldRole::state)),
+          end_velocity_(store.add<Array3>("velocity", "m/s", FieldRole::state, true)),
+          acceleration_(store.add<Array3>("acceleration", "m/s2", FieldRole::state)),
           affine_{store.add<Array3>("gradient_of_u", "1/s", FieldRole::state),
                   store.add<Array3>("gradient_of_v", "1/s", FieldRole::state),
                   store.add<Array3>("gradient_of_w", "1/s", FieldRole::state)},
@@ -24,7 +26,9 @@ public:
     ParticleStore store;
     const Array3& position() const { return store.position(); }
     const Array<std::int64_t>& id() const { return store.id(); }
-    const Array3& velocity() const { return store.get<Array3>(velocity_); }
+    const Array3& velocity() const { return store.get<Array3>(velocity_); } // of the middle of the last step
+    const Array3& end_velocity() const { return store.get<Array3>(end_velocity_); } // of its end, synchronise.hpp
+    const Array3& acceleration() const { return store.get<Array3>(acceleration_); } // of the last step
     const Array3& affine(int axis) const { return store.get<Array3>(affine_[axis]); } // gradient of one component
     const Array<int>& liquid() const { return store.get<Array<int>>(liquid_); }
     const Array<double>& viscosity() const { return store.get<Array<double>>(viscosity_); }
@@ -44,7 +48,7 @@ public:
     int multiplier_field() const { return multiplier_; }
 
 private:
-    int velocity_, affine_[3], liquid_, viscosity_, pressure_, density_, image_, correction_, multiplier_, cause_;
+    int velocity_, end_velocity_, acceleration_, affine_[3], liquid_, viscosity_, pressure_, density_, image_, correction_, multiplier_, cause_;
 };
 
 } // namespace treacle::grid
