@@ -182,7 +182,7 @@ void Outputs::write_bodies(const Progress& progress, const StepFigures& report) 
     for (std::size_t b = 0; b < count && b < bodies.size(); ++b) {
         if (!bodies.moves(b)) continue;
         for (const auto& values : {bodies.pose(b).centre, rigid::rotation_vector(bodies.pose(b).turn),
-                                   bodies.velocity(b), bodies.spin(b)}) {
+                                   bodies.end_velocity(b), bodies.end_spin(b)}) {
             row.insert(row.end(), values.begin(), values.end());
         }
     }

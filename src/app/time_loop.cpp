@@ -159,7 +159,7 @@ void TimeLoop::take_step(Outputs& outputs) {
     const double dt = choose_step();
     const auto report = solver_->advance(dt);
     ++progress_.step;
-    progress_.time += dt;
+    progress_.time += report.dt; // shorter than asked for where the liquid became too fast
     iterations_ += report.pressure_iterations;
     for (const auto& warning : report.warnings) log_.warn("step " + std::to_string(progress_.step) + ": " + warning);
     check_losses(report, outputs);

@@ -14,16 +14,30 @@ DomainSides make_domain_sides(const MacGrid& grid, const scene::Domain& domain) 
 }
 
 namespace {
-// The affine matrix of particle i, whose velocity gradient changes as it moves.
-KOKKOS_INLINE_FUNCTION void carry_affine(const Array3 c[3], int i, double dt) {
-    SmallMatrix gradient;
-    for (int a = 0; a < 3; ++a) {
-        for (int b = 0; b < 3; ++b) gradient.at[a][b] = c[a](i, b);
+// x after dt, from the velocity u there, whose gradient changes it by `turn` in that time.
+KOKKOS_INLINE_FUNCTION void trace(const FaceSampler& faces, const double u[3], double turn, double dt, double x[3]) {
+    const double bent = math::max(0.0, math::min(1.0, turn / resolved_turn - 1));
+    if (!(bent > 0)) {
+        for (int c = 0; c < 3; ++c) x[c] += dt * u[c];
+        return;
     }
-    const auto carried = carried_gradient(gradient, dt);
+    double stage[3], later[3];
+    for (int c = 0; c < 3; ++c) stage[c] = x[c] + 2.0 / 3 * bent * dt * u[c];
+    faces.velocity(stage, later);
+    for (int c = 0; c < 3; ++c) x[c] += dt * (0.25 * u[c] + 0.75 * later[c]);
+}
+
+// The gradient after particles have moved as it says, no larger than before: liquid that nothing surrounds would make it grow
+// from step to step.
+KOKKOS_INLINE_FUNCTION SmallMatrix carry(const SmallMatrix& gradient, double dt) {
+    auto carried = carried_gradient(gradient, dt);
+    const double before = gradient.squares(), after = carried.squares();
+    if (!(after > before)) return carried;
+    const double share = math::sqrt(before / after);
     for (int a = 0; a < 3; ++a) {
-        for (int b = 0; b < 3; ++b) c[a](i, b) = carried.at[a][b];
+        for (int b = 0; b < 3; ++b) carried.at[a][b] *= share;
     }
+    return carried;
 }
 
 // `distance` to the solids there.
@@ -53,15 +67,25 @@ Departures advect(const Advection& how, const GridParticles& particles, double d
     const auto x = particles.position(), u = particles.velocity();
     const auto cause = particles.cause();
     const auto ux = particles.affine(0), uy = particles.affine(1), uz = particles.affine(2);
-    const double width = how.width, clearance = how.options.clearance * width, leak = how.options.leak_depth * width;
+    const double width = how.faces.width, clearance = how.options.clearance * width, leak = how.options.leak_depth * width;
     Departures out;
     Kokkos::parallel_reduce("treacle::advect", particles.store.owned(),
         KOKKOS_LAMBDA(int i, int& lost, int& outflow, int& pushed) {
             double to[3] = {x(i, 0), x(i, 1), x(i, 2)};
             const double speed[3] = {u(i, 0), u(i, 1), u(i, 2)};
-            for (int k = 0; k < 3; ++k) to[k] += dt * speed[k];
-            const Array3 c[3] = {ux, uy, uz};
-            carry_affine(c, i, dt);
+            SmallMatrix gradient;
+            for (int k = 0; k < 3; ++k) {
+                gradient.at[0][k] = ux(i, k);
+                gradient.at[1][k] = uy(i, k);
+                gradient.at[2][k] = uz(i, k);
+            }
+            trace(how.faces, speed, dt * math::sqrt(gradient.squares()), dt, to);
+            const auto carried = carry(gradient, dt);
+            for (int k = 0; k < 3; ++k) {
+                ux(i, k) = carried.at[0][k];
+                uy(i, k) = carried.at[1][k];
+                uz(i, k) = carried.at[2][k];
+            }
             auto found = LossCause::none;
             if (math::isfinite(to[0]) && math::isfinite(to[1]) && math::isfinite(to[2])) {
                 // The window goes on beyond a periodic side, but need not hold what lies at the other one.

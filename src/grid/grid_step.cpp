@@ -13,6 +13,7 @@ namespace treacle::grid {
 namespace {
 constexpr double least_depth = 0.05; // widths, of the centre of a cell with a drop or a sheet thinner than it
 constexpr double least_wet = 1e-3;   // share of a face's cube from which its velocity is that of liquid
+constexpr double longest_growth = 1.5; // of a step over the one before it
 constexpr int layers = 3;  // of halo: what linear interpolation and a step of CFL 3 reach
 
 double size_of(const std::array<double, 3>& v) { return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); }
@@ -41,13 +42,13 @@ void GridStep::start() {
     place_particles();
     if (before_ > 0) return;
     begin_velocities(particles_, 0);
-    record_momentum({0, 0, true});
+    end_motion_.start(middle_motion());
 }
 
 std::vector<double> GridStep::history() const {
     std::vector<double> out{before_, crowding_, double(steps_)};
-    const auto momentum = end_momentum_.state();
-    out.insert(out.end(), momentum.begin(), momentum.end());
+    const auto motion = end_motion_.state();
+    out.insert(out.end(), motion.begin(), motion.end());
     return out;
 }
 
@@ -55,7 +56,7 @@ void GridStep::restore_history(std::span<const double> state) {
     before_ = state[0];
     crowding_ = state[1];
     steps_ = static_cast<std::int64_t>(state[2]);
-    end_momentum_.restore(state.subspan(3));
+    end_motion_.restore(state.subspan(3), bodies_.size());
 }
 
 void GridStep::restore(std::span<const std::int64_t> state) {
@@ -341,9 +342,10 @@ void GridStep::continue_velocity(const WallGrip& grip) {
     turn_along_solids(grid_, cells_halo_, solids_, faces, grip, velocity_, scratch_); // (A2)
 }
 
-void GridStep::move(StepReport& report, const StepTimes& times) {
-    const double dt = times.drift;
+void GridStep::move(StepReport& report, StepTimes& times) {
     faces_to_particles(grid_, cells_halo_.window(), velocity_, particles_); // (A4)
+    times.drift = report.dt = std::min(times.drift, (setup_.options.cfl + 1) * grid_.dx / fastest(particles_.velocity()));
+    const double dt = times.drift;
     subtract_faces(grid_, cells_halo_.window(), velocity_, start_, scratch_);
     end_velocities(grid_, cells_halo_.window(), scratch_, times, particles_); // (E)
     cells_halo_.gather({pressure_.pressures()});
@@ -351,7 +353,7 @@ void GridStep::move(StepReport& report, const StepTimes& times) {
     pressures_to_particles(grid_, cells_halo_.window(), pressure_.pressures(), particles_);
     bodies_.move(dt);
     if (bodies_.any_moves()) solids_.update(cells_halo_, bodies_);
-    const Advection how{grid_.dx, solids_.sampler(),
+    const Advection how{FaceSampler(grid_, cells_halo_.window(), velocity_), solids_.sampler(),
                         make_domain_sides(grid_, setup_.domain), setup_.options.advection, outlets_};
     const auto gone = advect(how, particles_, dt); // (A5)
     report.pushed = gone.pushed;
@@ -394,7 +396,7 @@ StepReport GridStep::advance(double dt) {
         if (tensions_.differ()) tensions_.find(grid_, cells_halo_, particles_, cells_, particle_mass_);
     }
     // Velocities are those of the middles of steps: from the middle of the last one to that of this one.
-    const StepTimes times{0.5 * (before_ + dt), dt, !(before_ > 0)};
+    StepTimes times{0.5 * (before_ + dt), dt, !(before_ > 0)};
     const double kick = times.kick;
     bodies_.begin(dt);
     solids_.update(cells_halo_, bodies_);
@@ -416,8 +418,9 @@ StepReport GridStep::advance(double dt) {
         const auto phase = timers_.scope("correct");
         correct(report); // (C)
     }
-    before_ = dt;
-    record_momentum(times);
+    before_ = times.drift;
+    end_motion_.record(middle_motion(), times);
+    bodies_.set_lead(end_motion_.lead());
     return report;
 }
 
@@ -433,19 +436,31 @@ void GridStep::collect(StepReport& report) {
     std::erase_if(report.lost, [](const LostParticle& particle) { return particle.cause == LossCause::outflow; });
 }
 
-double GridStep::stable_step(double cfl) const {
-    const auto u = particles_.velocity();
-    double fastest = 0;
+// Collective: the largest size of a vector of the particles.
+double GridStep::fastest(const Array3& of) const {
+    double square = 0;
     Kokkos::parallel_reduce("treacle::fastest", particles_.store.owned(), KOKKOS_LAMBDA(int i, double& most) {
-        most = math::max(most, u(i, 0) * u(i, 0) + u(i, 1) * u(i, 1) + u(i, 2) * u(i, 2));
-    }, Kokkos::Max<double>(fastest));
-    const double own = particles_.store.owned() > 0 ? std::sqrt(fastest) : 0.0;
-    const double speed = comm_.max(std::max(own, bodies_.max_speed()));
+        most = math::max(most, of(i, 0) * of(i, 0) + of(i, 1) * of(i, 1) + of(i, 2) * of(i, 2));
+    }, Kokkos::Max<double>(square));
+    return comm_.max(particles_.store.owned() > 0 ? std::sqrt(square) : 0.0);
+}
+
+// What may pull at the liquid in the next step [m/s2]: gravity, unless viscosity or solids hold the liquid against it. As
+// that may end, no more than a few times what pulled in the last step.
+double GridStep::pull() const {
+    const double gravity = size_of(setup_.domain.gravity);
+    if (!(before_ > 0) || !viscous() || bodies_.any_dynamic()) return gravity;
+    return std::min(gravity, 4 * fastest(particles_.acceleration()));
+}
+
+double GridStep::stable_step(double cfl) const {
+    const double speed = std::max(fastest(particles_.velocity()), bodies_.max_speed());
     if (crowding_ > 1) cfl = std::min(cfl, std::max(1.0, cfl / crowding_));
-    const double pull = size_of(setup_.domain.gravity), way = cfl * grid_.dx;
+    const double pull = this->pull(), way = cfl * grid_.dx;
     double dt = std::numeric_limits<double>::infinity();
     // (speed + pull dt) dt = way.
     if (pull > 0 || speed > 0) dt = 2 * way / (speed + std::sqrt(speed * speed + 4 * pull * way));
+    if (before_ > 0 && size_of(setup_.domain.gravity) > 0) dt = std::min(dt, longest_growth * before_);
     if (tensions_.largest() > 0) {
         dt = std::min(dt, std::sqrt(setup_.density * std::pow(grid_.dx, 3) / (4 * math::pi * tensions_.largest())));
     }

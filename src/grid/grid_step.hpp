@@ -109,6 +109,7 @@ public:
     void take_centres();
     void find_strains(double dt);
     double largest_viscosity() const;
+    double fastest(const Array3& of) const;
 
 private:
     void recut();
@@ -130,9 +131,10 @@ private:
     void find_viscosities();
     ViscousSpread viscous_spread(double dt) const { return {viscosities_.cell, setup_.density, dt}; }
     void continue_velocity(const WallGrip& grip);
-    void move(StepReport& report, const StepTimes& times);
+    void move(StepReport& report, StepTimes& times);
+    double pull() const;
     std::array<double, 9> sums(const Array3& velocity) const;
-    void record_momentum(const StepTimes& times);
+    EndMotion::Middle middle_motion() const;
     void correct(StepReport& report);
     void collect(StepReport& report);
 
@@ -171,7 +173,7 @@ private:
     StepStrains strains_;
     Array<double> inflow_{"treacle::inflow", 0}; // [window] what must flow into cells, of contraction and strains [m/s]
     PhaseTimers timers_;
-    EndMomentum end_momentum_;
+    EndMotion end_motion_;
     std::int64_t steps_ = 0;
     double imbalance_after_cut_ = 1;
     double before_ = 0;   // [s] length of the last step, 0: there was none

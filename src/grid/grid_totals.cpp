@@ -72,18 +72,28 @@ std::array<double, 9> GridStep::sums(const Array3& velocity) const {
     return sums;
 }
 
-void GridStep::record_momentum(const StepTimes& times) {
+EndMotion::Middle GridStep::middle_motion() const {
+    EndMotion::Middle out;
     const auto all = sums(particles_.velocity());
-    std::array<double, 6> momentum{};
-    std::copy_n(all.begin(), 6, momentum.begin());
-    end_momentum_.record(momentum, times);
+    std::copy_n(all.begin(), 6, out.liquid.begin());
+    for (std::size_t b = 0; b < bodies_.size(); ++b) {
+        const bool free = bodies_.dynamic(b);
+        const auto velocity = free ? bodies_.velocity(b) : Vec3{0, 0, 0}, spin = free ? bodies_.spin(b) : Vec3{0, 0, 0};
+        const auto turning = free ? bodies_.angular_momentum(b) : Vec3{0, 0, 0};
+        const double mass = bodies_.setup().bodies[b].mass;
+        for (const double v : velocity) out.momenta.push_back(mass * v);
+        out.momenta.insert(out.momenta.end(), turning.begin(), turning.end());
+        out.velocities.insert(out.velocities.end(), velocity.begin(), velocity.end());
+        out.velocities.insert(out.velocities.end(), spin.begin(), spin.end());
+    }
+    return out;
 }
 
 LiquidTotals GridStep::totals() const {
     const auto& p = particles_;
     const int n = p.store.owned();
     const auto all = sums(p.end_velocity());
-    const auto& momentum = end_momentum_.at_end();
+    const auto& momentum = end_motion_.liquid();
     const auto u = p.end_velocity();
     double fastest = 0;
     Kokkos::parallel_reduce("treacle::fastest", n, KOKKOS_LAMBDA(int i, double& most) {

@@ -52,32 +52,82 @@ void begin_velocities(const GridParticles& particles, int begin) {
                          });
 }
 
-void EndMomentum::record(const std::array<double, 6>& middle, const StepTimes& times) {
-    for (std::size_t part = 0; part < 6 && times.kick > 0; part += 3) {
-        double rate[3], carried[3];
-        for (std::size_t k = 0; k < 3; ++k) rate[k] = (middle[part + k] - middle_[part + k]) / times.kick;
-        carry_rate(rate, &rate_[part], times.first, carried);
-        for (std::size_t k = 0; k < 3; ++k) {
-            rate_[part + k] = rate[k];
-            end_[part + k] = middle[part + k] + 0.5 * times.drift * carried[k];
-        }
-    }
-    if (!(times.kick > 0)) end_ = middle;
-    middle_ = middle;
+void EndMotion::start(Middle middle) {
+    middle_ = std::move(middle);
+    end_ = middle_.liquid;
+    lead_.assign(middle_.velocities.size(), 0.0);
+    rate_ = {{}, lead_, lead_};
 }
 
-std::vector<double> EndMomentum::state() const {
-    std::vector<double> out;
-    for (const auto* part : {&middle_, &rate_, &end_}) out.insert(out.end(), part->begin(), part->end());
+namespace {
+std::vector<double> rate_of(std::span<const double> now, std::span<const double> before, double time) {
+    std::vector<double> out(now.size());
+    for (std::size_t k = 0; k < out.size(); ++k) out[k] = (now[k] - before[k]) / time;
     return out;
 }
 
-void EndMomentum::restore(std::span<const double> state) {
-    auto* at = state.data();
-    for (auto* part : {&middle_, &rate_, &end_}) {
-        std::copy_n(at, 6, part->begin());
-        at += 6;
+// Sums |rate - before|^2 and |rate|^2 + |before|^2 of the linear or the angular halves.
+void add_squares(std::span<const double> rate, std::span<const double> before, std::size_t half, std::array<double, 2>& sums) {
+    for (std::size_t at = half; at + 3 <= rate.size(); at += 6) {
+        for (std::size_t k = at; k < at + 3; ++k) {
+            sums[0] += (rate[k] - before[k]) * (rate[k] - before[k]);
+            sums[1] += rate[k] * rate[k] + before[k] * before[k];
+        }
     }
+}
+
+void add_lead(std::span<const double> rate, std::span<const double> before, std::size_t half, double drift, std::span<double> out) {
+    for (std::size_t at = half; at + 3 <= rate.size(); at += 6) {
+        for (std::size_t k = at; k < at + 3; ++k) out[k] += 0.5 * drift * (2 * rate[k] - before[k]);
+    }
+}
+} // namespace
+
+void EndMotion::record(Middle middle, const StepTimes& times) {
+    Middle rate;
+    const auto liquid = rate_of(middle.liquid, middle_.liquid, times.kick);
+    std::copy(liquid.begin(), liquid.end(), rate.liquid.begin());
+    rate.momenta = rate_of(middle.momenta, middle_.momenta, times.kick);
+    rate.velocities = rate_of(middle.velocities, middle_.velocities, times.kick);
+    if (times.first) rate_ = rate;
+    end_ = middle.liquid;
+    std::ranges::fill(lead_, 0.0);
+    for (const std::size_t half : {0u, 3u}) {
+        std::array<double, 2> sums{0, 0};
+        add_squares(rate.liquid, rate_.liquid, half, sums);
+        add_squares(rate.momenta, rate_.momenta, half, sums);
+        if (!(sums[0] < smooth_share * sums[1])) continue;
+        add_lead(rate.liquid, rate_.liquid, half, times.drift, end_);
+        add_lead(rate.velocities, rate_.velocities, half, times.drift, lead_);
+    }
+    middle_ = std::move(middle);
+    rate_ = std::move(rate);
+}
+
+std::vector<double> EndMotion::state() const {
+    std::vector<double> out(end_.begin(), end_.end());
+    for (const auto* part : {&middle_, &rate_}) {
+        out.insert(out.end(), part->liquid.begin(), part->liquid.end());
+        out.insert(out.end(), part->momenta.begin(), part->momenta.end());
+        out.insert(out.end(), part->velocities.begin(), part->velocities.end());
+    }
+    return out;
+}
+
+void EndMotion::restore(std::span<const double> state, std::size_t bodies) {
+    const auto take = [&](std::span<double> to) {
+        std::copy_n(state.begin(), to.size(), to.begin());
+        state = state.subspan(to.size());
+    };
+    take(end_);
+    for (auto* part : {&middle_, &rate_}) {
+        part->momenta.resize(6 * bodies);
+        part->velocities.resize(6 * bodies);
+        take(part->liquid);
+        take(part->momenta);
+        take(part->velocities);
+    }
+    lead_.assign(6 * bodies, 0.0);
 }
 
 } // namespace treacle::grid

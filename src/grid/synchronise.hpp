@@ -29,17 +29,29 @@ void end_velocities(const MacGrid& grid, const CellBox& window, const FaceField&
 // As at rest, of the owned particles from `begin` on: end_velocity() is velocity().
 void begin_velocities(const GridParticles& particles, int begin);
 
-// The same of six sums over all of the liquid, momentum and angular momentum, which stay exact where nothing pushes.
-class EndMomentum {
+// The same of the momentum and the angular momentum of all of the liquid, and of the velocities of dynamic bodies. Whether they
+// jump is asked of liquid and bodies together, so that their momenta of the end add up to what those of the middle do.
+class EndMotion {
 public:
-    // Of the middle of the step, after it; at the start, with times of no length, of the start.
-    void record(const std::array<double, 6>& middle, const StepTimes& times);
-    const std::array<double, 6>& at_end() const { return end_; }
+    // Of the middle of the last step, after it.
+    struct Middle {
+        std::array<double, 6> liquid{}; // momentum [kg m/s], angular momentum [kg m2/s]
+        std::vector<double> momenta;    // of the bodies, momentum and spin's angular momentum, 6 numbers each
+        std::vector<double> velocities; // velocity [m/s] and spin [rad/s], 6 numbers each
+    };
+    void start(Middle middle);
+    void record(Middle middle, const StepTimes& times);
+    const std::array<double, 6>& liquid() const { return end_; }
+    const std::vector<double>& lead() const { return lead_; } // of the bodies' velocities of the end before those of the middle
+
+    // All that changes, for as many bodies.
     std::vector<double> state() const;
-    void restore(std::span<const double> state);
+    void restore(std::span<const double> state, std::size_t bodies);
 
 private:
-    std::array<double, 6> middle_{}, rate_{}, end_{};
+    Middle middle_, rate_;
+    std::array<double, 6> end_{};
+    std::vector<double> lead_;
 };
 
 } // namespace treacle::grid

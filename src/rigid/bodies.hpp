@@ -93,6 +93,11 @@ public:
     const Pose& pose(std::size_t body) const { return states_[body].pose; }
     const Vec3& velocity(std::size_t body) const { return states_[body].velocity; } // of the centre [m/s]
     Vec3 spin(std::size_t body) const;                                              // [rad/s]
+    // A method whose velocities are those of the middles of steps says by how much those of the ends, for what is shown, are
+    // ahead of them: 6 numbers a body [m/s], [rad/s].
+    void set_lead(std::vector<double> lead) { lead_ = std::move(lead); }
+    Vec3 end_velocity(std::size_t body) const { return velocity(body) + lead(body, 0); }
+    Vec3 end_spin(std::size_t body) const { return spin(body) + lead(body, 3); }
     // About the centre [kg m2/s]; of dynamic bodies.
     const Vec3& angular_momentum(std::size_t body) const { return states_[body].angular_momentum; }
     // How the bodies answer impulses where they are, joints and locked degrees of freedom included.
@@ -122,6 +127,10 @@ private:
         Vec3 velocity{0, 0, 0};
         Vec3 angular_momentum{0, 0, 0}; // of a kinematic body in its place: the spin
     };
+    Vec3 lead(std::size_t body, std::size_t part) const {
+        const std::size_t at = 6 * body + part;
+        return lead_.empty() ? Vec3{0, 0, 0} : Vec3{lead_[at], lead_[at + 1], lead_[at + 2]};
+    }
     Matrix3 inertia(std::size_t body, const Quaternion& turn) const;
     std::array<bool, 3> free_turns(std::size_t body) const;
     Matrix3 inverse_inertia(std::size_t body, const Quaternion& turn) const;
@@ -144,6 +153,7 @@ private:
     double time_ = 0, step_ = 0;
     bool any_moves_ = false, any_dynamic_ = false;
     int contacts_ = 0;
+    std::vector<double> lead_; // empty: none
     // Impulses of this step, 6 numbers a body: by gravity and loads, by contacts, by joints; and what each had before.
     std::vector<double> given_, contact_loads_, joint_loads_, before_;
 };
