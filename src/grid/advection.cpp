@@ -14,9 +14,8 @@ DomainSides make_domain_sides(const MacGrid& grid, const scene::Domain& domain) 
 }
 
 namespace {
-// x after dt, from the velocity u there, whose gradient changes it by `turn` in that time.
-KOKKOS_INLINE_FUNCTION void trace(const FaceSampler& faces, const double u[3], double turn, double dt, double x[3]) {
-    const double bent = math::max(0.0, math::min(1.0, turn / resolved_turn - 1));
+// x after dt, from the velocity u there, of the share `bent` along the velocities of the faces.
+KOKKOS_INLINE_FUNCTION void trace(const FaceSampler& faces, const double u[3], double bent, double dt, double x[3]) {
     if (!(bent > 0)) {
         for (int c = 0; c < 3; ++c) x[c] += dt * u[c];
         return;
@@ -79,7 +78,7 @@ Departures advect(const Advection& how, const GridParticles& particles, double d
                 gradient.at[1][k] = uy(i, k);
                 gradient.at[2][k] = uz(i, k);
             }
-            trace(how.faces, speed, dt * math::sqrt(gradient.squares()), dt, to);
+            trace(how.faces, speed, bent_share(gradient, dt), dt, to);
             const auto carried = carry(gradient, dt);
             for (int k = 0; k < 3; ++k) {
                 ux(i, k) = carried.at[0][k];

@@ -8,8 +8,6 @@
 
 namespace treacle::grid {
 
-inline constexpr double resolved_turn = 0.5; // dt |grad u| that a straight step resolves
-
 struct AdvectionOptions {
     double clearance = 0.05; // least distance of particles from solids, over dx
     double leak_depth = 1;   // over dx: deeper than this in a solid, after it was pushed out, a particle is lost
@@ -31,7 +29,7 @@ struct Departures {
 // Moves the owned particles by dt times their velocity, that of the middle of the step (faces_to_particles), then out of solids
 // along the gradient of the distance; takes their affine matrices along; wraps along periodic axes; marks those that are
 // lost in the field `cause`. Straight lines are exact to second order whatever flies along, but cross where the velocity changes by
-// itself within a step: from dt |grad u| = resolved_turn on paths bend more and more along the velocities of the faces, by
+// itself within a step: from a strain of resolved_strain on paths bend more and more along the velocities of the faces, by
 // the second order Runge-Kutta scheme of Ralston (1962), which at twice that takes them as they stand. Local.
 struct Advection {
     FaceSampler faces;     // velocities of the middle of the step, at places of its beginning

@@ -3,16 +3,13 @@
 namespace treacle::grid {
 
 namespace {
-// Where half the step turns the liquid by more than its square root, the strains grow no more: the step does not resolve it.
-constexpr double most_turn = 0.1;
-
 KOKKOS_INLINE_FUNCTION int pair_of(int a, int b) { return a == b ? a : a + b == 1 ? 3 : a + b == 3 ? 4 : 5; }
 
-// (dt/2) sym(L^2), exact for a rotation by the angle 2 atan(t), with t^2 = dt^2 |L|^2 / 8.
+// (dt/2) sym(L^2), exact for a rotation by the angle 2 atan(t), with t^2 = dt^2 |L|^2 / 8; less where paths bend by themselves.
 KOKKOS_INLINE_FUNCTION void strains_of(const SmallMatrix& middle, double dt, double out[6]) {
     const auto square = middle.times(middle);
     const double turn = dt * dt * middle.squares() / 8;
-    const double factor = 0.5 * dt / (1 + turn) * math::min(1.0, most_turn / math::max(turn, 1e-300));
+    const double factor = 0.5 * dt / (1 + turn) * (1 - bent_share(middle, dt));
     for (int a = 0; a < 3; ++a) {
         for (int b = a; b < 3; ++b) out[pair_of(a, b)] = 0.5 * factor * (square.at[a][b] + square.at[b][a]);
     }
