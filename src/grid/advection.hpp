@@ -29,8 +29,8 @@ struct Departures {
 // Moves the owned particles by dt times their velocity, that of the middle of the step (faces_to_particles), then out of solids
 // along the gradient of the distance; takes their affine matrices along; wraps along periodic axes; marks those that are
 // lost in the field `cause`. Straight lines are exact to second order whatever flies along, but cross where the velocity changes by
-// itself within a step: from a strain of resolved_strain on paths bend more and more along the velocities of the faces, by
-// the second order Runge-Kutta scheme of Ralston (1962), which at twice that takes them as they stand. Local.
+// itself within a step: there (bent_share) paths bend more and more along the velocities of the faces, by
+// the second order Runge-Kutta scheme of Ralston (1962). Local.
 struct Advection {
     FaceSampler faces;     // velocities of the middle of the step, at places of its beginning
     DistanceSampler solid; // with the bodies where they will be

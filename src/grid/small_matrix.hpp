@@ -54,14 +54,13 @@ struct SmallMatrix {
     }
 };
 
-// What a step along straight lines does not resolve: paths cross where its strain, dt times the size of the symmetric gradient,
-// reaches one, and a turn by more than a radian is no turn. From these on, of which the larger counts, paths bend along the
-// velocities of the faces, at twice that in full. Sizes are roots of the sum of all squares: a turn has that of its angle times 1.4.
-inline constexpr double resolved_strain = 0.35, resolved_turn = 0.6;
+// What a step along straight lines does not resolve: paths cross where dt times the size of the velocity gradient comes near
+// one. From `resolved` on they bend along the velocities of the faces, at twice that in full. Sizes are roots of the sum of all
+// squares; a turn, which makes no paths cross, counts less.
 KOKKOS_INLINE_FUNCTION double bent_share(const SmallMatrix& gradient, double dt) {
+    constexpr double resolved = 0.5, share_of_turn = 0.6;
     const double strain = gradient.strain_squares(), turn = math::max(0.0, gradient.squares() - strain);
-    const double most = math::max(math::sqrt(strain) / resolved_strain, math::sqrt(turn) / resolved_turn);
-    return math::max(0.0, math::min(1.0, dt * most - 1));
+    return math::max(0.0, math::min(1.0, dt * math::sqrt(strain + share_of_turn * turn) / resolved - 1));
 }
 
 // The velocity gradient after particles have moved by dt along straight lines with the gradient g before: g (I + dt g)^-1. Where
