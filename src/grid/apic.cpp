@@ -102,16 +102,16 @@ void spread_velocities(const Rows& rows, const GridParticles& particles, const A
     });
 }
 
-void spread_viscosities(const Rows& rows, const GridParticles& particles, const Array<double>& particle_mass, int node,
+void spread_fluidities(const Rows& rows, const GridParticles& particles, const Array<double>& particle_mass, int node,
                         const Array<double>& mass, const Array<double>& sums) {
     const auto x = particles.position();
     const auto liquid = particles.liquid();
     const auto viscosity = particles.viscosity();
-    Kokkos::parallel_for("treacle::mean_viscosities", rows.size(), KOKKOS_LAMBDA(int i) {
+    Kokkos::parallel_for("treacle::fluidity_sums", rows.size(), KOKKOS_LAMBDA(int i) {
         const double none[3] = {0, 0, 0};
         rows.visit(i, x, [&](int k, const double p[3]) {
             const Weights w(p, node, rows.dx, rows.window, rows.dimensions);
-            spread(w, rows.window, rows.dimensions, rows.dx, particle_mass(liquid(k)), viscosity(k), none, mass, sums);
+            spread(w, rows.window, rows.dimensions, rows.dx, particle_mass(liquid(k)), fluidity_of(viscosity(k)), none, mass, sums);
         });
     });
 }
@@ -119,6 +119,13 @@ void spread_viscosities(const Rows& rows, const GridParticles& particles, const 
 void clear(Array<double>& field, std::size_t n) {
     reserve(field, n);
     Kokkos::deep_copy(Kokkos::subview(field, Kokkos::make_pair(std::size_t(0), n)), 0.0);
+}
+
+// Fluidities to viscosities.
+void invert(const Array<double>& sums, const Array<double>& mass, std::size_t n) {
+    Kokkos::parallel_for("treacle::invert_fluidity", static_cast<int>(n), KOKKOS_LAMBDA(int i) {
+        sums(i) = harmonic_viscosity(mass(i), sums(i));
+    });
 }
 
 // Sums to means.
@@ -142,23 +149,23 @@ void particles_to_faces(const MacGrid& grid, const GridParticles& particles, con
     for (int a = 0; a < grid.dimensions; ++a) divide(velocity.axis[a], mass.axis[a], n);
 }
 
-void viscosity_sums(const MacGrid& grid, const GridParticles& particles, const CellList& cells, const Array<double>& particle_mass,
-                    const CellBox& window, int node, Array<double>& mass, Array<double>& sums) {
+void fluidity_sums(const MacGrid& grid, const GridParticles& particles, const CellList& cells, const Array<double>& particle_mass,
+                   const CellBox& window, int node, Array<double>& mass, Array<double>& sums) {
     const auto n = static_cast<std::size_t>(window.size());
     clear(mass, n);
     clear(sums, n);
     for (int colour = 0; colour < Rows::colours(grid.dimensions) && n > 0; ++colour) {
-        spread_viscosities(Rows(grid, cells, window, colour), particles, particle_mass, node, mass, sums);
+        spread_fluidities(Rows(grid, cells, window, colour), particles, particle_mass, node, mass, sums);
     }
 }
 
-void mean_viscosities(const MacGrid& grid, const GridParticles& particles, const CellList& cells,
-                      const Array<double>& particle_mass, const CellBox& window, Array<double>& centres, EdgeField& edges) {
+void harmonic_viscosities(const MacGrid& grid, const GridParticles& particles, const CellList& cells,
+                          const Array<double>& particle_mass, const CellBox& window, Array<double>& centres, EdgeField& edges) {
     const auto n = static_cast<std::size_t>(window.size());
     Array<double> mass("treacle::viscosity_mass", n);
     const auto mean = [&](int node, Array<double>& out) {
-        viscosity_sums(grid, particles, cells, particle_mass, window, node, mass, out);
-        divide(out, mass, n);
+        fluidity_sums(grid, particles, cells, particle_mass, window, node, mass, out);
+        invert(out, mass, n);
     };
     mean(0, centres);
     for (int a = grid.dimensions == 2 ? 2 : 0; a < 3; ++a) mean((grid.dimensions == 2 ? 3 : 7) & ~(1 << a), edges.axis[a]);

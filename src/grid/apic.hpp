@@ -24,15 +24,25 @@ void faces_to_particles(const MacGrid& grid, const CellBox& window, const FaceFi
 void pressures_to_particles(const MacGrid& grid, const CellBox& window, const Array<double>& pressure,
                             const GridParticles& particles);
 
-// Mass-weighted mean viscosities [Pa s] of the particles around each centre and edge; where there are none, 0. As
-// particles_to_faces(), with the ghosts' viscosity and liquid gathered.
-void mean_viscosities(const MacGrid& grid, const GridParticles& particles, const CellList& cells,
-                      const Array<double>& particle_mass, const CellBox& window, Array<double>& centres, EdgeField& edges);
+// (R3) Viscosities [Pa s] of each centre and edge from the particles around, 1/mu = sum w m/mu_p / sum w m: liquids of different
+// viscosity resist one after the other what shears the layer between them, since the stress is continuous. Where there are no
+// particles, or some without viscosity, 0. As particles_to_faces(), with the ghosts' viscosity and liquid gathered.
+void harmonic_viscosities(const MacGrid& grid, const GridParticles& particles, const CellList& cells,
+                          const Array<double>& particle_mass, const CellBox& window, Array<double>& centres, EdgeField& edges);
 
-// The sums that mean_viscosities() divides, for places that stand alike in their cells: sum w m and sum w m mu over the
+// Viscosities below this count as none [Pa s].
+constexpr double min_viscosity = 1e-12;
+// Finite where there is none, and such that hardly any liquid without viscosity leaves less than min_viscosity.
+KOKKOS_INLINE_FUNCTION double fluidity_of(double viscosity) { return 1 / math::max(viscosity, 1e-9 * min_viscosity); }
+KOKKOS_INLINE_FUNCTION double harmonic_viscosity(double mass, double fluidity) {
+    const double viscosity = mass > 0 ? mass / fluidity : 0;
+    return viscosity > min_viscosity ? viscosity : 0;
+}
+
+// The sums of harmonic_viscosities(), for places that stand alike in their cells: sum w m and sum w m / mu over the
 // particles around. Bit k of `node`: the places are at the lower end of their cell along axis k, else in its middle.
-void viscosity_sums(const MacGrid& grid, const GridParticles& particles, const CellList& cells, const Array<double>& particle_mass,
-                    const CellBox& window, int node, Array<double>& mass, Array<double>& sums);
+void fluidity_sums(const MacGrid& grid, const GridParticles& particles, const CellList& cells, const Array<double>& particle_mass,
+                   const CellBox& window, int node, Array<double>& mass, Array<double>& sums);
 
 // The velocity anywhere among the faces of a window.
 struct FaceSampler {

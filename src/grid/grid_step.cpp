@@ -230,7 +230,7 @@ void GridStep::find_viscosities() {
     const auto n = static_cast<std::size_t>(window.size());
     if (setup_.viscosity_varies) {
         halo_.gather(particles_.store, {particles_.viscosity_field()});
-        mean_viscosities(grid_, particles_, cells_, particle_mass_, window, viscosities_.cell, viscosities_.edge);
+        harmonic_viscosities(grid_, particles_, cells_, particle_mass_, window, viscosities_.cell, viscosities_.edge); // (R3)
         auto& edge = viscosities_.edge.axis;
         if (grid_.dimensions == 2) {
             cells_halo_.gather({viscosities_.cell, edge[2]});

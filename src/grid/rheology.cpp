@@ -137,26 +137,26 @@ void combine_strains(const Strains& strains, const CellBox& owned, const Array<d
     });
 }
 
-// sum += mass * viscosity, total += mass.
+// sum += mass / viscosity, total += mass.
 void add_by_rate(const flow::FlowCurve& curve, int n, const Array<double>& mass, const Array<double>& rate,
                  const Array<double>& sum, const Array<double>& total) {
     Kokkos::parallel_for("treacle::viscosity_by_rate", n, KOKKOS_LAMBDA(int i) {
         if (!(mass(i) > 0)) return;
-        sum(i) += mass(i) * curve(rate(i));
+        sum(i) += mass(i) * fluidity_of(curve(rate(i)));
         total(i) += mass(i);
     });
 }
 
 void add(int n, const Array<double>& mass, const Array<double>& sums, const Array<double>& sum, const Array<double>& total) {
-    Kokkos::parallel_for("treacle::add_viscosity", n, KOKKOS_LAMBDA(int i) {
+    Kokkos::parallel_for("treacle::add_fluidity", n, KOKKOS_LAMBDA(int i) {
         sum(i) += sums(i);
         total(i) += mass(i);
     });
 }
 
-void divide(int n, const Array<double>& sums, const Array<double>& mass) {
-    Kokkos::parallel_for("treacle::divide_by_mass", n, KOKKOS_LAMBDA(int i) {
-        if (mass(i) > 0) sums(i) /= mass(i);
+void invert(int n, const Array<double>& sums, const Array<double>& mass) {
+    Kokkos::parallel_for("treacle::invert_fluidity", n, KOKKOS_LAMBDA(int i) {
+        sums(i) = harmonic_viscosity(mass(i), sums(i));
     });
 }
 
@@ -233,7 +233,7 @@ void Rheology::mean(const StrainScene& scene, const LiquidScene& liquids, int no
     }
     const auto gather_one = [&](const auto& use) {
         select(liquids.particle_mass, some_mass_, use);
-        viscosity_sums(scene.grid, liquids.particles, liquids.cells, some_mass_, window, node, mass_, sums_);
+        fluidity_sums(scene.grid, liquids.particles, liquids.cells, some_mass_, window, node, mass_, sums_);
     };
     if (any_newtonian_) {
         gather_one([&](std::size_t l) { return curves_[l].law == scene::ShearLaw::newtonian; });
@@ -244,7 +244,7 @@ void Rheology::mean(const StrainScene& scene, const LiquidScene& liquids, int no
         gather_one([&](std::size_t other) { return other == l; });
         add_by_rate(curves_[l], n, mass_, rate, out, total_);
     }
-    divide(n, out, total_);
+    invert(n, out, total_);
 }
 
 void Rheology::find_viscosities(const StrainScene& scene, const LiquidScene& liquids, Viscosities& out) {

@@ -40,8 +40,8 @@ public:
 
     // (R1) Local. Of owned centres and edges, for velocities that are current in the window. 0 where there is no stress.
     void find_rates(const StrainScene& scene, const FaceField& velocity);
-    // (R2) Collective. The mean over the particles around each centre and edge of their liquid's viscosity at the rate there;
-    // newtonian ones keep their own.
+    // (R2) Collective. What the liquids of the particles around each centre and edge resist (R3), each with its viscosity at
+    // the rate there; newtonian ones keep their own.
     void find_viscosities(const StrainScene& scene, const LiquidScene& liquids, Viscosities& out);
     // For frames: viscosities of the owned particles whose liquid has a curve, at the rate of their cell.
     void to_particles(const StrainScene& scene, const GridParticles& particles) const;

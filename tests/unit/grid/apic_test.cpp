@@ -174,11 +174,11 @@ TEST_P(TransferCase, FacesHaveTheNumbersOfOneRank) {
     }
 }
 
-TEST_P(TransferCase, ViscositiesAreMeansOfTheParticlesAround) {
+TEST_P(TransferCase, ViscositiesAreHarmonicMeansOfTheParticlesAround) {
     fill(liquid, true);
     Array<double> centres("treacle::viscosity", 0);
     EdgeField edges;
-    mean_viscosities(liquid.grid, liquid.particles, liquid.cells, liquid.mass, liquid.faces.window(), centres, edges);
+    harmonic_viscosities(liquid.grid, liquid.particles, liquid.cells, liquid.mass, liquid.faces.window(), centres, edges);
     const auto eta = on_host(centres), shear = on_host(edges.axis[2]);
     const CellBox owned = liquid.faces.owned();
     std::int64_t pure[2] = {0, 0}, mixed = 0;
