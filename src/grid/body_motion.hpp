@@ -22,10 +22,14 @@ struct BodyMotion {
             if (period[k] > 0) r[k] -= period[k] * math::floor(r[k] / period[k] + 0.5);
         }
     }
-    // Of the point at r from the centre: along the straight line to where it will be at the end of the step.
-    KOKKOS_INLINE_FUNCTION double velocity(int body, int axis, const double r[3]) const {
+    // Of the point at r from the centre, as a rigid body moves: what liquid that slips has across the surface.
+    KOKKOS_INLINE_FUNCTION double rigid_velocity(int body, int axis, const double r[3]) const {
         const int at = width * body, b = (axis + 1) % 3, c = (axis + 2) % 3;
-        return frame(at + 3 + axis) + frame(at + 6 + b) * r[c] - frame(at + 6 + c) * r[b] + bend(body, axis, r);
+        return frame(at + 3 + axis) + frame(at + 6 + b) * r[c] - frame(at + 6 + c) * r[b];
+    }
+    // Of the same point along the straight line to where it will be at the end of the step: what liquid that sticks to it has.
+    KOKKOS_INLINE_FUNCTION double velocity(int body, int axis, const double r[3]) const {
+        return rigid_velocity(body, axis, r) + bend(body, axis, r);
     }
     // What it has of that beside the rigid motion.
     KOKKOS_INLINE_FUNCTION double bend(int body, int axis, const double r[3]) const {
@@ -41,11 +45,12 @@ struct BodyMotion {
             out[3 + a] = 0.5 * (frame(at + 3 * a + b) + frame(at + 3 * b + a));
         }
     }
-    // Of solid `number` (Solids::number) at x; sides of the domain rest.
-    KOKKOS_INLINE_FUNCTION void velocity(int number, const double x[3], double u[3]) const {
+    // Of solid `number` (Solids::number) at x, as what sticks to it or, without `sticks`, as a rigid body; sides of the domain
+    // rest.
+    KOKKOS_INLINE_FUNCTION void velocity(int number, const double x[3], double u[3], bool sticks = true) const {
         double r[3] = {0, 0, 0};
         if (number >= 0) arm(number, x, r);
-        for (int k = 0; k < 3; ++k) u[k] = number < 0 ? 0.0 : velocity(number, k, r);
+        for (int k = 0; k < 3; ++k) u[k] = number < 0 ? 0.0 : rigid_velocity(number, k, r) + (sticks ? bend(number, k, r) : 0.0);
     }
 };
 

@@ -57,7 +57,7 @@ void mark_solved(const PressureFaces& faces, const FaceField& wet_share, double 
             const bool wet = faces.is_liquid(above) || faces.is_liquid(below);
             const bool held = viscous && share(i) >= least &&
                               math::max(viscosity.over_half_a_cell(above, dx), viscosity.over_half_a_cell(below, dx)) >= 1;
-            mark(i) = (wet || held) && faces.open(a, above) > 0 ? 1 : 0;
+            mark(i) = (wet || held) && faces.carries(a, above) ? 1 : 0;
         });
     }
 }
@@ -94,12 +94,15 @@ struct TurnLoop {
         const double grown = spread / (spread + 1), share = (length - depth) / (length + dx);
         for (int k = 0; k < faces.dimensions; ++k) u[k] += grown * (share * (there[k] - moved[k]) - u[k]);
     }
+    KOKKOS_INLINE_FUNCTION bool sticks(int solid_number) const {
+        return grip.any && solid_number != Solids::nothing && math::isfinite(grip.length(Solids::place(solid_number)));
+    }
     KOKKOS_INLINE_FUNCTION void operator()(int i) const {
         int c[3];
         owned.cell(i, c);
         const int at = faces.window.index(c[0], c[1], c[2]);
         for (int a = 0; a < faces.dimensions; ++a) {
-            if (faces.open(a, static_cast<std::size_t>(at)) > 0) continue;
+            if (faces.carries(a, static_cast<std::size_t>(at))) continue;
             double x[3], n[3], u[3], v[3];
             grid.face(a, c, x);
             const double distance = solid.at(x, n);
@@ -108,7 +111,7 @@ struct TurnLoop {
             // The fine node in the middle of the face.
             const int all = faces.dimensions == 2 ? 3 : 7;
             const int nearest = number(FineNodes::per_cell * at + (all & ~(1 << a)));
-            motion.velocity(nearest, x, v);
+            motion.velocity(nearest, x, v, sticks(nearest));
             from.velocity(x, u);
             const double steep = 1 / math::sqrt(square);
             for (int k = 0; k < 3; ++k) n[k] *= steep, u[k] -= v[k];
@@ -147,7 +150,7 @@ void add_changes(int axis, const PressureFaces& faces, const Continued& with, co
     const auto start = with.start.axis[axis], mass = with.mass.axis[axis], change = with.change.axis[axis];
     const auto reached = with.reached.axis[axis];
     Kokkos::parallel_for("treacle::add_changes", static_cast<int>(faces.window.size()), KOKKOS_LAMBDA(int i) {
-        const bool in_air = faces.open(axis, static_cast<std::size_t>(i)) > 0;
+        const bool in_air = faces.carries(axis, static_cast<std::size_t>(i));
         if (known(i) != 0 || reached(i) == 0 || !(mass(i) > 0) || !in_air) return;
         velocity(i) = start(i) + change(i);
         known(i) = 1;

@@ -174,24 +174,29 @@ void GridStep::find_surface() {
         return;
     }
     fraction_builder_.build_body_shares(solids_.nodes(), solids_.distance(), solids_.number(), solids_.moves(), shares_.data());
+    if (slip_.any()) closed_centres_.find(solids_.nodes(), solids_.distance());
 }
 
 // (S), (D)
 void GridStep::find_strains(double dt) {
     strains_.find({grid_, cells_halo_, velocity_, mass_, fractions_, solids_, before_, dt});
     if (contracts()) contraction_.find(setup_.options.contraction, {grid_, cells_halo_, cells_, distance_, fractions_}, dt);
+    find_inflow(fractions_.open);
+}
+
+// What must flow into cells: by (D), and by (S) through the parts of their faces that are open.
+void GridStep::find_inflow(const FaceField& open) {
     const CellBox window = cells_halo_.window(), owned = cells_halo_.owned();
     reserve(inflow_, static_cast<std::size_t>(window.size()));
     const auto out = inflow_, more = contraction_.inflow();
     const bool contracts = more.extent(0) > 0;
-    const double dx = grid_.dx;
-    const auto xx = strains_.normal(0), yy = strains_.normal(1), zz = strains_.normal(2);
     Kokkos::parallel_for("treacle::inflow", static_cast<int>(owned.size()), KOKKOS_LAMBDA(int n) {
         int c[3];
         owned.cell(n, c);
         const int i = window.index(c[0], c[1], c[2]);
-        out(i) = (contracts ? more(i) : 0.0) - dx * (xx(i) + yy(i) + zz(i));
+        out(i) = contracts ? more(i) : 0.0;
     });
+    strains_.add_flux(grid_, cells_halo_, open, inflow_);
 }
 
 void GridStep::project(StepReport& report, double dt, Pressure::Surface surface) {
@@ -214,7 +219,8 @@ void GridStep::project(StepReport& report, double dt, Pressure::Surface surface)
 void GridStep::find_viscosities_by_rate() {
     const bool slides = slip_.any();
     const StrainScene scene{grid_, cells_halo_, fractions_, slides ? slip_.slip().grip : fractions_,
-                            slides ? slip_.shares() : shares_, solids_.motion(), setup_.options.viscosity};
+                            slides ? slip_.shares() : shares_, solids_.motion(), setup_.options.viscosity, strains_,
+                            dt_ > 0 ? before_ / dt_ : 0.0};
     halo_.gather(particles_.store, {particles_.viscosity_field()});
     rheology_.find_rates(scene, start_);
     rheology_.find_viscosities(scene, {particles_, cells_, particle_mass_}, viscosities_);
@@ -251,20 +257,26 @@ ViscousScene GridStep::viscous_scene() {
     if (slides) slip_.update(cells_halo_, bodies_, solids_, level_set_, setup_.options.fractions);
     find_viscosities();
     return {grid_, cells_halo_, fractions_, slides ? slip_.shares() : shares_, viscosities_, setup_.density,
-            slides ? &slip_.slip() : nullptr, nullptr, &strains_};
+            slides ? &slip_.slip() : nullptr, nullptr, &strains_, &distance_};
+}
+
+SlipAreas GridStep::slip_areas() const {
+    if (!bodies_.any_moves() || !slip_.any()) return {};
+    return {&closed_centres_, slip_.lengths()};
 }
 
 PressureScene GridStep::pressure_scene() {
     return {grid_, cells_halo_, distance_, fractions_, shares_, bodies_, setup_.density, tensions_.largest(),
-            tensions_.differ() ? &tensions_.at_centres() : nullptr, nullptr, &inflow_};
+            tensions_.differ() ? &tensions_.at_centres() : nullptr, nullptr, slip_areas(), &inflow_};
 }
 
 // (V)
 void GridStep::apply_viscosity(StepReport& report, double dt) {
     if (!viscous()) return;
     const auto scene = viscous_scene();
-    // Faces in solids that liquid slides along are unknowns too: what gravity made of them would drag the liquid down.
-    if (slip_.any()) continue_velocity({false, {}, viscous_spread(dt)});
+    // Faces in solids that liquid slides along are unknowns too, and those with small openings: what gravity made of them would
+    // drag the liquid down.
+    continue_velocity({false, {}, viscous_spread(dt)});
     report.viscosity = viscosity_.solve(scene, velocity_, bodies_, dt);
     report.viscous_loads = report.viscosity.loads;
     // Faces that hardly any liquid reaches have stresses and no mass: what the solve leaves there is arbitrary.
@@ -317,13 +329,14 @@ void GridStep::together(StepReport& report, double dt) {
         const auto phase = timers_.scope("pressure");
         problem.find_places(scene, bodies_, dt);
         close_held_faces(problem.places(), fractions_.open, open_);
+        find_inflow(open_);
         auto closed = pressure_scene();
         closed.open = &open_;
         pressure_.build(closed);
         project(report, dt, Pressure::Surface::tense);
     }
     const auto phase = timers_.scope("viscosity");
-    if (slip_.any()) continue_velocity({false, {}, viscous_spread(dt)});
+    continue_velocity({false, {}, viscous_spread(dt)});
     problem.build(scene, velocity_, bodies_, dt);
     report.stokes = stokes_.solve({pressure_, problem, scene, dt}, velocity_, bodies_);
     gather_faces(grid_, cells_halo_, velocity_);
@@ -342,8 +355,23 @@ void GridStep::continue_velocity(const WallGrip& grip) {
     turn_along_solids(grid_, cells_halo_, solids_, faces, grip, velocity_, scratch_); // (A2)
 }
 
+MomentumBalance::Scene GridStep::balance_scene() {
+    return {grid_, cells_halo_, cells_, distance_, fractions_.face_fluid, shares_, particles_, particle_mass_};
+}
+
+// (M)
+void GridStep::balance_momentum(StepReport& report, double kick) {
+    if (!balances()) return;
+    auto loads = report.loads;
+    for (std::size_t k = 0; k < report.viscous_loads.size(); ++k) loads[k] += report.viscous_loads[k];
+    const auto before = loads;
+    balance_.end(comm_, balance_scene(), setup_.domain.gravity, kick, bodies_, loads);
+    for (std::size_t k = 0; k < loads.size(); ++k) report.loads[k] += loads[k] - before[k];
+}
+
 void GridStep::move(StepReport& report, StepTimes& times) {
     faces_to_particles(grid_, cells_halo_.window(), velocity_, particles_); // (A4)
+    balance_momentum(report, times.kick);                                   // (M)
     times.drift = report.dt = std::min(times.drift, (setup_.options.cfl + 1) * grid_.dx / fastest(particles_.velocity()));
     const double dt = times.drift;
     subtract_faces(grid_, cells_halo_.window(), velocity_, start_, scratch_);
@@ -400,7 +428,9 @@ StepReport GridStep::advance(double dt) {
     const double kick = times.kick;
     bodies_.begin(dt);
     solids_.update(cells_halo_, bodies_);
+    dt_ = dt;
     find_strains(dt); // (S), (D)
+    if (balances()) balance_.begin(comm_, balance_scene(), bodies_);
     bodies_.fall(kick);
     accelerate(grid_, cells_halo_.window(), setup_.domain.gravity, kick, velocity_); // (A1)
     if (solves_together(kick)) {

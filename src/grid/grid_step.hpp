@@ -3,8 +3,10 @@
 #include "base/timers.hpp"
 #include "flow/inflow.hpp"
 #include "flow/outlets.hpp"
+#include "grid/closed_centres.hpp"
 #include "grid/face_fields.hpp"
 #include "grid/level_set.hpp"
+#include "grid/momentum_balance.hpp"
 #include "grid/options.hpp"
 #include "grid/pressure.hpp"
 #include "grid/rheology.hpp"
@@ -108,6 +110,7 @@ public:
     // Parts of advance(); not private, since nvcc takes no kernel in a private function.
     void take_centres();
     void find_strains(double dt);
+    void find_inflow(const FaceField& open);
     double largest_viscosity() const;
     double fastest(const Array3& of) const;
 
@@ -125,6 +128,7 @@ private:
     void together(StepReport& report, double dt);
     ViscousScene viscous_scene();
     PressureScene pressure_scene();
+    SlipAreas slip_areas() const;
     bool solves_together(double dt) const;
     bool viscous() const { return setup_.viscosity_varies || setup_.viscosity > 0 || rheology_.any(); }
     void find_viscosities_by_rate();
@@ -132,6 +136,9 @@ private:
     ViscousSpread viscous_spread(double dt) const { return {viscosities_.cell, setup_.density, dt}; }
     void continue_velocity(const WallGrip& grip);
     void move(StepReport& report, StepTimes& times);
+    MomentumBalance::Scene balance_scene();
+    bool balances() const { return bodies_.any_moves() && setup_.options.coupling == Coupling::strong; }
+    void balance_momentum(StepReport& report, double kick);
     double pull() const;
     std::array<double, 9> sums(const Array3& velocity) const;
     EndMotion::Middle middle_motion() const;
@@ -158,6 +165,7 @@ private:
     Fractions fractions_;
     FaceShares shares_;
     SlipGeometry slip_;
+    ClosedCentres closed_centres_;
     Array<double> distance_{"treacle::centre_distance", 0};
     FaceField mass_, velocity_, start_, scratch_; // start: of the particles, before the step changes it
     FaceMarks known_, reached_;
@@ -174,9 +182,10 @@ private:
     Array<double> inflow_{"treacle::inflow", 0}; // [window] what must flow into cells, of contraction and strains [m/s]
     PhaseTimers timers_;
     EndMotion end_motion_;
+    MomentumBalance balance_;
     std::int64_t steps_ = 0;
     double imbalance_after_cut_ = 1;
-    double before_ = 0;   // [s] length of the last step, 0: there was none
+    double before_ = 0, dt_ = 0; // [s] length of the last step, 0: there was none; of this one
     double crowding_ = 0; // largest density error that the last correction of places left
 };
 

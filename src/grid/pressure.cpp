@@ -160,7 +160,7 @@ void Pressure::build(const PressureScene& scene) {
     matrix_.reset();
     system_.assemble(comm_, scene.halo, faces);
     update_motion(scene.bodies, scene.grid, motion_);
-    coupling_.build(system_, scene.grid, scene.fractions.face_fluid, scene.shares, motion_);
+    coupling_.build(system_, scene.grid, scene.fractions.face_fluid, scene.shares, motion_, scene.slip);
     host_ = system_.to_host();
     const auto blocks = system_.blocks(host_);
     const auto rows = static_cast<std::size_t>(system_.rows());

@@ -20,6 +20,7 @@ struct PressureScene {
     double surface_tension = 0;    // [N/m]
     const Array<double>* tensions = nullptr; // [window] at centres [N/m], where liquids differ in theirs
     const FaceField* open = nullptr; // in the place of that of the fractions
+    SlipAreas slip; // of bodies that liquid slides along
     const Array<double>* inflow = nullptr; // [window] what must flow into owned cells, over a face's area (contraction.hpp) [m/s]
 };
 

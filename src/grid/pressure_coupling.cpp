@@ -53,11 +53,20 @@ struct CouplingLoop {
     MacGrid grid;
     BodyMotion motion;
     Array<int> cell_of, offset, body;
-    Array<double> u, bend;
+    Array<double> u;
+    bool slips;
+    Array<double> length, offset_of[3][2];
 
+    // Where a body's motion counts at a face.
+    KOKKOS_INLINE_FUNCTION void place(int number, int a, std::size_t face, double x[3]) const {
+        int c[3];
+        bodies.faces.window.cell(static_cast<int>(face), c);
+        grid.face(a, c, x);
+        if (!slips || !(length(6 + number) > 0)) return;
+        for (int k = 0; k < 2; ++k) x[(a + 1 + k) % 3] += grid.dx * offset_of[a][k](face);
+    }
     KOKKOS_INLINE_FUNCTION void operator()(int r) const {
         const int begin = offset(r), end = offset(r + 1);
-        bend(r) = 0;
         if (begin == end) return;
         for (int e = begin; e < end; ++e) {
             body(e) = -1;
@@ -67,14 +76,11 @@ struct CouplingLoop {
             int e = begin;
             while (body(e) != b && body(e) != -1) ++e;
             body(e) = b;
-            int c[3];
             double x[3], arm[3], load[6] = {0, 0, 0, 0, 0, 0};
-            bodies.faces.window.cell(static_cast<int>(face), c);
-            grid.face(a, c, x);
+            place(b, a, face, x);
             motion.arm(b, x, arm);
             add_load(a, arm, sign * area, load);
             for (int k = 0; k < 6; ++k) u(6 * e + k) += load[k];
-            bend(r) += sign * area * motion.bend(b, a, arm);
         });
     }
 };
@@ -96,7 +102,7 @@ int PressureCoupling::count(const PressureSystem& system, const FaceField& fluid
 }
 
 void PressureCoupling::build(const PressureSystem& system, const MacGrid& grid, const FaceField& fluid,
-                             const FaceShares& shares, const BodyMotion& motion) {
+                             const FaceShares& shares, const BodyMotion& motion, const SlipAreas& slip) {
     bodies_ = static_cast<std::size_t>(motion.bodies);
     face_ = std::pow(grid.dx, grid.dimensions - 1);
     rows_ = system.rows();
@@ -105,13 +111,14 @@ void PressureCoupling::build(const PressureSystem& system, const MacGrid& grid, 
     const int n = count(system, fluid, shares);
     reserve(body_, static_cast<std::size_t>(n));
     reserve(u_, 6 * static_cast<std::size_t>(n));
-    reserve(bend_, static_cast<std::size_t>(rows_));
-    Kokkos::parallel_for("treacle::couplings", system.rows(),
-                         CouplingLoop{CellBodies(system.faces(), fluid, shares), grid, motion, system.cell_of(), offset_,
-                                      body_, u_, bend_});
+    CouplingLoop loop{CellBodies(system.faces(), fluid, shares), grid, motion, system.cell_of(), offset_, body_, u_,
+                      slip.closed != nullptr, slip.length, {}};
+    for (int a = 0; a < grid.dimensions && slip.closed; ++a) {
+        for (int k = 0; k < 2; ++k) loop.offset_of[a][k] = slip.closed->offset(a, k);
+    }
+    Kokkos::parallel_for("treacle::couplings", system.rows(), loop);
     const auto offset = on_host(offset_), body = on_host(body_);
-    const auto u = on_host(u_), bend = on_host(bend_);
-    host_bend_.assign(bend.data(), bend.data() + rows_);
+    const auto u = on_host(u_);
     for (int r = 0; r < system.rows() && n > 0; ++r) {
         for (int e = offset(r); e < offset(r + 1); ++e) {
             Entry entry{r, body(e), {}};
@@ -124,9 +131,9 @@ void PressureCoupling::build(const PressureSystem& system, const MacGrid& grid, 
 void PressureCoupling::subtract_flux(const BodyMotion& motion, double scale, const Array<double>& out) const {
     if (entries_.empty()) return;
     const auto offset = offset_, body = body_;
-    const auto u = u_, bend = bend_;
+    const auto u = u_;
     Kokkos::parallel_for("treacle::body_flux", rows_, KOKKOS_LAMBDA(int r) {
-        double flux = bend(r);
+        double flux = 0;
         for (int e = offset(r); e < offset(r + 1); ++e) {
             for (int k = 0; k < 6; ++k) flux += u(6 * e + k) * motion.frame(BodyMotion::width * body(e) + 3 + k);
         }
@@ -162,13 +169,8 @@ void PressureCoupling::add_flux(std::span<const double> velocities, double facto
     }
 }
 
-void PressureCoupling::add_bend(double factor, std::span<double> y) const {
-    if (entries_.empty()) return;
-    for (std::size_t r = 0; r < y.size(); ++r) y[r] += factor * host_bend_[r];
-}
-
 std::size_t PressureCoupling::bytes() const {
-    return 8 * (bend_.span() + host_bend_.capacity()) + 4 * (offset_.span() + body_.span()) + 8 * u_.span() + sizeof(Entry) * entries_.capacity();
+    return 4 * (offset_.span() + body_.span()) + 8 * u_.span() + sizeof(Entry) * entries_.capacity();
 }
 
 } // namespace treacle::grid

@@ -1,5 +1,6 @@
 #pragma once
 #include "grid/body_motion.hpp"
+#include "grid/closed_centres.hpp"
 #include "grid/pressure_system.hpp"
 
 #include <array>
@@ -11,15 +12,23 @@ namespace treacle::grid {
 // Which parts of the faces' cubes belong to bodies that move, by the axis of the face.
 using FaceShares = std::array<BodyShares, 3>;
 
+// Of bodies that liquid slides along; without lengths there are none.
+struct SlipAreas {
+    const ClosedCentres* closed = nullptr;
+    Array<double> length; // [6 sides, then bodies] slip lengths, 0: grips [m]
+};
+
 // Bodies in the pressure system (P2). The closed part of a face belongs to its bodies by their shares of the cube
 // around it, what is left to solids at rest. J has a row of six numbers for each cell and body: the areas of the body at
-// the cell's faces, out of the cell, with their arms about the body's centre [1, m]. Bodies take the flux J V out of the
+// the cell's faces, out of the cell, with their arms about the body's centre [1, m]. The arms are those of the faces' middles,
+// where the liquid's velocities are, so that liquid that turns with a body does so exactly; of a body that the liquid slides
+// along those of the closed parts' centres, so that a turn along its surface moves no liquid at all. Bodies take the flux J V out of the
 // cells; the pressure loads them with dx^2 J^T p.
 class PressureCoupling {
 public:
     // The rows J of this rank's cells, for the places of the bodies. `fluid`: shares of the cubes around faces.
     void build(const PressureSystem& system, const MacGrid& grid, const FaceField& fluid, const FaceShares& shares,
-               const BodyMotion& motion);
+               const BodyMotion& motion, const SlipAreas& slip = {});
 
     // out -= scale J V, on this rank's rows; of all bodies that move.
     void subtract_flux(const BodyMotion& motion, double scale, const Array<double>& out) const;
@@ -32,8 +41,6 @@ public:
 
     // y += factor J V on this rank's rows, V 6 numbers a body.
     void add_flux(std::span<const double> velocities, double factor, std::span<double> y) const;
-    // y += factor times the flux of what the bodies' velocities have beside their rigid motions (BodyMotion::bend).
-    void add_bend(double factor, std::span<double> y) const;
 
     bool empty() const { return entries_.empty(); }
     std::size_t bytes() const;
@@ -57,9 +64,7 @@ private:
     Array<int> offset_{"treacle::coupling_offset", 0}; // [rows + 1]
     Array<int> body_{"treacle::coupling_body", 0};     // [entries]
     Array<double> u_{"treacle::coupling_row", 0};      // [entries * 6]
-    Array<double> bend_{"treacle::coupling_bend", 0};  // [rows] flux of BodyMotion::bend
     std::vector<Entry> entries_;                       // the same on the host
-    std::vector<double> host_bend_;
 };
 
 } // namespace treacle::grid

@@ -18,9 +18,16 @@ struct PressureFaces {
     bool has_jump = false;
     double least_distance = 0, least_opening = 0;
 
+    // Every opening counts but for round-off: without a small one the areas of its cells would no longer close to the solid's
+    // surface, and liquid that slides along it could not do so without a strain.
     KOKKOS_INLINE_FUNCTION double open(int axis, std::size_t face) const {
+        constexpr double round_off = 1e-9;
         const double share = area.axis[axis](face);
-        return share < least_opening ? 0.0 : share;
+        return share < round_off ? 0.0 : share;
+    }
+    // Whether its velocity is that of the liquid around: what passes a small opening may be any, and is not for particles.
+    KOKKOS_INLINE_FUNCTION bool carries(int axis, std::size_t face) const {
+        return open(axis, face) > 0 && area.axis[axis](face) >= least_opening;
     }
     KOKKOS_INLINE_FUNCTION bool is_liquid(std::size_t cell) const { return distance(cell) < 0; }
     // theta: share of the way from a liquid cell's centre to that of one outside that is liquid.

@@ -26,6 +26,7 @@ struct MeanVelocityLoop {
     MacGrid grid;
     CellBox window, box;
     int axis;
+    double carried;
 
     KOKKOS_INLINE_FUNCTION void operator()(int n) const {
         int c[3];
@@ -37,7 +38,8 @@ struct MeanVelocityLoop {
             double x[3], r[3];
             grid.face(axis, c, x);
             motion.arm(shares.body(k), x, r);
-            sum += shares.share(k) * motion.velocity(shares.body(k), axis, r);
+            const int b = shares.body(k);
+            sum += shares.share(k) * (motion.rigid_velocity(b, axis, r) - carried * motion.bend(b, axis, r));
         }
         out(i) = sum;
     }
@@ -52,6 +54,9 @@ struct Strains {
     FaceField v;
     Array<double> normal[3], cell_wet, cell_fluid;
     EdgeField shear, edge_wet, edge_fluid;
+    Array<double> step_normal[3]; // of (S)
+    EdgeField step_shear;
+    double carried;
 
     // The liquid of a place, where it has a stress.
     KOKKOS_INLINE_FUNCTION double weight(const Array<double>& wet, const Array<double>& fluid, std::ptrdiff_t i) const {
@@ -60,14 +65,14 @@ struct Strains {
     KOKKOS_INLINE_FUNCTION void strain(std::ptrdiff_t i) const {
         for (int a = 0; a < dimensions; ++a) {
             const bool strains = weight(cell_wet, cell_fluid, i) > 0;
-            normal[a](i) = strains ? (v.axis[a](i + stride[a]) - v.axis[a](i)) / (dx * cell_fluid(i)) : 0.0;
+            normal[a](i) = strains ? ((v.axis[a](i + stride[a]) - v.axis[a](i)) / dx + carried * step_normal[a](i)) / cell_fluid(i) : 0.0;
         }
         for (int e = dimensions == 2 ? 2 : 0; e < 3; ++e) {
             const int a = (e + 1) % 3, b = (e + 2) % 3;
             const auto& fluid = edge_fluid.axis[e];
             const bool strains = weight(edge_wet.axis[e], fluid, i) > 0;
             const double rise = v.axis[a](i) - v.axis[a](i - stride[b]) + v.axis[b](i) - v.axis[b](i - stride[a]);
-            shear.axis[e](i) = strains ? rise / (dx * fluid(i)) : 0.0;
+            shear.axis[e](i) = strains ? (rise / dx + carried * step_shear.axis[e](i)) / fluid(i) : 0.0;
         }
     }
     // The mean of a strain at i and, from there, s, t and s + t.
@@ -115,7 +120,7 @@ void find_mean_velocities(const StrainScene& scene, const FaceField& velocity, F
         reserve(out.axis[a], static_cast<std::size_t>(window.size()));
         Kokkos::parallel_for("treacle::mean_velocities", static_cast<int>(box.size()),
                              MeanVelocityLoop{velocity.axis[a], scene.grip.face_fluid.axis[a], out.axis[a],
-                                              scene.shares[static_cast<std::size_t>(a)], scene.motion, scene.grid, window, box, a});
+                                              scene.shares[static_cast<std::size_t>(a)], scene.motion, scene.grid, window, box, a, scene.carried});
     }
 }
 
@@ -218,6 +223,9 @@ void Rheology::find_rates(const StrainScene& scene, const FaceField& velocity) {
     strains.cell_fluid = scene.grip.cell_fluid;
     strains.edge_wet = scene.fractions.edge_wet;
     strains.edge_fluid = scene.grip.edge_fluid;
+    for (int k = 0; k < 3; ++k) strains.step_normal[k] = scene.strains.normal(k);
+    strains.step_shear = scene.strains.shear();
+    strains.carried = scene.carried;
     find_strains(strains, within(window, 2, dimensions));
     combine_strains(strains, scene.halo.owned(), cell_rate_, edge_rate_);
 }

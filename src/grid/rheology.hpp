@@ -3,6 +3,7 @@
 #include "grid/body_motion.hpp"
 #include "grid/particles.hpp"
 #include "grid/pressure_coupling.hpp"
+#include "grid/step_strains.hpp"
 #include "grid/viscosity.hpp"
 #include "kokkos/cells.hpp"
 
@@ -19,6 +20,10 @@ struct StrainScene {
     const FaceShares& shares;   // of gripping bodies
     const BodyMotion& motion;
     const ViscosityOptions& options; // which stresses there are
+    // Velocities that have been carried along straight lines since the middle of the last step strain by -carried (S) of what does
+    // not strain; solids likewise.
+    const StepStrains& strains;
+    double carried = 0; // length of the last step over that of this one
 };
 
 // The particles that tell which liquid is where.

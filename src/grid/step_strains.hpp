@@ -10,6 +10,10 @@ namespace treacle::grid {
 // of the middle, so that a rotation has the strain rate -dt/2 w^2 across its axis, and a step that solves for div u = 0 and
 // for rates without it would let whatever turns grow. The pressure and the viscosity hold div u and the strain rates to
 // these in the place of zero. L is that of the step before.
+//
+// What flows along a solid bends with it, a = L (u - U) + w x (u - V) in the frame that moves with the solid (U: its velocity
+// there, w: its spin, V: of its centre), and its straight step leads off the surface by dt a/2. The flux of that through the
+// open parts of a cell's faces flows in; of a whole cell it is the trace of the rates, whatever the frame.
 class StepStrains {
 public:
     struct Scene {
@@ -23,6 +27,9 @@ public:
     };
     // Local, within the window of the halo but its two outermost layers.
     void find(const Scene& scene);
+    // Adds what must flow into the owned cells for that, through the parts of their faces that are open, to `inflow`
+    // ([window], over a face's area [m/s]).
+    void add_flux(const MacGrid& grid, const CellHalo& halo, const FaceField& open, const Array<double>& inflow) const;
 
     const Array<double>& normal(int axis) const { return normal_[axis]; } // [window] at centres [1/s]
     const EdgeField& shear() const { return shear_; }                     // twice the shear strain, at edges [1/s]
@@ -31,6 +38,7 @@ public:
 private:
     Array<double> centre_[6]; // xx, yy, zz, xy, yz, zx
     Array<double> normal_[3];
+    Array<double> path_[6];   // dt a/2 at the centre [m/s], and how each component rises along its own axis [1/s]
     EdgeField shear_;
 };
 

@@ -175,7 +175,6 @@ void Stokes::load(const System& system, const FaceField& velocity, const rigid::
     const std::span<double> b(b_), x(x_);
     parts.viscous.right_hand_side(velocity, b.first(n));
     parts.pressure.coupling().add_flux(body_velocities(bodies), face, b.last(m));
-    parts.pressure.coupling().add_bend(face, b.last(m));
     parts.pressure.add_inflow(face, b.last(m));
     parts.pressure.balance(b.last(m));
     parts.viscous.read(velocity, x.first(n));

@@ -40,6 +40,9 @@ struct ViscousScene {
     // of the projection, and those that it does not push none, since nothing holds it against gravity.
     const PressureFaces* pressed = nullptr;
     const StepStrains* strains = nullptr; // in a step of particles along straight lines
+    // [m] of cells' centres from the liquid's surface, where a pressure acts before or with the solve: it holds the liquid
+    // within to the normal velocity of what it slides along.
+    const Array<double>* distance = nullptr;
 };
 
 struct ViscosityReport {

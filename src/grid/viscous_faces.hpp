@@ -29,8 +29,7 @@ struct ViscousFaces {
     Array<double> traction[6]; // xx, yy, zz, xy, yz, zx of the cell's slip surface: force = -traction (u - V) [kg/s]
     FaceField lean;            // share that face i has, against face i + stride, in the velocity at a cell's slip surface
     Array<int> slip_body;      // whose surface slips in a cell, -1: at rest
-    Array<double> wall[3];     // the velocity of that body there [m/s], with its bend
-    Array<double> wall_bend[3];
+    Array<double> wall[3];     // the velocity of that body there [m/s]
 
     // The stresses beside face i across a: use(where), with where = 0 … 3 (2 in the plane): edges, and the two centres.
     template <class Use>

@@ -97,12 +97,11 @@ struct WallLoop {
         const int body = faces.slip_body(i);
         for (int k = 0; k < faces.dimensions; ++k) {
             double x[3], r[3];
-            faces.wall[k](i) = faces.wall_bend[k](i) = 0;
+            faces.wall[k](i) = 0;
             if (body < 0) continue;
             faces.slip_point(grid, k, c, x);
             motion.arm(body, x, r);
-            faces.wall[k](i) = motion.velocity(body, k, r);
-            faces.wall_bend[k](i) = motion.bend(body, k, r);
+            faces.wall[k](i) = motion.rigid_velocity(body, k, r);
         }
     }
 };
@@ -115,6 +114,7 @@ struct TractionLoop {
     Inner inner;
     FaceField open, grip;
     Array<double> wet, fluid, viscosity, length;
+    Array<double> distance; // none: no pressure
     double area, least_wet, normal_layer, dx; // [m2], of a plane scene [m]; [1]; [m]; [m]
 
     // Out of the solid, in faces' areas.
@@ -127,9 +127,10 @@ struct TractionLoop {
         }
         return math::sqrt(squares);
     }
-    KOKKOS_INLINE_FUNCTION void add(std::ptrdiff_t i, const double n[3], double size, double distance) const {
+    KOKKOS_INLINE_FUNCTION void add(std::ptrdiff_t i, const double n[3], double size, double beyond) const {
         const double whole = area * size * viscosity(i) * wet(i) / fluid(i);
-        const double across = whole / normal_layer, along = whole / (math::max(length(i), normal_layer) + distance);
+        const bool pressed = distance.extent(0) > 0 && distance(i) < 0;
+        const double across = pressed ? 0.0 : whole / normal_layer, along = whole / (math::max(length(i), normal_layer) + beyond);
         for (int k = 0; k < faces.dimensions; ++k) {
             for (int l = k; l < faces.dimensions; ++l) {
                 const double nn = n[k] * n[l] / (size * size);
@@ -207,12 +208,12 @@ void ViscousParts::weigh_slip(const ViscousScene& scene, const ViscosityOptions&
     faces_.slip_body = scene.slip->body;
     for (auto& component : faces_.traction) make_room(f.cell_wet, {&component});
     for (auto& component : faces_.wall) make_room(f.cell_wet, {&component});
-    for (auto& component : faces_.wall_bend) make_room(f.cell_wet, {&component});
     const double dx = scene.grid.dx;
     const Inner second(faces_.window, faces_.dimensions, 2); // the neighbours' neighbours are read
     Kokkos::parallel_for("treacle::weigh_slip", second.count(),
                          TractionLoop{faces_, second, f.open, scene.slip->grip.open, f.cell_wet, f.cell_fluid,
-                                      scene.viscosity.cell, scene.slip->length, faces_.dimensions == 3 ? dx * dx : dx,
+                                      scene.viscosity.cell, scene.slip->length,
+                                      scene.distance ? *scene.distance : Array<double>(), faces_.dimensions == 3 ? dx * dx : dx,
                                       options.least_wet, options.normal_layer * dx, dx});
     for (int a = 0; a < faces_.dimensions; ++a) {
         make_room(f.cell_wet, {&faces_.lean.axis[a]});
@@ -283,7 +284,7 @@ std::size_t ViscousParts::bytes() const {
         }
     }
     for (const auto& component : faces_.traction) total += component.span();
-    for (int a = 0; a < 3; ++a) total += faces_.wall[a].span() + faces_.wall_bend[a].span();
+    for (int a = 0; a < 3; ++a) total += faces_.wall[a].span();
     return 8 * total + 4 * (faces_.role[0].span() + faces_.role[1].span() + faces_.role[2].span());
 }
 

@@ -100,6 +100,8 @@ public:
     Vec3 end_spin(std::size_t body) const { return spin(body) + lead(body, 3); }
     // About the centre [kg m2/s]; of dynamic bodies.
     const Vec3& angular_momentum(std::size_t body) const { return states_[body].angular_momentum; }
+    // About the centre, in the axes of space, where it is [kg m2]; of dynamic bodies.
+    Matrix3 inertia(std::size_t body) const { return inertia(body, states_[body].pose.turn); }
     // How the bodies answer impulses where they are, joints and locked degrees of freedom included.
     Mobility mobility() const;
     // Bound of the speed of any point of a body that moves [m/s].
@@ -112,7 +114,7 @@ public:
     // The largest gap of the joints where the bodies are [m].
     double joint_gap() const;
 
-    // Linear momentum [kg m/s] and angular momentum about the origin [kg m2/s] of the dynamic bodies.
+    // Linear momentum [kg m/s] and angular momentum about the origin [kg m2/s] of the dynamic bodies, by end_velocity().
     std::array<double, 6> momentum() const;
     // Kinetic, and potential of gravity, zero at the origin, of the dynamic bodies [J].
     std::array<double, 2> energy() const;

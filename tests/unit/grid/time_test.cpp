@@ -90,7 +90,8 @@ TEST(StepInTime, KeepsTheSpinOfABallOfAnyViscosity) {
         const auto sample = ball(3, 10, viscosity, {0, 0, 0});
         const auto start = motion_of(*started(Comm::world(), sample)), end = run(sample, 1, 3);
         EXPECT_NEAR(end.about_centre[2] / start.about_centre[2], 1, 0.02) << viscosity;
-        if (viscosity >= 100) EXPECT_NEAR(end.size / start.size, 1, 0.01) << viscosity; // neither spirals out nor shrinks
+        if (viscosity < 100) continue;
+        EXPECT_NEAR(end.size / start.size, 1, 0.01) << viscosity; // neither spirals out nor shrinks
     }
 }
 

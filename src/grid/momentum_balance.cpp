@@ -1,0 +1,375 @@
+#include "grid/momentum_balance.hpp"
+
+#include "rigid/algebra.hpp"
+
+#include <Eigen/Dense>
+
+#include <algorithm>
+#include <numeric>
+
+namespace treacle::grid {
+
+namespace {
+constexpr int count = 19;
+
+struct SumLoop {
+    using value_type = double[];
+    using size_type = std::size_t;
+    size_type value_count = count;
+    MacGrid grid;
+    CellBox window;
+    Array<int> group;
+    int wanted;
+    Array3 x, u, c[3];
+    Array<int> liquid;
+    Array<double> mass;
+
+    KOKKOS_INLINE_FUNCTION void init(value_type sum) const {
+        for (int k = 0; k < count; ++k) sum[k] = 0;
+    }
+    KOKKOS_INLINE_FUNCTION void join(value_type sum, const value_type other) const {
+        for (int k = 0; k < count; ++k) sum[k] += other[k];
+    }
+    // What a velocity v with gradient g has about the origin, the moment of what it gives to the faces included (TotalsLoop).
+    KOKKOS_INLINE_FUNCTION void turn(double m, const double at[3], const double s[3], const double v[3], const double g[3][3],
+                                     double out[3]) const {
+        for (int a = 0; a < 3; ++a) {
+            const int b = (a + 1) % 3, d = (a + 2) % 3;
+            out[a] = m * (at[b] * v[d] - at[d] * v[b] + s[b] * g[d][b] - s[d] * g[b][d]);
+        }
+    }
+    KOKKOS_INLINE_FUNCTION void operator()(int i, value_type sum) const {
+        int cell[3];
+        grid.cells.locate(x(i, 0), x(i, 1), x(i, 2), cell);
+        if (group(window.index(cell[0], cell[1], cell[2])) != wanted) return;
+        const double m = mass(liquid(i));
+        double at[3], s[3] = {0, 0, 0}, v[3], g[3][3], l[3];
+        for (int k = 0; k < 3; ++k) {
+            at[k] = x(i, k);
+            v[k] = u(i, k);
+            for (int j = 0; j < 3; ++j) g[k][j] = c[k](i, j);
+            if (k >= grid.dimensions) continue;
+            const double place = (at[k] - grid.lower[k]) / grid.dx - 0.5, share = place - math::floor(place);
+            s[k] = share * (1 - share) * grid.dx * grid.dx;
+        }
+        turn(m, at, s, v, g, l);
+        for (int k = 0; k < 3; ++k) {
+            sum[k] += m * v[k];
+            sum[3 + k] += l[k];
+            sum[7 + k] += m * at[k];
+        }
+        sum[6] += m;
+        for (int axis = 0; axis < 3; ++axis) {
+            const int b = (axis + 1) % 3, d = (axis + 2) % 3;
+            double w[3][3] = {{0, 0, 0}, {0, 0, 0}, {0, 0, 0}}, r[3] = {0, 0, 0};
+            w[b][d] = -1;
+            w[d][b] = 1;
+            r[b] = -at[d];
+            r[d] = at[b];
+            turn(m, at, s, r, w, l);
+            for (int k = 0; k < 3; ++k) sum[10 + 3 * axis + k] += l[k];
+        }
+    }
+};
+
+bool held(const rigid::RigidBodies& bodies, std::size_t b) {
+    const auto& setup = bodies.setup();
+    if (!bodies.dynamic(b) || std::ranges::any_of(setup.bodies[b].locked, [](bool is) { return is; })) return true;
+    return std::ranges::any_of(setup.joints, [b](const auto& joint) { return joint.body == b || joint.other == static_cast<int>(b); });
+}
+
+// The trees of places and bodies that hang together on this rank, and the least number in each.
+struct Trees {
+    std::vector<int> root;
+    std::vector<double> label;
+
+    int find(int i) {
+        while (root[static_cast<std::size_t>(i)] != i) {
+            auto& up = root[static_cast<std::size_t>(i)];
+            up = root[static_cast<std::size_t>(up)];
+            i = up;
+        }
+        return i;
+    }
+    void unite(int a, int b) {
+        a = find(a);
+        b = find(b);
+        root[static_cast<std::size_t>(std::max(a, b))] = std::min(a, b);
+    }
+    // Whether the label of the tree of i falls.
+    bool lower(int i, double to) {
+        auto& mine = label[static_cast<std::size_t>(find(i))];
+        const bool falls = to < mine;
+        mine = std::min(mine, to);
+        return falls;
+    }
+};
+
+void mark_liquid(const MomentumBalance::Scene& scene, const Array<int>& liquid) {
+    const CellBox window = scene.halo.window(), owned = scene.halo.owned();
+    const CellList cells = scene.cells;
+    const auto distance = scene.distance;
+    Kokkos::deep_copy(liquid, 0);
+    Kokkos::parallel_for("treacle::momentum_liquid", static_cast<int>(owned.size()), KOKKOS_LAMBDA(int n) {
+        int c[3];
+        owned.cell(n, c);
+        const int here = cells.window.index(c[0], c[1], c[2]), at = window.index(c[0], c[1], c[2]);
+        liquid(at) = cells.end(here) > cells.begin(here) || distance(at) < 0 ? 1 : 0;
+    });
+}
+} // namespace
+
+// Places are cells of the window with liquid, then bodies; on the host, where the trees are.
+void MomentumBalance::connect(const Comm& comm, const Scene& scene, const rigid::RigidBodies& bodies) {
+    const CellBox window = scene.halo.window(), owned = scene.halo.owned();
+    const int places = static_cast<int>(window.size()), n = static_cast<int>(bodies.size());
+    reserve(label_, static_cast<std::size_t>(places));
+    reserve(group_, static_cast<std::size_t>(places));
+    mark_liquid(scene, group_);
+    scene.halo.gather({group_});
+    const auto liquid = on_host(group_);
+    Trees trees;
+    trees.root.resize(static_cast<std::size_t>(places + n));
+    std::iota(trees.root.begin(), trees.root.end(), 0);
+    std::vector<char> rests(static_cast<std::size_t>(places), 0);
+    std::ptrdiff_t stride[3] = {1, 1, 1};
+    for (int k = 1; k < 3; ++k) stride[k] = stride[k - 1] * (window.hi[k - 1] - window.lo[k - 1]);
+    for (int a = 0; a < scene.grid.dimensions; ++a) {
+        const auto& of = scene.shares[static_cast<std::size_t>(a)];
+        const auto fluid = on_host(scene.fluid.axis[a]);
+        const auto first = on_host(of.first), body = on_host(of.body);
+        const auto share = on_host(of.share);
+        for (int k = 0; k < owned.size(); ++k) {
+            int c[3];
+            owned.cell(k, c);
+            const int i = window.index(c[0], c[1], c[2]);
+            if (liquid(static_cast<std::size_t>(i)) == 0) continue;
+            for (int side = 0; side < 2; ++side) {
+                const int face = i + side * static_cast<int>(stride[a]), next = side == 0 ? i - static_cast<int>(stride[a]) : face;
+                if (liquid(static_cast<std::size_t>(next)) != 0) trees.unite(i, next);
+                double solid = 1 - fluid(static_cast<std::size_t>(face));
+                for (int e = first(static_cast<std::size_t>(face)); e < first(static_cast<std::size_t>(face) + 1); ++e) {
+                    solid -= share(static_cast<std::size_t>(e));
+                    if (share(static_cast<std::size_t>(e)) > 0) trees.unite(i, places + body(static_cast<std::size_t>(e)));
+                }
+                if (solid > 1e-9) rests[static_cast<std::size_t>(i)] = 1;
+            }
+        }
+    }
+    const double before = double(comm.exclusive_sum(static_cast<std::int64_t>(places)));
+    const double all = double(comm.sum(static_cast<std::int64_t>(places)));
+    trees.label.resize(trees.root.size());
+    for (int i = 0; i < places + n; ++i) trees.label[static_cast<std::size_t>(i)] = (i < places ? before : all - places) + i;
+    for (int i = 0; i < places + n; ++i) trees.lower(i, trees.label[static_cast<std::size_t>(i)]);
+    auto label = Kokkos::create_mirror_view(label_);
+    std::vector<double> of_body(static_cast<std::size_t>(n));
+    for (bool changed = true; changed;) {
+        for (int i = 0; i < places; ++i) {
+            label(static_cast<std::size_t>(i)) = liquid(static_cast<std::size_t>(i)) != 0 ? trees.label[static_cast<std::size_t>(trees.find(i))] : -1;
+        }
+        for (int b = 0; b < n; ++b) of_body[static_cast<std::size_t>(b)] = -trees.label[static_cast<std::size_t>(trees.find(places + b))];
+        Kokkos::deep_copy(label_, label);
+        scene.halo.gather({label_});
+        const auto others = on_host(label_);
+        comm.max(std::span<double>(of_body));
+        changed = false;
+        for (int i = 0; i < places; ++i) {
+            if (others(static_cast<std::size_t>(i)) >= 0) changed = trees.lower(i, others(static_cast<std::size_t>(i))) || changed;
+        }
+        for (int b = 0; b < n; ++b) changed = trees.lower(places + b, -of_body[static_cast<std::size_t>(b)]) || changed;
+        changed = comm.any(changed);
+    }
+    std::vector<double> labels;
+    groups_.clear();
+    for (int b = 0; b < n; ++b) {
+        const double of = trees.label[static_cast<std::size_t>(trees.find(places + b))];
+        const auto at = std::ranges::find(labels, of);
+        if (at == labels.end()) {
+            labels.push_back(of);
+            groups_.emplace_back();
+        }
+        groups_[static_cast<std::size_t>(std::ranges::find(labels, of) - labels.begin())].bodies.push_back(static_cast<std::size_t>(b));
+    }
+    std::vector<std::int64_t> touches(2 * groups_.size(), 0); // something at rest; liquid
+    auto group = Kokkos::create_mirror_view(group_);
+    for (int i = 0; i < places; ++i) {
+        group(static_cast<std::size_t>(i)) = -1;
+        if (label(static_cast<std::size_t>(i)) < 0) continue;
+        const auto at = std::ranges::find(labels, trees.label[static_cast<std::size_t>(trees.find(i))]);
+        if (at == labels.end()) continue;
+        const auto g = static_cast<std::size_t>(at - labels.begin());
+        group(static_cast<std::size_t>(i)) = static_cast<int>(g);
+        touches[2 * g] += rests[static_cast<std::size_t>(i)];
+        touches[2 * g + 1] += 1;
+    }
+    Kokkos::deep_copy(group_, group);
+    comm.sum(std::span<std::int64_t>(touches));
+    for (std::size_t g = 0; g < groups_.size(); ++g) {
+        auto& of = groups_[g];
+        std::erase_if(of.bodies, [&](std::size_t b) { return !bodies.moves(b); });
+        const auto conveys = [&](std::size_t b) { return bodies.setup().bodies[b].conveys; };
+        of.balanced = touches[2 * g] == 0 && touches[2 * g + 1] > 0 && !of.bodies.empty() && std::ranges::none_of(of.bodies, conveys);
+        of.free = std::ranges::none_of(of.bodies, [&](std::size_t b) { return held(bodies, b); });
+    }
+}
+
+MomentumBalance::Sums MomentumBalance::sums(const Comm& comm, const Scene& scene, int group) const {
+    SumLoop loop;
+    loop.grid = scene.grid;
+    loop.window = scene.halo.window();
+    loop.group = group_;
+    loop.wanted = group;
+    loop.x = scene.particles.position();
+    loop.u = scene.particles.velocity();
+    for (int a = 0; a < 3; ++a) loop.c[a] = scene.particles.affine(a);
+    loop.liquid = scene.particles.liquid();
+    loop.mass = scene.particle_mass;
+    std::array<double, count> all{};
+    Kokkos::parallel_reduce("treacle::momentum_sums", scene.particles.store.owned(), loop,
+                            Kokkos::View<double*, Kokkos::HostSpace, Kokkos::MemoryTraits<Kokkos::Unmanaged>>(all.data(), count));
+    comm.sum(std::span<double>(all));
+    if (scene.grid.dimensions == 2) std::ranges::for_each(all, [&](double& sum) { sum /= scene.grid.dx; });
+    Sums out;
+    std::copy_n(all.begin(), 6, out.momentum.begin());
+    out.mass = all[6];
+    std::copy_n(all.begin() + 7, 3, out.moment.begin());
+    std::copy_n(all.begin() + 10, 9, out.turn.begin());
+    return out;
+}
+
+void MomentumBalance::move(const Scene& scene, int group, const Vec3& velocity, const Vec3& spin) const {
+    const MacGrid grid = scene.grid;
+    const CellBox window = scene.halo.window();
+    const auto of = group_;
+    const auto x = scene.particles.position(), u = scene.particles.velocity();
+    const double v[3] = {velocity[0], velocity[1], velocity[2]}, w[3] = {spin[0], spin[1], spin[2]};
+    const Array3 c[3] = {scene.particles.affine(0), scene.particles.affine(1), scene.particles.affine(2)};
+    Kokkos::parallel_for("treacle::balance_momentum", scene.particles.store.owned(), KOKKOS_LAMBDA(int i) {
+        int cell[3];
+        grid.cells.locate(x(i, 0), x(i, 1), x(i, 2), cell);
+        if (of(window.index(cell[0], cell[1], cell[2])) != group) return;
+        for (int a = 0; a < grid.dimensions; ++a) {
+            const int b = (a + 1) % 3, d = (a + 2) % 3;
+            u(i, a) += v[a] + w[b] * x(i, d) - w[d] * x(i, b);
+            c[a](i, d) += w[b];
+            c[a](i, b) -= w[d];
+        }
+    });
+}
+
+void MomentumBalance::begin(const Comm& comm, const Scene& scene, const rigid::RigidBodies& bodies) {
+    groups_.clear();
+    if (!bodies.any_moves()) return;
+    connect(comm, scene, bodies);
+    for (std::size_t g = 0; g < groups_.size(); ++g) {
+        if (groups_[g].balanced) groups_[g].before = sums(comm, scene, static_cast<int>(g));
+    }
+}
+
+namespace {
+using Vector6 = Eigen::Matrix<double, 6, 1>;
+using Matrix6 = Eigen::Matrix<double, 6, 6>;
+
+Eigen::Matrix3d cross_matrix(const Vec3& r) {
+    Eigen::Matrix3d out;
+    out << 0, -r[2], r[1], r[2], 0, -r[0], -r[1], r[0], 0;
+    return out;
+}
+Eigen::Vector3d vector(const Vec3& v) { return {v[0], v[1], v[2]}; }
+
+// A load about a body's centre, about the origin.
+Vector6 about_origin(const Vec3& centre, std::span<const double> load) {
+    const Eigen::Vector3d force(load[0], load[1], load[2]), torque(load[3], load[4], load[5]);
+    Vector6 out;
+    out << force, torque + vector(centre).cross(force);
+    return out;
+}
+
+// Momentum of the velocity (a, w) of the origin, by columns.
+Matrix6 mass_of(const MomentumBalance::Sums& liquid) {
+    Matrix6 out = Matrix6::Zero();
+    const auto moment = cross_matrix({liquid.moment[0], liquid.moment[1], liquid.moment[2]});
+    out.block<3, 3>(0, 0) = liquid.mass * Eigen::Matrix3d::Identity();
+    out.block<3, 3>(0, 3) = -moment;
+    out.block<3, 3>(3, 0) = moment;
+    out.block<3, 3>(3, 3) = Eigen::Map<const Eigen::Matrix3d>(liquid.turn.data());
+    return out;
+}
+
+Matrix6 mass_of(const rigid::RigidBodies& bodies, std::size_t b) {
+    const double mass = bodies.setup().bodies[b].mass;
+    const auto arm = cross_matrix(bodies.pose(b).centre);
+    Matrix6 out;
+    out.block<3, 3>(0, 0) = mass * Eigen::Matrix3d::Identity();
+    out.block<3, 3>(0, 3) = -mass * arm;
+    out.block<3, 3>(3, 0) = mass * arm;
+    const auto inertia = bodies.inertia(b);
+    for (int i = 0; i < 3; ++i) {
+        for (int j = 0; j < 3; ++j) out(3 + i, 3 + j) = inertia[static_cast<std::size_t>(i)][static_cast<std::size_t>(j)];
+    }
+    out.block<3, 3>(3, 3) -= mass * arm * arm;
+    return out;
+}
+
+// Motions that there are: of a plane scene x, y and the turn about z; along periodic axes no turn.
+Eigen::Matrix<double, 6, Eigen::Dynamic> motions(const MacGrid& grid) {
+    std::vector<int> kept{0, 1};
+    const bool periodic = grid.cells.period[0] > 0 || grid.cells.period[1] > 0 || grid.cells.period[2] > 0;
+    if (grid.dimensions == 3) kept.push_back(2);
+    for (int k = grid.dimensions == 3 ? 3 : 5; k < 6 && !periodic; ++k) kept.push_back(k);
+    Eigen::Matrix<double, 6, Eigen::Dynamic> out = Eigen::MatrixXd::Zero(6, static_cast<Eigen::Index>(kept.size()));
+    for (std::size_t k = 0; k < kept.size(); ++k) out(kept[k], static_cast<Eigen::Index>(k)) = 1;
+    return out;
+}
+} // namespace
+
+void MomentumBalance::end(const Comm& comm, const Scene& scene, const Vec3& gravity, double kick, rigid::RigidBodies& bodies,
+                          std::span<double> loads) {
+    const auto kept = motions(scene.grid);
+    std::vector<double> pushed(6 * bodies.size(), 0.0);
+    bool any = false;
+    for (std::size_t g = 0; g < groups_.size(); ++g) {
+        const auto& group = groups_[g];
+        if (!group.balanced) continue;
+        const auto after = sums(comm, scene, static_cast<int>(g));
+        const auto load = [&](std::size_t b) { return loads.subspan(6 * b, 6); };
+        const Vec3 moment{after.moment[0], after.moment[1], after.moment[2]};
+        Vector6 missing;
+        missing << kick * after.mass * vector(gravity), kick * vector(moment).cross(vector(gravity));
+        for (int k = 0; k < 6; ++k) missing[k] -= after.momentum[static_cast<std::size_t>(k)] - group.before.momentum[static_cast<std::size_t>(k)];
+        for (const auto b : group.bodies) missing -= kick * about_origin(bodies.pose(b).centre, load(b));
+        if (!group.free) {
+            // What the liquid did not get was not given, as long as one body alone can have given it.
+            if (group.bodies.size() != 1 || bodies.dynamic(group.bodies[0])) continue;
+            const Vector6 change = kept * (kept.transpose() * missing) / kick;
+            const auto& centre = bodies.pose(group.bodies[0]).centre;
+            const Eigen::Vector3d force = change.head<3>(), torque = change.tail<3>() - vector(centre).cross(force);
+            for (int k = 0; k < 3; ++k) load(group.bodies[0])[static_cast<std::size_t>(k)] += force[k];
+            if (kept.cols() == 6 || scene.grid.dimensions == 2) {
+                for (int k = scene.grid.dimensions == 2 ? 2 : 0; k < 3; ++k) load(group.bodies[0])[static_cast<std::size_t>(3 + k)] += torque[k];
+            }
+            continue;
+        }
+        Matrix6 mass = mass_of(after);
+        for (const auto b : group.bodies) mass += mass_of(bodies, b);
+        const Eigen::MatrixXd reduced = kept.transpose() * mass * kept;
+        const Vector6 motion = kept * reduced.completeOrthogonalDecomposition().solve(kept.transpose() * missing);
+        const Vec3 velocity{motion[0], motion[1], motion[2]}, spin{motion[3], motion[4], motion[5]};
+        move(scene, static_cast<int>(g), velocity, spin);
+        for (const auto b : group.bodies) {
+            const auto& centre = bodies.pose(b).centre;
+            const Vector6 given = mass_of(bodies, b) * motion / kick;
+            const Eigen::Vector3d force = given.head<3>(), torque = given.tail<3>() - vector(centre).cross(force);
+            for (int k = 0; k < 3; ++k) {
+                pushed[6 * b + static_cast<std::size_t>(k)] = force[k];
+                pushed[6 * b + 3 + static_cast<std::size_t>(k)] = torque[k];
+                load(b)[static_cast<std::size_t>(k)] += force[k];
+                load(b)[static_cast<std::size_t>(3 + k)] += torque[k];
+            }
+        }
+        any = true;
+    }
+    if (any) bodies.push(pushed, kick);
+}
+
+} // namespace treacle::grid
