@@ -14,6 +14,7 @@ namespace {
 constexpr double least_depth = 0.05; // widths, of the centre of a cell with a drop or a sheet thinner than it
 constexpr double least_wet = 1e-3;   // share of a face's cube from which its velocity is that of liquid
 constexpr double longest_growth = 1.5; // of a step over the one before it
+constexpr int most_closings = 3; // times that a step looks for gaps that close: the cells that it may move by
 constexpr int layers = 3;  // of halo: what linear interpolation and a step of CFL 3 reach
 
 double size_of(const std::array<double, 3>& v) { return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); }
@@ -180,6 +181,7 @@ void GridStep::find_surface() {
 // (S), (D)
 void GridStep::find_strains(double dt) {
     strains_.find({grid_, cells_halo_, velocity_, mass_, fractions_, solids_, before_, dt});
+    closing_.clear(cells_halo_);
     if (contracts()) contraction_.find(setup_.options.contraction, {grid_, cells_halo_, cells_, distance_, fractions_}, dt);
     find_inflow(fractions_.open);
 }
@@ -188,13 +190,13 @@ void GridStep::find_strains(double dt) {
 void GridStep::find_inflow(const FaceField& open) {
     const CellBox window = cells_halo_.window(), owned = cells_halo_.owned();
     reserve(inflow_, static_cast<std::size_t>(window.size()));
-    const auto out = inflow_, more = contraction_.inflow();
+    const auto out = inflow_, more = contraction_.inflow(), closes = closing_.inflow();
     const bool contracts = more.extent(0) > 0;
     Kokkos::parallel_for("treacle::inflow", static_cast<int>(owned.size()), KOKKOS_LAMBDA(int n) {
         int c[3];
         owned.cell(n, c);
         const int i = window.index(c[0], c[1], c[2]);
-        out(i) = contracts ? more(i) : 0.0;
+        out(i) = closes(i) >= 0 ? closes(i) : contracts ? more(i) : 0.0;
     });
     strains_.add_flux(grid_, cells_halo_, open, inflow_);
 }
@@ -284,12 +286,21 @@ void GridStep::apply_viscosity(StepReport& report, double dt) {
     extrapolate(grid_, cells_halo_, velocity_, known_, 2);
 }
 
+// (K) Whether gaps are found to close that were not known to do so.
+bool GridStep::gaps_close() {
+    continue_velocity({});
+    return closing_.find(comm_, {grid_, cells_halo_, cells_, fractions_, solids_, pressure_.describe(pressure_scene()), velocity_, distance_}, dt_);
+}
+
 // (P), (V), (P) again
 void GridStep::split(StepReport& report, double dt) {
     {
         const auto phase = timers_.scope("pressure");
-        pressure_.build(pressure_scene());
-        project(report, dt, Pressure::Surface::tense);
+        for (int pass = 0; pass == 0 || (pass <= most_closings && gaps_close()); ++pass) {
+            if (pass > 0) find_inflow(fractions_.open);
+            pressure_.build(pressure_scene(), pass > 0);
+            project(report, dt, pass == 0 ? Pressure::Surface::tense : Pressure::Surface::relaxed);
+        }
     }
     {
         const auto phase = timers_.scope("viscosity");
@@ -327,13 +338,15 @@ void GridStep::together(StepReport& report, double dt) {
     auto& problem = viscosity_.problem();
     {
         const auto phase = timers_.scope("pressure");
-        problem.find_places(scene, bodies_, dt);
-        close_held_faces(problem.places(), fractions_.open, open_);
-        find_inflow(open_);
-        auto closed = pressure_scene();
-        closed.open = &open_;
-        pressure_.build(closed);
-        project(report, dt, Pressure::Surface::tense);
+        for (int pass = 0; pass == 0 || (pass <= most_closings && gaps_close()); ++pass) {
+            problem.find_places(scene, bodies_, dt);
+            close_held_faces(problem.places(), fractions_.open, open_);
+            find_inflow(open_);
+            auto closed = pressure_scene();
+            closed.open = &open_;
+            pressure_.build(closed, pass > 0);
+            project(report, dt, pass == 0 ? Pressure::Surface::tense : Pressure::Surface::relaxed);
+        }
     }
     const auto phase = timers_.scope("viscosity");
     continue_velocity({false, {}, viscous_spread(dt)});

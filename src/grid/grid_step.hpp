@@ -4,6 +4,7 @@
 #include "flow/inflow.hpp"
 #include "flow/outlets.hpp"
 #include "grid/closed_centres.hpp"
+#include "grid/closing.hpp"
 #include "grid/face_fields.hpp"
 #include "grid/level_set.hpp"
 #include "grid/momentum_balance.hpp"
@@ -123,6 +124,7 @@ private:
     void find_surface();
     bool contracts() const { return setup_.options.contraction.steps > 0; }
     void project(StepReport& report, double dt, Pressure::Surface surface);
+    bool gaps_close();
     void apply_viscosity(StepReport& report, double dt);
     void split(StepReport& report, double dt);
     void together(StepReport& report, double dt);
@@ -179,6 +181,7 @@ private:
     PositionCorrection correction_;
     Contraction contraction_;
     StepStrains strains_;
+    Closing closing_;
     Array<double> inflow_{"treacle::inflow", 0}; // [window] what must flow into cells, of contraction and strains [m/s]
     PhaseTimers timers_;
     EndMotion end_motion_;

@@ -148,7 +148,7 @@ PressureFaces Pressure::describe(const PressureScene& scene) const {
 }
 
 // (P1)-(P3)
-void Pressure::build(const PressureScene& scene) {
+void Pressure::build(const PressureScene& scene, bool goes_on) {
     grid_ = &scene.grid;
     halo_ = &scene.halo;
     density_ = scene.density;
@@ -175,13 +175,13 @@ void Pressure::build(const PressureScene& scene) {
             y[static_cast<std::size_t>(row)] -= value * x[static_cast<std::size_t>(row)];
         }
     });
-    least_residual_ = 0;
+    if (!goes_on) least_residual_ = 0;
     const auto places = static_cast<std::size_t>(scene.halo.window().size());
     reserve(right_hand_side_, rows);
     reserve(solution_, rows);
     reserve(in_cells_, places);
     reserve(pressures_, places);
-    Kokkos::deep_copy(pressures_, 0.0);
+    if (!goes_on) Kokkos::deep_copy(pressures_, 0.0);
 }
 
 solve::SolveReport Pressure::solve(std::span<double> b, std::span<double> x) {

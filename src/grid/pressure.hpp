@@ -38,8 +38,8 @@ class Pressure {
 public:
     Pressure(const Comm& comm, const PressureOptions& options, Coupling coupling, int dimensions);
 
-    // Collective: the matrix, for the liquid, solids and bodies where they are.
-    void build(const PressureScene& scene);
+    // Collective: the matrix, for the liquid, solids and bodies where they are. With `goes_on` the pressures so far stay.
+    void build(const PressureScene& scene, bool goes_on = false);
 
     enum class Surface { tense, relaxed }; // the pressure of surface tension acts, or has acted already
     // Collective. Velocities must be current one cell around the owned ones, and only those of owned faces are written.

@@ -1,0 +1,39 @@
+#pragma once
+#include "grid/pressure_faces.hpp"
+#include "grid/solids.hpp"
+#include "kokkos/cells.hpp"
+#include "mpi/cell_halo.hpp"
+
+namespace treacle::grid {
+
+// (K) Gaps that close within a step. A pressure that acts in the liquid alone knows nothing of the other side of a gap: liquid
+// that meets a wall, liquid or a void overlaps it by all that it moves in the step, and a cell was found to take three times what
+// it holds. Where more flows into a cell beyond the surface than it has room for, it has a pressure of its own from then on,
+// such that in the step no more flows in than that. (The inequality of unilateral incompressibility, div u >= -room/dt, p >= 0:
+// Narain et al. 2010, Gerszewski & Bargteil 2013; here cell by cell, found by solving again.)
+class Closing {
+public:
+    struct Scene {
+        const MacGrid& grid;
+        CellHalo& halo;
+        const CellList& cells;           // of the particles
+        const Fractions& fractions;      // cell_fluid
+        const Solids& solids;            // with the motion of the step
+        const PressureFaces& faces;      // with the distances below
+        const FaceField& velocity;       // current around the owned faces, continued beyond the surface
+        const Array<double>& distance;   // [window] of centres from the surface [m]; that of closing cells becomes negative
+    };
+    // No cell closes yet.
+    void clear(const CellHalo& halo);
+    // Collective: finds those that close within dt [s]. Returns whether there are more than before.
+    bool find(const Comm& comm, const Scene& scene, double dt);
+
+    // [window] what may flow into a cell that closes, over a face's area [m/s]; -1 of all others.
+    const Array<double>& inflow() const { return inflow_; }
+    std::size_t bytes() const { return sizeof(double) * inflow_.span(); }
+
+private:
+    Array<double> inflow_{"treacle::closing", 0};
+};
+
+} // namespace treacle::grid
