@@ -7,7 +7,7 @@
 namespace treacle::grid {
 
 namespace {
-constexpr double overfilled = 0.1; // cells: what flows in beyond a cell's room without closing it
+constexpr double overfilled = 0.02; // cells: what flows in beyond a cell's room without closing it
 constexpr double depth = 0.5;      // widths, of the centre of a cell that closes
 
 struct ClosingLoop {
