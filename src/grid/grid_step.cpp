@@ -221,7 +221,7 @@ void GridStep::project(StepReport& report, double dt, Pressure::Surface surface)
 void GridStep::find_viscosities_by_rate() {
     const bool slides = slip_.any();
     const StrainScene scene{grid_, cells_halo_, fractions_, slides ? slip_.slip().grip : fractions_,
-                            slides ? slip_.shares() : shares_, solids_.motion(), setup_.options.viscosity, strains_,
+                            slides ? slip_.shares() : shares_, solids_.motion(), setup_.options.viscosity, &strains_,
                             dt_ > 0 ? before_ / dt_ : 0.0};
     halo_.gather(particles_.store, {particles_.viscosity_field()});
     rheology_.find_rates(scene, start_);

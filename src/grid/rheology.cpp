@@ -62,17 +62,20 @@ struct Strains {
     KOKKOS_INLINE_FUNCTION double weight(const Array<double>& wet, const Array<double>& fluid, std::ptrdiff_t i) const {
         return wet(i) > least_wet && fluid(i) >= least_gap ? wet(i) : 0.0;
     }
+    KOKKOS_INLINE_FUNCTION double carried_rate(const Array<double>& of, std::ptrdiff_t i) const {
+        return carried > 0 ? carried * of(i) : 0.0;
+    }
     KOKKOS_INLINE_FUNCTION void strain(std::ptrdiff_t i) const {
         for (int a = 0; a < dimensions; ++a) {
             const bool strains = weight(cell_wet, cell_fluid, i) > 0;
-            normal[a](i) = strains ? ((v.axis[a](i + stride[a]) - v.axis[a](i)) / dx + carried * step_normal[a](i)) / cell_fluid(i) : 0.0;
+            normal[a](i) = strains ? ((v.axis[a](i + stride[a]) - v.axis[a](i)) / dx + carried_rate(step_normal[a], i)) / cell_fluid(i) : 0.0;
         }
         for (int e = dimensions == 2 ? 2 : 0; e < 3; ++e) {
             const int a = (e + 1) % 3, b = (e + 2) % 3;
             const auto& fluid = edge_fluid.axis[e];
             const bool strains = weight(edge_wet.axis[e], fluid, i) > 0;
             const double rise = v.axis[a](i) - v.axis[a](i - stride[b]) + v.axis[b](i) - v.axis[b](i - stride[a]);
-            shear.axis[e](i) = strains ? (rise / dx + carried * step_shear.axis[e](i)) / fluid(i) : 0.0;
+            shear.axis[e](i) = strains ? (rise / dx + carried_rate(step_shear.axis[e], i)) / fluid(i) : 0.0;
         }
     }
     // The mean of a strain at i and, from there, s, t and s + t.
@@ -223,9 +226,9 @@ void Rheology::find_rates(const StrainScene& scene, const FaceField& velocity) {
     strains.cell_fluid = scene.grip.cell_fluid;
     strains.edge_wet = scene.fractions.edge_wet;
     strains.edge_fluid = scene.grip.edge_fluid;
-    for (int k = 0; k < 3; ++k) strains.step_normal[k] = scene.strains.normal(k);
-    strains.step_shear = scene.strains.shear();
-    strains.carried = scene.carried;
+    strains.carried = scene.strains ? scene.carried : 0.0;
+    for (int k = 0; k < 3 && scene.strains; ++k) strains.step_normal[k] = scene.strains->normal(k);
+    if (scene.strains) strains.step_shear = scene.strains->shear();
     find_strains(strains, within(window, 2, dimensions));
     combine_strains(strains, scene.halo.owned(), cell_rate_, edge_rate_);
 }

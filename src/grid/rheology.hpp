@@ -22,7 +22,7 @@ struct StrainScene {
     const ViscosityOptions& options; // which stresses there are
     // Velocities that have been carried along straight lines since the middle of the last step strain by -carried (S) of what does
     // not strain; solids likewise.
-    const StepStrains& strains;
+    const StepStrains* strains = nullptr;
     double carried = 0; // length of the last step over that of this one
 };
 
