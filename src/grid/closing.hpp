@@ -9,7 +9,8 @@ namespace treacle::grid {
 // (K) Gaps that close within a step. A pressure that acts in the liquid alone knows nothing of the other side of a gap: liquid
 // that meets a wall, liquid or a void overlaps it by all that it moves in the step, and a cell was found to take three times what
 // it holds. Where more flows into a cell beyond the surface than it has room for, it has a pressure of its own from then on,
-// such that in the step no more flows in than that. (The inequality of unilateral incompressibility, div u >= -room/dt, p >= 0:
+// such that in the step no more flows in than that; what then
+// backs up into the cell before it may close that one as well. (The inequality of unilateral incompressibility, div u >= -room/dt, p >= 0:
 // Narain et al. 2010, Gerszewski & Bargteil 2013; here cell by cell, found by solving again.)
 class Closing {
 public:
@@ -23,17 +24,20 @@ public:
         const FaceField& velocity;       // current around the owned faces, continued beyond the surface
         const Array<double>& distance;   // [window] of centres from the surface [m]; that of closing cells becomes negative
     };
-    // No cell closes yet.
-    void clear(const CellHalo& halo);
+    // Collective: no cell closes yet.
+    void clear(CellHalo& halo, const CellList& cells);
     // Collective: finds those that close within dt [s]. Returns whether there are more than before.
     bool find(const Comm& comm, const Scene& scene, double dt);
 
     // [window] what may flow into a cell that closes, over a face's area [m/s]; -1 of all others.
     const Array<double>& inflow() const { return inflow_; }
-    std::size_t bytes() const { return sizeof(double) * inflow_.span(); }
+    std::size_t bytes() const { return sizeof(double) * (inflow_.span() + factor_.span()); }
 
 private:
     Array<double> inflow_{"treacle::closing", 0};
+    Array<double> factor_{"treacle::closing_factor", 0}; // [window] of what flows into a cell, what it has room for
+    Array<int> occupied_{"treacle::occupied", 0}; // [window] 1: with particles
+    FaceField backed_up_;
 };
 
 } // namespace treacle::grid

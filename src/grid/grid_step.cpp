@@ -181,7 +181,7 @@ void GridStep::find_surface() {
 // (S), (D)
 void GridStep::find_strains(double dt) {
     strains_.find({grid_, cells_halo_, velocity_, mass_, fractions_, solids_, before_, dt});
-    closing_.clear(cells_halo_);
+    closing_.clear(cells_halo_, cells_);
     if (contracts()) contraction_.find(setup_.options.contraction, {grid_, cells_halo_, cells_, distance_, fractions_}, dt);
     find_inflow(fractions_.open);
 }
@@ -287,8 +287,9 @@ void GridStep::apply_viscosity(StepReport& report, double dt) {
 }
 
 // (K) Whether gaps are found to close that were not known to do so.
-bool GridStep::gaps_close() {
-    continue_velocity({});
+bool GridStep::gaps_close(bool first) {
+    // Later ones keep the velocities of open gaps: what a cell that closes has changed must not go on beyond it.
+    if (first) continue_velocity({});
     return closing_.find(comm_, {grid_, cells_halo_, cells_, fractions_, solids_, pressure_.describe(pressure_scene()), velocity_, distance_}, dt_);
 }
 
@@ -296,7 +297,7 @@ bool GridStep::gaps_close() {
 void GridStep::split(StepReport& report, double dt) {
     {
         const auto phase = timers_.scope("pressure");
-        for (int pass = 0; pass == 0 || (pass <= most_closings && gaps_close()); ++pass) {
+        for (int pass = 0; pass == 0 || (pass <= most_closings && gaps_close(pass == 1)); ++pass) {
             if (pass > 0) find_inflow(fractions_.open);
             pressure_.build(pressure_scene(), pass > 0);
             project(report, dt, pass == 0 ? Pressure::Surface::tense : Pressure::Surface::relaxed);
@@ -338,7 +339,7 @@ void GridStep::together(StepReport& report, double dt) {
     auto& problem = viscosity_.problem();
     {
         const auto phase = timers_.scope("pressure");
-        for (int pass = 0; pass == 0 || (pass <= most_closings && gaps_close()); ++pass) {
+        for (int pass = 0; pass == 0 || (pass <= most_closings && gaps_close(pass == 1)); ++pass) {
             problem.find_places(scene, bodies_, dt);
             close_held_faces(problem.places(), fractions_.open, open_);
             find_inflow(open_);

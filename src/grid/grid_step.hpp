@@ -124,7 +124,7 @@ private:
     void find_surface();
     bool contracts() const { return setup_.options.contraction.steps > 0; }
     void project(StepReport& report, double dt, Pressure::Surface surface);
-    bool gaps_close();
+    bool gaps_close(bool first);
     void apply_viscosity(StepReport& report, double dt);
     void split(StepReport& report, double dt);
     void together(StepReport& report, double dt);

@@ -1,0 +1,124 @@
+#include "../sph/solver_environment.hpp"
+#include "step_sample.hpp"
+
+#include <gtest/gtest.h>
+
+// What slips does not stick, and drags nothing along; what touches bodies alone keeps the momentum of all together.
+namespace treacle::grid {
+namespace {
+
+[[maybe_unused]] const auto* const solvers = testing::AddGlobalTestEnvironment(new sph::SolverEnvironment);
+
+rigid::BodySetup body_of(scene::BodyKind kind, const scene::Shape& shape, const Vec3& centre) {
+    rigid::BodySetup body;
+    body.kind = kind;
+    body.centre = centre;
+    body.region = {scene::SolidRegion(shape)};
+    body.reach = 10;
+    return body;
+}
+
+scene::Shape drum(double radius) {
+    scene::Shape shape;
+    shape.kind = scene::ShapeKind::sphere;
+    shape.centre = {0.5, 0.5, 0};
+    shape.radius = radius;
+    shape.inverted = true;
+    return shape;
+}
+
+// A stiff block on a plane at an angle through any place of the cells, 2 x 1 m, cells of 4 cm.
+TEST(FreeSlip, LetsABlockSlideDownARamp) {
+    struct Case {
+        double degrees, shift, viscosity;
+    };
+    for (const auto& [degrees, shift, viscosity] : {Case{30, 0.007, 1000}, Case{30, 0.5, 1e5}, Case{12, 0.03, 1e6}, Case{45, 0, 10}, Case{52, 0.31, 1e5}}) {
+        auto sample = sample_of(25, 2);
+        const double angle = degrees * math::pi / 180;
+        const Vec3 normal{std::sin(angle), std::cos(angle), 0}, point{0.4, 0.5 + 0.04 * shift, 0};
+        sample.setup.domain.max = {1.2, 1.2, 0};
+        for (auto& face : sample.setup.domain.faces) face.kind = scene::FaceKind::open;
+        sample.setup.viscosity = viscosity;
+        scene::Shape plane;
+        plane.kind = scene::ShapeKind::plane;
+        plane.centre = point;
+        plane.axis = normal;
+        sample.setup.rigid.bodies = {body_of(scene::BodyKind::fixed, plane, point)};
+        sample.setup.slip = {{scene::Slip::free_slip}, {0}};
+        const auto above = [=](const Vec3& x) { return normal[0] * (x[0] - point[0]) + normal[1] * (x[1] - point[1]); };
+        const auto along = [=](const Vec3& x) { return normal[1] * (x[0] - point[0]) - normal[0] * (x[1] - point[1]); };
+        // A block that lies on the ramp: it does nothing but slide.
+        sample.liquid = [=](const Vec3& x) { return std::max({std::fabs(along(x)) - 0.2, above(x) - 0.2, -above(x)}); };
+        auto step = started(Comm::world(), sample);
+        double time = 0;
+        while (time < 0.2) { time += step->advance(step->stable_step(3)).dt; if (getenv("DBG")) { auto q = step->totals(); printf("t %g along %g of %g, across %g\n", time, (normal[1] * q.momentum[0] - normal[0] * q.momentum[1]) / q.mass, 9.81 * std::sin(angle) * time, (normal[0] * q.momentum[0] + normal[1] * q.momentum[1]) / q.mass); } }
+        const auto totals = step->totals();
+        const Vec3 u{totals.momentum[0] / totals.mass, totals.momentum[1] / totals.mass, 0};
+        EXPECT_NEAR((normal[1] * u[0] - normal[0] * u[1]) / (9.81 * std::sin(angle) * time), 1, 0.04) << degrees << " " << shift << " " << viscosity;
+    }
+}
+
+TEST(FreeSlip, DrumsTurnAroundLiquidAtRest) {
+    for (const double viscosity : {0.0, 100.0, 1e5}) {
+        auto sample = sample_of(40, 2);
+        sample.setup.domain.gravity = sample.setup.rigid.gravity = {0, 0, 0};
+        sample.setup.viscosity = viscosity;
+        auto body = body_of(scene::BodyKind::kinematic, drum(0.4), {0.5, 0.5, 0});
+        body.angular_velocity = {0, 0, 12};
+        sample.setup.rigid.bodies = {body};
+        sample.setup.slip = {{scene::Slip::free_slip}, {0}};
+        sample.liquid = [](const Vec3& x) { return std::hypot(x[0] - 0.5, x[1] - 0.5) - 0.4; };
+        auto step = started(Comm::world(), sample);
+        for (int k = 0; k < 20; ++k) step->advance(0.01);
+        const auto totals = step->totals();
+        const double spin = (totals.angular_momentum[2] - 0.5 * totals.momentum[1] + 0.5 * totals.momentum[0]) / (0.5 * totals.mass * 0.16);
+        EXPECT_LT(std::fabs(spin), 0.01 * 12) << viscosity;
+        EXPECT_LT(totals.kinetic_energy, 1e-3 * 0.25 * totals.mass * 0.16 * 144) << viscosity;
+    }
+}
+
+TEST(FreeSlip, DrumsAtRestLetLiquidTurn) {
+    for (const double viscosity : {1.0, 1e5}) {
+        auto sample = sample_of(40, 2);
+        sample.setup.domain.gravity = sample.setup.rigid.gravity = {0, 0, 0};
+        sample.setup.viscosity = viscosity;
+        sample.setup.rigid.bodies = {body_of(scene::BodyKind::fixed, drum(0.4), {0.5, 0.5, 0})};
+        sample.setup.slip = {{scene::Slip::free_slip}, {0}};
+        sample.liquid = [](const Vec3& x) { return std::hypot(x[0] - 0.5, x[1] - 0.5) - 0.4; };
+        sample.velocity = [](const Vec3& x) { return Vec3{-3 * (x[1] - 0.5), 3 * (x[0] - 0.5), 0}; };
+        sample.gradient = {{{0, -3, 0}, {3, 0, 0}, {0, 0, 0}}};
+        auto step = started(Comm::world(), sample);
+        double time = 0;
+        while (time < 0.333) time += step->advance(0.0333).dt;
+        const auto totals = step->totals();
+        const double spin = (totals.angular_momentum[2] - 0.5 * totals.momentum[1] + 0.5 * totals.momentum[0]) / (0.5 * totals.mass * 0.16);
+        std::printf("drum at rest %g: %g\n", viscosity, spin / 3);
+        EXPECT_GT(spin, 0.9 * 3) << viscosity;
+    }
+}
+
+// Water falls flat onto the floor and meets a slab that rises, in steps of three cells: whatever meets has room.
+TEST(Gaps, CloseWithoutHeapingUpLiquid) {
+    for (const double shift : {0.0, 0.3, 0.7}) {
+        auto sample = sample_of(20, 2);
+        sample.setup.domain.gravity = sample.setup.rigid.gravity = {0, 0, 0};
+        sample.liquid = [=](const Vec3& x) {
+            const double y = x[1] - 0.05 * shift;
+            return std::min(std::max(y - 0.35, 0.2 - y), std::max(y - 0.9, 0.6 - y));
+        };
+        sample.velocity = [=](const Vec3& x) { return Vec3{0, x[1] > 0.5 ? -2.0 : 1.0, 0}; };
+        auto step = started(Comm::world(), sample);
+        double time = 0, worst = 0;
+        while (time < 0.5) {
+            const auto report = step->advance(step->stable_step(3));
+            time += report.dt;
+            worst = std::max(worst, report.correction.density_before);
+            if (getenv("DBG")) printf("t %g dt %g before %g after %g its %d\n", time, report.dt, report.correction.density_before, report.correction.density_after, report.pressure.solve.iterations);
+        }
+        std::printf("worst density error %g\n", worst);
+        EXPECT_LT(worst, 1.5) << shift;
+    }
+}
+
+} // namespace
+} // namespace treacle::grid
