@@ -8,6 +8,7 @@
 namespace treacle::grid {
 
 namespace {
+constexpr double open_cell = -1, released_cell = -2; // in the place of what flows in
 constexpr double overfilled = 0.02; // cells: what flows in beyond a cell's room without closing it
 constexpr double depth = 0.5;         // widths, of the centre of a cell that closes
 constexpr int most_cells = 3;         // that liquid moves by in a step; the layers of the halo
@@ -18,7 +19,7 @@ struct ClosingLoop {
     CellBox owned;
     PressureFaces faces;
     CellList cells;
-    Array<double> fluid, distance, inflow, factor;
+    Array<double> fluid, distance, surface, inflow, factor;
     FaceField velocity;
     Array<int> number, occupied;
     BodyMotion motion;
@@ -62,6 +63,7 @@ struct ClosingLoop {
         owned.cell(n, c);
         const int i = faces.window.index(c[0], c[1], c[2]);
         factor(i) = 1;
+        if (inflow(i) == released_cell) return;
         const bool closes = inflow(i) >= 0;
         if ((!closes && faces.is_liquid(static_cast<std::size_t>(i))) || !(fluid(i) > 0)) return;
         double in = 0, rest = 0; // through open faces; what else flows in, without what flows out
@@ -78,6 +80,7 @@ struct ClosingLoop {
         factor(i) = in > 0 ? math::max(0.0, math::min(1.0, (room - rest) / in)) : 1.0;
         if (closes) return;
         inflow(i) = room;
+        surface(i) = distance(i);
         distance(i) = -depth * grid.dx;
         ++found;
     }
@@ -107,7 +110,8 @@ void Closing::clear(CellHalo& halo, const CellList& cells) {
     const CellBox window = halo.window(), owned = halo.owned();
     reserve(inflow_, static_cast<std::size_t>(window.size()));
     reserve(occupied_, static_cast<std::size_t>(window.size()));
-    Kokkos::deep_copy(inflow_, -1.0);
+    reserve(surface_, static_cast<std::size_t>(window.size()));
+    Kokkos::deep_copy(inflow_, open_cell);
     Kokkos::deep_copy(occupied_, 0);
     const auto occupied = occupied_;
     Kokkos::parallel_for("treacle::occupied", static_cast<int>(owned.size()), KOKKOS_LAMBDA(int n) {
@@ -124,7 +128,7 @@ bool Closing::find(const Comm& comm, const Scene& scene, double dt) {
     const int n = static_cast<int>(owned.size());
     reserve(factor_, static_cast<std::size_t>(scene.halo.window().size()));
     Kokkos::deep_copy(factor_, 1.0);
-    ClosingLoop loop{scene.grid, owned, scene.faces, scene.cells, scene.fractions.cell_fluid, scene.distance, inflow_, factor_,
+    ClosingLoop loop{scene.grid, owned, scene.faces, scene.cells, scene.fractions.cell_fluid, scene.distance, surface_, inflow_, factor_,
                      scene.velocity, scene.solids.number(), occupied_, scene.solids.motion(),
                      std::pow(particles_per_axis, scene.grid.dimensions), dt};
     bool any = false;
@@ -143,6 +147,26 @@ bool Closing::find(const Comm& comm, const Scene& scene, double dt) {
     }
     if (any) scene.halo.gather({scene.distance});
     return any;
+}
+
+bool Closing::release(const Comm& comm, const Scene& scene, const Array<double>& pressure) {
+    const CellBox owned = scene.halo.owned(), window = scene.halo.window();
+    const auto inflow = inflow_, surface = surface_, distance = scene.distance;
+    int found = 0;
+    if (!owned.empty()) {
+        Kokkos::parallel_reduce("treacle::release", static_cast<int>(owned.size()), KOKKOS_LAMBDA(int n, int& sum) {
+            int c[3];
+            owned.cell(n, c);
+            const int i = window.index(c[0], c[1], c[2]);
+            if (!(inflow(i) >= 0) || !(pressure(i) < 0)) return;
+            inflow(i) = released_cell;
+            distance(i) = surface(i);
+            ++sum;
+        }, found);
+    }
+    if (!comm.any(found > 0)) return false;
+    scene.halo.gather({scene.distance});
+    return true;
 }
 
 } // namespace treacle::grid

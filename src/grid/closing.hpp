@@ -28,13 +28,17 @@ public:
     void clear(CellHalo& halo, const CellList& cells);
     // Collective: finds those that close within dt [s]. Returns whether there are more than before.
     bool find(const Comm& comm, const Scene& scene, double dt);
+    // Collective: cells that would have to be pulled full, by their pressure [Pa], stay open for the rest of the step. Returns
+    // whether there are any.
+    bool release(const Comm& comm, const Scene& scene, const Array<double>& pressure);
 
-    // [window] what may flow into a cell that closes, over a face's area [m/s]; -1 of all others.
+    // [window] what may flow into a cell that closes, over a face's area [m/s]; below 0 of all others.
     const Array<double>& inflow() const { return inflow_; }
-    std::size_t bytes() const { return sizeof(double) * (inflow_.span() + factor_.span()); }
+    std::size_t bytes() const { return sizeof(double) * (inflow_.span() + surface_.span() + factor_.span()); }
 
 private:
     Array<double> inflow_{"treacle::closing", 0};
+    Array<double> surface_{"treacle::closing_surface", 0}; // [window] the distances before
     Array<double> factor_{"treacle::closing_factor", 0}; // [window] of what flows into a cell, what it has room for
     Array<int> occupied_{"treacle::occupied", 0}; // [window] 1: with particles
     FaceField backed_up_;

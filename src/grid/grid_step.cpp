@@ -14,7 +14,7 @@ namespace {
 constexpr double least_depth = 0.05; // widths, of the centre of a cell with a drop or a sheet thinner than it
 constexpr double least_wet = 1e-3;   // share of a face's cube from which its velocity is that of liquid
 constexpr double longest_growth = 1.5; // of a step over the one before it
-constexpr int most_closings = 3; // times that a step looks for gaps that close: the cells that it may move by
+constexpr int most_closings = 4; // times that a step looks for gaps that close: the cells that it may move by
 constexpr int layers = 3;  // of halo: what linear interpolation and a step of CFL 3 reach
 
 double size_of(const std::array<double, 3>& v) { return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); }
@@ -286,18 +286,32 @@ void GridStep::apply_viscosity(StepReport& report, double dt) {
     extrapolate(grid_, cells_halo_, velocity_, known_, 2);
 }
 
-// (K) Whether gaps are found to close that were not known to do so.
-bool GridStep::gaps_close(bool first) {
-    // Later ones keep the velocities of open gaps: what a cell that closes has changed must not go on beyond it.
-    if (first) continue_velocity({});
-    return closing_.find(comm_, {grid_, cells_halo_, cells_, fractions_, solids_, pressure_.describe(pressure_scene()), velocity_, distance_}, dt_);
+// (K) Whether the set of gaps that close has changed by the last pass; then velocities and bodies are those of the first pass
+// again, in which all were open.
+bool GridStep::gaps_close(StepReport& report, int pass) {
+    if (pass == 1) continue_velocity({});
+    const Closing::Scene scene{grid_, cells_halo_, cells_, fractions_, solids_, pressure_.describe(pressure_scene()), velocity_, distance_};
+    bool changed = pass > 1 && closing_.release(comm_, scene, pressure_.last());
+    changed = closing_.find(comm_, scene, dt_) || changed;
+    if (!changed) return false;
+    if (pass == 1) {
+        copy_faces(grid_, cells_halo_.window(), velocity_, open_velocity_);
+        open_bodies_ = bodies_;
+        open_loads_ = report.loads;
+        return true;
+    }
+    copy_faces(grid_, cells_halo_.window(), open_velocity_, velocity_);
+    pressure_.take_back();
+    bodies_ = open_bodies_;
+    report.loads = open_loads_;
+    return true;
 }
 
 // (P), (V), (P) again
 void GridStep::split(StepReport& report, double dt) {
     {
         const auto phase = timers_.scope("pressure");
-        for (int pass = 0; pass == 0 || (pass <= most_closings && gaps_close(pass == 1)); ++pass) {
+        for (int pass = 0; pass == 0 || (pass <= most_closings && gaps_close(report, pass)); ++pass) {
             if (pass > 0) find_inflow(fractions_.open);
             pressure_.build(pressure_scene(), pass > 0);
             project(report, dt, pass == 0 ? Pressure::Surface::tense : Pressure::Surface::relaxed);
@@ -339,7 +353,7 @@ void GridStep::together(StepReport& report, double dt) {
     auto& problem = viscosity_.problem();
     {
         const auto phase = timers_.scope("pressure");
-        for (int pass = 0; pass == 0 || (pass <= most_closings && gaps_close(pass == 1)); ++pass) {
+        for (int pass = 0; pass == 0 || (pass <= most_closings && gaps_close(report, pass)); ++pass) {
             problem.find_places(scene, bodies_, dt);
             close_held_faces(problem.places(), fractions_.open, open_);
             find_inflow(open_);

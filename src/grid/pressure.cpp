@@ -199,14 +199,14 @@ solve::SolveReport Pressure::solve(std::span<double> b, std::span<double> x) {
                            "take a smaller time step, or another method.pressure.preconditioner"});
 }
 
-void Pressure::collect(const Array<double>& cells) {
+void Pressure::collect(const Array<double>& cells, double factor) {
     const auto sum = pressures_;
     const auto window = halo_->window(), owned = halo_->owned();
     Kokkos::parallel_for("treacle::sum_pressures", static_cast<int>(owned.size()), KOKKOS_LAMBDA(int i) {
         int c[3];
         owned.cell(i, c);
         const int at = window.index(c[0], c[1], c[2]);
-        sum(at) += cells(at);
+        sum(at) += factor * cells(at);
     });
 }
 

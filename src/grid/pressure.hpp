@@ -60,6 +60,10 @@ public:
     double balance(std::span<double> b) const { return components_.balance(comm_, b); }
     void set_up_preconditioner() { solver_.set_up(*matrix_); }
     void precondition(std::span<const double> r, std::span<double> z) { solver_.precondition(r, z); }
+    // Takes the pressures of the last project() off of pressures() again.
+    void take_back() { collect(in_cells_, -1); }
+    // Of the last project(), [window], of owned cells.
+    const Array<double>& last() const { return in_cells_; }
     // Adds to pressures().
     void record(std::span<const double> p);
     const PressureCoupling& coupling() const { return coupling_; }
@@ -74,7 +78,7 @@ public:
     // Parts of the above; not private, since nvcc takes no kernel in a private function.
     void smooth(const PressureScene& scene);
     void find_jumps(const PressureScene& scene);
-    void collect(const Array<double>& cells);
+    void collect(const Array<double>& cells, double factor = 1);
 
 private:
     solve::KrylovOptions krylov(int dimensions);
