@@ -124,7 +124,10 @@ private:
     void find_surface();
     bool contracts() const { return setup_.options.contraction.steps > 0; }
     void project(StepReport& report, double dt, Pressure::Surface surface);
-    bool gaps_close(StepReport& report, int pass);
+    bool gaps_change(bool first);
+    void keep_start(const StepReport& report);
+    void go_back(StepReport& report);
+    void project_last(StepReport& report, double dt, Pressure::Surface surface);
     void apply_viscosity(StepReport& report, double dt);
     void split(StepReport& report, double dt);
     void together(StepReport& report, double dt);
@@ -182,8 +185,8 @@ private:
     Contraction contraction_;
     StepStrains strains_;
     Closing closing_;
-    FaceField open_velocity_; // with all gaps open; bodies and loads likewise
-    rigid::RigidBodies open_bodies_;
+    FaceField open_velocity_; // of keep_start(); bodies and loads likewise
+    rigid::RigidBodies::Snapshot open_bodies_;
     std::vector<double> open_loads_;
     Array<double> inflow_{"treacle::inflow", 0}; // [window] what must flow into cells, of contraction and strains [m/s]
     PhaseTimers timers_;

@@ -119,6 +119,17 @@ public:
     // Kinetic, and potential of gravity, zero at the origin, of the dynamic bodies [J].
     std::array<double, 2> energy() const;
 
+    // What fall() and push() change, to solve again from where they were.
+    struct Snapshot {
+        std::vector<double> motion, given, joint_loads;
+    };
+    Snapshot snapshot() const { return {state(), given_, joint_loads_}; }
+    void go_back(const Snapshot& to) {
+        restore(to.motion);
+        given_ = to.given;
+        joint_loads_ = to.joint_loads;
+    }
+
     // All that changes: the time, then 13 numbers a body.
     std::vector<double> state() const;
     void restore(std::span<const double> state);

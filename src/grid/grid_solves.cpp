@@ -1,0 +1,234 @@
+#include "grid/grid_step.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+// The solves of a step: of pressures and viscous stresses, one after the other or together.
+namespace treacle::grid {
+
+namespace {
+constexpr double least_wet = 1e-3;   // share of a face's cube from which its velocity is that of liquid
+constexpr int most_closings = 4;     // times that gaps that close are solved for
+
+// `to` takes the velocities of the faces that the viscous solve has none for.
+void take_idle_faces(const ViscousFaces& places, const FaceField& from, const FaceField& to) {
+    for (int a = 0; a < places.dimensions; ++a) {
+        const auto role = places.role[a];
+        const auto u = from.axis[a], v = to.axis[a];
+        Kokkos::parallel_for("treacle::take_idle_faces", static_cast<int>(places.window.size()), KOKKOS_LAMBDA(int i) {
+            if (role(i) == idle_face) v(i) = u(i);
+        });
+    }
+}
+} // namespace
+
+void GridStep::project(StepReport& report, double dt, Pressure::Surface surface) {
+    auto found = pressure_.project(velocity_, bodies_, dt, surface);
+    gather_faces(grid_, cells_halo_, velocity_);
+    if (surface == Pressure::Surface::tense) {
+        report.pressure = std::move(found);
+        report.loads = report.pressure.loads;
+        return;
+    }
+    auto& first = report.pressure.solve;
+    first.iterations += found.solve.iterations;
+    first.products += found.solve.products;
+    first.set_up_seconds += found.solve.set_up_seconds;
+    first.iteration_seconds += found.solve.iteration_seconds;
+    for (std::size_t k = 0; k < report.loads.size(); ++k) report.loads[k] += found.loads[k];
+}
+
+// (R1), (R2): by what the particles brought along, which gravity and pressure have not changed yet.
+void GridStep::find_viscosities_by_rate() {
+    const bool slides = slip_.any();
+    const StrainScene scene{grid_, cells_halo_, fractions_, slides ? slip_.slip().grip : fractions_,
+                            slides ? slip_.shares() : shares_, solids_.motion(), setup_.options.viscosity, &strains_,
+                            dt_ > 0 ? before_ / dt_ : 0.0};
+    halo_.gather(particles_.store, {particles_.viscosity_field()});
+    rheology_.find_rates(scene, start_);
+    rheology_.find_viscosities(scene, {particles_, cells_, particle_mass_}, viscosities_);
+    rheology_.to_particles(scene, particles_);
+}
+
+void GridStep::find_viscosities() {
+    if (rheology_.any()) {
+        find_viscosities_by_rate();
+        return;
+    }
+    const auto& window = cells_halo_.window();
+    const auto n = static_cast<std::size_t>(window.size());
+    if (setup_.viscosity_varies) {
+        halo_.gather(particles_.store, {particles_.viscosity_field()});
+        harmonic_viscosities(grid_, particles_, cells_, particle_mass_, window, viscosities_.cell, viscosities_.edge); // (R3)
+        auto& edge = viscosities_.edge.axis;
+        if (grid_.dimensions == 2) {
+            cells_halo_.gather({viscosities_.cell, edge[2]});
+        } else {
+            cells_halo_.gather({viscosities_.cell, edge[0], edge[1], edge[2]});
+        }
+        return;
+    }
+    for (auto* array : {&viscosities_.cell, &viscosities_.edge.axis[0], &viscosities_.edge.axis[1], &viscosities_.edge.axis[2]}) {
+        if (array->extent(0) >= n && n > 0) continue;
+        reserve(*array, n);
+        Kokkos::deep_copy(*array, setup_.viscosity);
+    }
+}
+
+ViscousScene GridStep::viscous_scene() {
+    const bool slides = slip_.any();
+    if (slides) slip_.update(cells_halo_, bodies_, solids_, level_set_, setup_.options.fractions);
+    find_viscosities();
+    return {grid_, cells_halo_, fractions_, slides ? slip_.shares() : shares_, viscosities_, setup_.density,
+            slides ? &slip_.slip() : nullptr, nullptr, &strains_, &distance_};
+}
+
+SlipAreas GridStep::slip_areas() const {
+    if (!bodies_.any_moves() || !slip_.any()) return {};
+    return {&closed_centres_, slip_.lengths()};
+}
+
+PressureScene GridStep::pressure_scene() {
+    return {grid_, cells_halo_, distance_, fractions_, shares_, bodies_, setup_.density, tensions_.largest(),
+            tensions_.differ() ? &tensions_.at_centres() : nullptr, nullptr, slip_areas(), &inflow_};
+}
+
+// (V)
+void GridStep::apply_viscosity(StepReport& report, double dt) {
+    if (!viscous()) return;
+    const auto scene = viscous_scene();
+    // Faces in solids that liquid slides along are unknowns too, and those with small openings: what gravity made of them would
+    // drag the liquid down.
+    continue_velocity({false, {}, viscous_spread(dt)});
+    report.viscosity = viscosity_.solve(scene, velocity_, bodies_, dt);
+    report.viscous_loads = report.viscosity.loads;
+    // Faces that hardly any liquid reaches have stresses and no mass: what the solve leaves there is arbitrary.
+    mark_faces(grid_, cells_halo_.window(), fractions_.face_wet, least_wet, known_);
+    extrapolate(grid_, cells_halo_, velocity_, known_, 2);
+}
+
+// Whether the set of gaps that close has changed by the last solve, or by the first one, in which all were open.
+bool GridStep::gaps_change(bool first) {
+    const Closing::Scene scene{grid_, cells_halo_, cells_, fractions_, solids_, pressure_.describe(pressure_scene()), velocity_, distance_};
+    const bool released = !first && closing_.release(comm_, scene, pressure_.last());
+    return closing_.find(comm_, scene, dt_) || released;
+}
+
+// What a solve begins with, or goes back to.
+void GridStep::keep_start(const StepReport& report) {
+    copy_faces(grid_, cells_halo_.window(), velocity_, open_velocity_);
+    open_bodies_ = bodies_.snapshot();
+    open_loads_ = report.loads;
+}
+
+void GridStep::go_back(StepReport& report) {
+    copy_faces(grid_, cells_halo_.window(), open_velocity_, velocity_);
+    bodies_.go_back(open_bodies_);
+    report.loads = open_loads_;
+    pressure_.take_back();
+}
+
+// (P), (K): the last projection of a step, with the matrix of open gaps; then from its velocities with gaps that close, as often
+// as others are found.
+void GridStep::project_last(StepReport& report, double dt, Pressure::Surface surface) {
+    project(report, dt, surface);
+    continue_velocity({false, {}, viscous() ? viscous_spread(dt) : ViscousSpread{}});
+    if (!gaps_change(true)) return;
+    keep_start(report);
+    for (int pass = 1;; ++pass) {
+        find_inflow(fractions_.open);
+        pressure_.build(pressure_scene(), true);
+        project(report, dt, Pressure::Surface::relaxed);
+        if (pass == most_closings || !gaps_change(false)) return;
+        go_back(report);
+    }
+}
+
+// (P), (V), (P) again
+void GridStep::split(StepReport& report, double dt) {
+    const bool again = viscous() && setup_.options.second_projection;
+    {
+        const auto phase = timers_.scope("pressure");
+        pressure_.build(pressure_scene());
+        if (again) {
+            project(report, dt, Pressure::Surface::tense);
+        } else {
+            project_last(report, dt, Pressure::Surface::tense);
+        }
+    }
+    {
+        const auto phase = timers_.scope("viscosity");
+        apply_viscosity(report, dt);
+    }
+    if (again) {
+        const auto phase = timers_.scope("pressure");
+        project_last(report, dt, Pressure::Surface::relaxed);
+    }
+}
+
+// Collective [Pa s]. By shear rates: that of the step before.
+double GridStep::largest_viscosity() const {
+    if (!setup_.viscosity_varies && !rheology_.any()) return setup_.viscosity;
+    const auto viscosity = particles_.viscosity();
+    double most = 0;
+    Kokkos::parallel_reduce("treacle::largest_viscosity", particles_.store.owned(), KOKKOS_LAMBDA(int i, double& value) {
+        value = math::max(value, viscosity(i));
+    }, Kokkos::Max<double>(most));
+    return comm_.max(particles_.store.owned() > 0 ? most : 0.0);
+}
+
+bool GridStep::solves_together(double dt) const {
+    const auto solve = setup_.options.stokes.solve;
+    if (!viscous() || solve == StokesSolve::split) return false;
+    if (solve == StokesSolve::together) return true;
+    return setup_.options.second_projection && largest_viscosity() * dt > setup_.density * grid_.dx * grid_.dx;
+}
+
+// (P), (U), (K)
+void GridStep::together(StepReport& report, double dt) {
+    auto scene = viscous_scene();
+    const auto pressed = pressure_.describe(pressure_scene());
+    scene.pressed = &pressed;
+    auto& problem = viscosity_.problem();
+    const auto build_pressure = [&](bool goes_on) {
+        problem.find_places(scene, bodies_, dt);
+        close_held_faces(problem.places(), fractions_.open, open_);
+        find_inflow(open_);
+        auto closed = pressure_scene();
+        closed.open = &open_;
+        pressure_.build(closed, goes_on);
+    };
+    {
+        const auto phase = timers_.scope("pressure");
+        build_pressure(false);
+        project(report, dt, Pressure::Surface::tense);
+    }
+    const auto phase = timers_.scope("viscosity");
+    continue_velocity({false, {}, viscous_spread(dt)});
+    keep_start(report);
+    for (int pass = 0;; ++pass) {
+        if (pass > 0) build_pressure(true);
+        problem.build(scene, velocity_, bodies_, dt);
+        report.stokes = stokes_.solve({pressure_, problem, scene, dt}, velocity_, bodies_);
+        gather_faces(grid_, cells_halo_, velocity_);
+        for (std::size_t k = 0; k < report.loads.size(); ++k) report.loads[k] += report.stokes.loads[k];
+        report.viscous_loads = report.stokes.viscous_loads;
+        report.viscosity.unknowns = problem.global_faces();
+        if (pass == 0) continue_velocity({false, {}, viscous_spread(dt)});
+        if (pass == most_closings || !gaps_change(pass == 0)) return;
+        if (pass == 0) take_idle_faces(problem.places(), velocity_, open_velocity_);
+        go_back(report);
+    }
+}
+
+// Velocities beyond the liquid's own faces, as far as particles may come in a step.
+void GridStep::continue_velocity(const WallGrip& grip) {
+    const auto faces = pressure_.describe(pressure_scene());
+    mark_solved(faces, fractions_.face_wet, least_wet, grip.viscosity, grid_.dx, known_);
+    continue_changes(grid_, cells_halo_, faces, {start_, mass_, scratch_, reached_}, known_, velocity_); // (A6)
+    const int reach = static_cast<int>(std::ceil(setup_.options.cfl)) + 1;
+    extrapolate(grid_, cells_halo_, velocity_, known_, reach);
+    turn_along_solids(grid_, cells_halo_, solids_, faces, grip, velocity_, scratch_); // (A2)
+}
+
+} // namespace treacle::grid
