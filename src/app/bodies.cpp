@@ -29,7 +29,7 @@ scene::SurfaceSampling on_surface(const Geometry& geometry, const scene::SolidRe
 std::vector<rigid::Probe> probes_of(const scene::Body& body, const scene::SolidRegion& region,
                                     const Geometry& geometry) {
     const auto& shape = body.shape;
-    if (shape.kind == scene::ShapeKind::sphere && !region.inverted()) {
+    if (shape.kind == scene::ShapeKind::sphere && !shape.clip && !region.inverted()) {
         const auto bounds = region.bounds(); // in the plane of the cut
         rigid::Probe ball;
         for (std::size_t k = 0; k < 3; ++k) ball.point[k] = (bounds.min[k] + bounds.max[k]) / 2;

@@ -319,7 +319,8 @@ void add_liquid(const Input& input, const Geometry& geometry, const scene::Bound
     Column which(liquid.liquid());
     Column p(liquid.pressure()), viscosity(liquid.viscosity());
     for (std::size_t i = 0; i < samples.positions.size(); ++i) {
-        const auto& velocity = input.scene.liquids[static_cast<std::size_t>(samples.liquids[i])].velocity;
+        const auto l = static_cast<std::size_t>(samples.liquids[i]);
+        const Vec3 velocity = input.scene.liquids[l].initial_velocity(samples.positions[i], geometry.pivots[l]);
         for (int k = 0; k < 3; ++k) {
             const auto c = static_cast<std::size_t>(k);
             (*x)(i, k) = solver.setup().domain.wrap(k, samples.positions[i][c]);

@@ -16,6 +16,9 @@ namespace {
 // Above it a share of thin liquid is more than the rounding of edges and curved faces to the lattice.
 constexpr double notable_thin_share = 0.2;
 
+// Share of a surface where a solid is thinner than the spacing that is more than edges, as for meshes.
+constexpr double notable_thin_surface = 0.01;
+
 class Report {
 public:
     explicit Report(const CheckedScene& scene)
@@ -44,7 +47,8 @@ private:
     void liquids();
     void inflow();
     void bodies();
-    void mesh(const scene::SolidRegion& region, const std::string& owner);
+    void meshes(const scene::SolidRegion& region, const std::string& owner);
+    void thickness(const scene::Shape& shape, const scene::SolidRegion& region, const std::string& owner);
     void particles();
     void steps();
     void numbers();
@@ -95,19 +99,27 @@ void Report::domain() {
     }
 }
 
-void Report::mesh(const scene::SolidRegion& region, const std::string& owner) {
-    if (!region.mesh()) return;
-    const auto& report = *region.mesh();
-    row("mesh of " + owner, report.path);
-    row("", "closed, " + std::to_string(report.components) +
-                (report.components == 1 ? " part, " : " parts, ") + grouped(report.triangles) +
-                " triangles, " + edges(report.bounds.min, report.bounds.max, 3) + ", volume " +
-                volume_text(report.volume, 3));
-    for (const auto& note : report.notes()) row("", note);
-    if (report.thinnest < scene().domain.spacing) {
-        warn(owner + ": its mesh is in places thinner than the spacing (" + short_number(report.thinnest) +
-             " m): refine domain.spacing or thicken it");
+void Report::meshes(const scene::SolidRegion& region, const std::string& owner) {
+    for (const auto& report : region.meshes()) {
+        row("mesh of " + owner, report.path);
+        row("", "closed, " + std::to_string(report.components) +
+                    (report.components == 1 ? " part, " : " parts, ") + grouped(report.triangles) +
+                    " triangles, " + edges(report.bounds.min, report.bounds.max, 3) + ", volume " +
+                    volume_text(report.volume, 3));
+        for (const auto& note : report.notes()) row("", note);
+        if (report.thinnest < scene().domain.spacing) {
+            warn(owner + ": its mesh is in places thinner than the spacing (" + short_number(report.thinnest) +
+                 " m): refine domain.spacing or thicken it");
+        }
     }
+}
+
+void Report::thickness(const scene::Shape& shape, const scene::SolidRegion& region, const std::string& owner) {
+    if (shape.parts.empty() && !shape.clip) return;
+    const double thin = thin_surface(region, at_.geometry, scene().domain.spacing);
+    if (thin <= notable_thin_surface) return;
+    warn(owner + ": " + short_number(std::round(100 * thin)) +
+         " % of its surface is where it is thinner than the spacing: refine domain.spacing or thicken it");
 }
 
 void Report::liquids() {
@@ -133,7 +145,11 @@ void Report::liquids() {
         const double mass = particles * liquid.density * volume;
         row("", (exact ? "" : "about ") + grouped(static_cast<std::uint64_t>(particles)) + " particles, " + short_number(mass) +
                     (dimensions == 3 ? " kg" : " kg/m"));
-        for (const auto& region : at_.geometry.liquids[i]) mesh(region, "liquids." + liquid.name);
+        for (std::size_t k = 0; k < liquid.shapes.size(); ++k) {
+            const auto& region = at_.geometry.liquids[i][k];
+            meshes(region, "liquids." + liquid.name);
+            thickness(liquid.shapes[k], region, "liquids." + liquid.name);
+        }
     }
 }
 
@@ -167,7 +183,8 @@ void Report::bodies() {
         }
         row(moves(body) ? "" : body.name, std::string(body.slip == scene::Slip::no_slip ? "no-slip" : "free-slip") +
                            ", volume " + volume_text(region.volume(), scene().domain.dimensions));
-        mesh(region, "bodies." + body.name);
+        meshes(region, "bodies." + body.name);
+        thickness(body.shape, region, "bodies." + body.name);
     }
     if (!scene().joints.empty()) heading("joints");
     for (const auto& joint : scene().joints) row(joint.name, describe(joint));

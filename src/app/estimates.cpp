@@ -15,20 +15,41 @@ constexpr double infinite = std::numeric_limits<double>::infinity();
 
 double length_of(const Vec3& v) { return std::hypot(v[0], v[1], v[2]); }
 
-// The box that the liquids fill of the domain at the start.
-scene::Bounds liquid_box(const Input& input, const Geometry& geometry) {
-    const auto& domain = input.scene.domain;
-    scene::Bounds box{{infinite, infinite, infinite}, {-infinite, -infinite, -infinite}};
-    for (const auto& liquid : geometry.liquids) {
-        for (const auto& region : liquid) {
-            const auto part = region.bounds();
-            for (std::size_t k = 0; k < 3; ++k) {
-                box.min[k] = std::min(box.min[k], std::max(part.min[k], domain.min[k]));
-                box.max[k] = std::max(box.max[k], std::min(part.max[k], domain.max[k]));
-            }
+// Carries a box on over the part of a liquid that is in the domain at the start.
+void extend(scene::Bounds& box, const scene::Domain& domain, const scene::Regions& liquid) {
+    for (const auto& region : liquid) {
+        const auto part = region.bounds();
+        for (std::size_t k = 0; k < 3; ++k) {
+            box.min[k] = std::min(box.min[k], std::max(part.min[k], domain.min[k]));
+            box.max[k] = std::max(box.max[k], std::min(part.max[k], domain.max[k]));
         }
     }
+}
+
+constexpr scene::Bounds nothing{{infinite, infinite, infinite}, {-infinite, -infinite, -infinite}};
+
+// The box that the liquids fill of the domain at the start.
+scene::Bounds liquid_box(const Input& input, const Geometry& geometry) {
+    auto box = nothing;
+    for (const auto& liquid : geometry.liquids) extend(box, input.scene.domain, liquid);
     return box;
+}
+
+// Upper bound of a liquid's speed at the start: that of the corners of its box [m/s].
+double initial_speed(const Input& input, const Geometry& geometry, std::size_t which) {
+    const auto& liquid = input.scene.liquids[which];
+    if (!liquid.sheared()) return length_of(liquid.velocity);
+    auto box = nothing;
+    extend(box, input.scene.domain, geometry.liquids[which]);
+    double most = 0;
+    for (int corner = 0; corner < 8; ++corner) {
+        Vec3 x{0, 0, 0};
+        for (std::size_t k = 0; k < static_cast<std::size_t>(input.scene.domain.dimensions); ++k) {
+            x[k] = corner >> k & 1 ? box.max[k] : box.min[k];
+        }
+        most = std::max(most, length_of(liquid.initial_velocity(x, geometry.pivots[which])));
+    }
+    return most;
 }
 
 double typical_length(const Input& input, const Geometry& geometry) {
@@ -53,8 +74,9 @@ Estimates estimate_run(const Input& input, const Geometry& geometry, std::uint64
     const double d = scene.domain.spacing;
     Estimates out;
     out.length = typical_length(input, geometry);
-    for (const auto& one : scene.liquids)
-        out.initial_speed = std::max(out.initial_speed, length_of(one.velocity));
+    for (std::size_t l = 0; l < scene.liquids.size(); ++l) {
+        out.initial_speed = std::max(out.initial_speed, initial_speed(input, geometry, l));
+    }
     const auto inflow = make_inflow(input);
     for (const auto& inlet : inflow.inlets) out.initial_speed = std::max(out.initial_speed, inlet.speed);
     out.speed = std::max(out.initial_speed, std::sqrt(pull * out.length));

@@ -5,6 +5,7 @@
 #include "base/error.hpp"
 #include "base/text.hpp"
 #include "grid/seeding.hpp"
+#include "scene/clip.hpp"
 #include "sph/forces.hpp"
 #include "sph/near_pairs.hpp"
 #include "sph/slip_lattice.hpp"
@@ -25,6 +26,40 @@ scene::Side side_of(const scene::Face& face) {
     case scene::FaceKind::periodic: return scene::Side::periodic;
     }
     return scene::Side::wall;
+}
+
+// The solid of a shape, cut at the domain where it asks for that; `owner` for the note.
+scene::SolidRegion place_shape(const scene::Shape& shape, const scene::Domain& domain, const std::string& owner,
+                               std::vector<std::string>& notes) {
+    scene::SolidRegion whole(shape, domain.dimensions);
+    if (!shape.clip) return whole;
+    const auto bounds = whole.bounds();
+    bool fits = true;
+    for (std::size_t k = 0; k < static_cast<std::size_t>(domain.dimensions); ++k) {
+        fits = fits && bounds.min[k] >= domain.min[k] && bounds.max[k] <= domain.max[k];
+    }
+    if (fits) return whole;
+    scene::SolidRegion part(scene::clipped(shape, {domain.min, domain.max}), domain.dimensions);
+    const std::string unit = domain.dimensions == 3 ? " m3" : " m2";
+    std::ostringstream note;
+    note << owner << " is cut at the domain (clip): " << part.volume() << unit << " are left";
+    if (std::isfinite(whole.volume())) {
+        note << ", " << 100 * std::max(0.0, 1 - part.volume() / whole.volume()) << " % of its " << whole.volume() << unit
+             << " are cut off";
+    }
+    notes.push_back(note.str());
+    return part;
+}
+
+// Throws InputError for shapes without end.
+Vec3 pivot_of(const scene::Liquid& liquid, const scene::Regions& regions) {
+    if (!liquid.sheared()) return {0, 0, 0};
+    if (liquid.pivot) return *liquid.pivot;
+    if (!std::ranges::all_of(regions, [](const auto& region) { return std::isfinite(region.volume()); })) {
+        throw InputError({liquid.where, "liquids." + liquid.name + ".pivot is missing",
+                          "its shapes have no end, and no centre that it could turn about", "write pivot: {point: [0, 0, 0]}"});
+    }
+    return scene::moments_of(regions).centre;
 }
 
 } // namespace
@@ -50,12 +85,15 @@ Geometry build_geometry(const Input& input) {
     out.lattice = {particle_spacing(input), domain.min, domain.max, domain.dimensions};
     for (const auto& liquid : input.scene.liquids) {
         auto& regions = out.liquids.emplace_back();
-        for (const auto& shape : liquid.shapes) regions.emplace_back(shape, domain.dimensions);
+        for (const auto& shape : liquid.shapes) {
+            regions.push_back(place_shape(shape, domain, "liquids." + liquid.name, out.notes));
+        }
+        out.pivots.push_back(pivot_of(liquid, regions));
         auto& parts = out.viscosity_regions.emplace_back();
         for (const auto& part : liquid.viscosity_regions) parts.emplace_back(part.shape, domain.dimensions);
     }
     for (const auto& body : input.scene.bodies) {
-        out.bodies.emplace_back(body.shape, domain.dimensions);
+        out.bodies.push_back(place_shape(body.shape, domain, "bodies." + body.name, out.notes));
         out.moving.push_back(moves(body) ? 1 : 0);
     }
     out.walls.lattice = out.lattice;
@@ -77,6 +115,23 @@ scene::SurfaceSampling body_sampling(const Geometry& geometry, std::size_t body)
         if (geometry.walls.sides[2 * k + 1] == scene::Side::wall) sampling.clip.max[k] += reach;
     }
     return sampling;
+}
+
+double thin_surface(const scene::SolidRegion& region, const Geometry& geometry, double spacing) {
+    const auto samples = scene::sample_surface(region, {spacing, 0, {geometry.lattice.min, geometry.lattice.max}});
+    constexpr int probes = 4;
+    std::size_t thin = 0;
+    for (std::size_t i = 0; i < samples.positions.size(); ++i) {
+        bool through = false;
+        for (int q = 1; q <= probes && !through; ++q) {
+            const double depth = spacing * (1 - 1e-6) * q / probes;
+            Vec3 x = samples.positions[i];
+            for (std::size_t k = 0; k < 3; ++k) x[k] -= depth * samples.normals[i][k];
+            through = region.distance(x) > 0;
+        }
+        thin += through ? 1 : 0;
+    }
+    return samples.positions.empty() ? 0 : double(thin) / double(samples.positions.size());
 }
 
 std::string thin_note(std::size_t samples) {

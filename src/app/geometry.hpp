@@ -13,6 +13,7 @@ namespace treacle::app {
 struct Geometry {
     scene::Lattice lattice;
     std::vector<scene::Regions> liquids;   // one union per liquid
+    std::vector<Vec3> pivots;              // [m] per liquid, of its velocity at the start; 0 where that is the same everywhere
     std::vector<scene::Regions> viscosity_regions; // per liquid
     scene::Regions bodies;
     std::vector<char> moving;              // per body: 1 when its place changes
@@ -39,6 +40,9 @@ Geometry build_geometry(const Input& input);
 // How the surfaces of bodies are sampled. Where the domain has walls, up to the layer of these, so that the two
 // layers meet; bodies that move are sampled whole.
 scene::SurfaceSampling body_sampling(const Geometry& geometry, std::size_t body);
+
+// Share of a solid's surface, in the domain, behind which it is thinner than the spacing.
+double thin_surface(const scene::SolidRegion& region, const Geometry& geometry, double spacing);
 
 // What users are told when bodies are thinner than two layers.
 std::string thin_note(std::size_t samples);

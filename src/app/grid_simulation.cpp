@@ -63,7 +63,10 @@ std::vector<std::string> GridSimulation::fill(const Geometry& geometry) {
         seeding.viscosity = [&](int liquid, const Vec3& x) {
             return initial_viscosity(input_, geometry, static_cast<std::size_t>(liquid), x);
         };
-        for (const auto& liquid : input_.scene.liquids) seeding.velocities.push_back(liquid.velocity);
+        for (std::size_t l = 0; l < input_.scene.liquids.size(); ++l) {
+            const auto& liquid = input_.scene.liquids[l];
+            seeding.velocities.push_back({liquid.initial_velocity({0, 0, 0}, geometry.pivots[l]), liquid.initial_gradient()});
+        }
         grid::seed(seeding, solver_.grid(), solver_.decomposition(), solver_.particles());
     });
     solver_.start();

@@ -118,6 +118,9 @@ public:
     virtual std::string place_of(const std::string&) const { return ""; }
     // Plane scenes: vectors declared from here on may be read, and are emitted, with two numbers.
     virtual void allow_plane_vectors() {}
+    // Of a block that has the keys of one further up, and may hold itself: true when the visitor writes a manual, which
+    // does not repeat them.
+    virtual bool told_elsewhere() { return false; }
     virtual bool plane_vectors() const { return false; }
 
     template <class T>

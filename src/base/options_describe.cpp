@@ -107,6 +107,7 @@ const OptionEntry* find_entry(const OptionEntry& root, const std::string& path) 
         const auto found = std::ranges::find(entry->members, part, &OptionEntry::key);
         if (found == entry->members.end()) return nullptr;
         entry = &*found;
+        if (entry->told_elsewhere) return entry;
     }
     return entry;
 }

@@ -28,6 +28,7 @@ Json quantity(const Range& range) {
 Json schema_of(const OptionEntry& entry);
 
 Json object_of(const OptionEntry& block) {
+    if (block.told_elsewhere) return {{"type", "object"}};
     Json properties = Json::object();
     Json required = Json::array();
     Json alternatives = Json::array();

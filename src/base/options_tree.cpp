@@ -76,6 +76,8 @@ public:
         std::ranges::find(block_.members, key, &OptionEntry::key)->presence = OptionEntry::Presence::required;
     }
 
+    bool told_elsewhere() override { return block_.told_elsewhere = true; }
+
 protected:
     void choose(const std::string& key, std::size_t& index, const std::vector<std::string>& names,
                 const std::string& doc) override {

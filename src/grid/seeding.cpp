@@ -63,6 +63,18 @@ void seed_cell(const Seeding& seeding, const MacGrid& grid, const int c[3], std:
         out.push_back({static_cast<std::int64_t>(static_cast<std::uint64_t>(liquid) * all + number), x, liquid});
     }
 }
+LinearVelocity motion_of(const Seeding& seeding, const Seed& seed) {
+    const auto which = static_cast<std::size_t>(seed.liquid);
+    return which < seeding.velocities.size() ? seeding.velocities[which] : LinearVelocity{};
+}
+
+// Component k of a particle's velocity [m/s].
+double speed_of(const Seeding& seeding, const Seed& seed, std::size_t k) {
+    const auto motion = motion_of(seeding, seed);
+    double out = motion.at_origin[k];
+    for (std::size_t c = 0; c < 3; ++c) out += motion.gradient[k][c] * seed.x[c];
+    return out;
+}
 } // namespace
 
 void seed(const Seeding& seeding, const MacGrid& grid, const Decomposition& decomposition, GridParticles& particles) {
@@ -87,7 +99,7 @@ void seed(const Seeding& seeding, const MacGrid& grid, const Decomposition& deco
         const auto which = static_cast<std::size_t>(seed.liquid);
         for (std::size_t k = 0; k < 3; ++k) {
             x(before + i, k) = seed.x[k];
-            u(before + i, k) = which < seeding.velocities.size() ? seeding.velocities[which][k] : 0;
+            u(before + i, k) = speed_of(seeding, seed, k);
         }
         id(before + i) = seed.id;
         liquid(before + i) = seed.liquid;
@@ -104,8 +116,9 @@ void seed(const Seeding& seeding, const MacGrid& grid, const Decomposition& deco
     Kokkos::deep_copy(particles.pressure(), pressure);
     for (int a = 0; a < 3; ++a) {
         const auto affine = on_host(particles.affine(a));
-        for (std::size_t i = before; i < before + made.size(); ++i) {
-            for (std::size_t k = 0; k < 3; ++k) affine(i, k) = 0;
+        for (std::size_t i = 0; i < made.size(); ++i) {
+            const Vec3 gradient = motion_of(seeding, made[i]).gradient[static_cast<std::size_t>(a)];
+            for (std::size_t k = 0; k < 3; ++k) affine(before + i, k) = gradient[k];
         }
         Kokkos::deep_copy(particles.affine(a), affine);
     }

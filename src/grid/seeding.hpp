@@ -11,6 +11,12 @@ namespace treacle::grid {
 // Of a full cell at the start, along each axis.
 inline constexpr int particles_per_axis = 2;
 
+// Of a liquid at the start: u_i(x) = at_origin_i + gradient_i . x.
+struct LinearVelocity {
+    Vec3 at_origin{0, 0, 0};        // [m/s]
+    std::array<Vec3, 3> gradient{}; // [1/s] row i is that of u_i
+};
+
 // Particles of a run: 2 per axis and cell, each at random around the middle of its share of the cell. The random
 // numbers are those of the cell and the share: particles and ids do not depend on the ranks.
 struct Seeding {
@@ -20,7 +26,7 @@ struct Seeding {
     double jitter = 0.25;                // farthest from the middle of its share along each axis, over its width
     std::vector<double> viscosities;     // [Pa s] per liquid, unless `viscosity` is given
     std::function<double(int, const Vec3&)> viscosity; // [Pa s] of liquid and place
-    std::vector<Vec3> velocities;        // [m/s] per liquid
+    std::vector<LinearVelocity> velocities; // per liquid; the affine matrices start with their gradients
 };
 
 // Volume that a particle stands for [m3], in the plane [m2] times dx.

@@ -1,5 +1,6 @@
 #include "base/options.hpp"
 #include "scene/names.hpp"
+#include "scene/pivot.hpp"
 #include "scene/scene.hpp"
 #include "scene/shape_options.hpp"
 
@@ -83,18 +84,6 @@ void declare_locked(Declaration& d, Body& body) {
     }
 }
 
-void declare_pivot(Declaration& d, Body& body) {
-    Vec3 point = body.pivot.value_or(Vec3{0, 0, 0});
-    const bool present = d.optional_block(
-        "pivot", body.pivot.has_value(),
-        [&](Declaration& inside) {
-            inside.vec3("point", point, unit::length, "A point of the body where it is at the start.");
-            inside.required("point");
-        },
-        "What a kinematic body turns about; without it its centre of mass.");
-    body.pivot = present ? std::optional(point) : std::nullopt;
-}
-
 } // namespace
 
 void Body::declare(Declaration& d) {
@@ -130,7 +119,8 @@ void Body::declare(Declaration& d) {
            "Motion of a kinematic body, in the order of time: from one to the next at constant velocity and about "
            "a fixed axis, from its initial place at time 0, at rest after the last. Angles of keyframes with the "
            "same axis are interpolated as they are, over several turns; otherwise the shorter way is taken.");
-    declare_pivot(d, *this);
+    declare_pivot(d, pivot, "A point of the body where it is at the start.",
+                  "What a kinematic body turns about; without it its centre of mass.");
     declare_locked(d, *this);
     d.number("restitution", restitution, unit::none, range_between(0, 1),
              "Of contacts: velocity after over velocity before; of two bodies the larger one counts.");

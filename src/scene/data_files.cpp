@@ -48,6 +48,7 @@ struct Outcome {
 };
 
 void resolve(Shape& shape, const std::vector<fs::path>& search_path, Outcome& outcome) {
+    for (auto& part : shape.parts) resolve(part, search_path, outcome);
     if (shape.kind != ShapeKind::mesh) return;
     const auto path = find_data_file(shape.file, search_path);
     if (!path.empty()) {
@@ -60,6 +61,8 @@ void resolve(Shape& shape, const std::vector<fs::path>& search_path, Outcome& ou
             "TREACLE_DATA to use it.");
         Shape fallback = shape.fallback.front();
         fallback.inverted = fallback.inverted != shape.inverted;
+        fallback.clip = fallback.clip || shape.clip;
+        fallback.nested = shape.nested;
         shape = std::move(fallback);
     } else {
         const bool absolute = fs::path(shape.file).is_absolute();

@@ -1,8 +1,13 @@
 #include "base/options.hpp"
 #include "scene/materials.hpp"
 #include "scene/names.hpp"
+#include "scene/pivot.hpp"
 #include "scene/scene.hpp"
 #include "scene/shape_options.hpp"
+#include "scene/vector_math.hpp"
+
+#include <algorithm>
+#include <cmath>
 
 namespace treacle::scene {
 
@@ -35,6 +40,35 @@ void declare_variation(Declaration& d, Liquid& liquid) {
             {"cannot go with a rheology", "both would say what the viscosity is", "make it two liquids of the same density"});
 }
 
+// How it moves at the start.
+void declare_motion(Declaration& d, Liquid& liquid) {
+    d.vec3("velocity", liquid.velocity, unit::velocity,
+           "Velocity at the start; with an angular velocity or a gradient that of the pivot.");
+    d.vec3("angular_velocity", liquid.angular_velocity, unit::angular_velocity,
+           "Angular velocity at the start, about the pivot.", VectorKind::in_space);
+    const Vec3& spin = liquid.angular_velocity;
+    d.check(!d.plane_vectors() || (spin[0] == 0 && spin[1] == 0), "angular_velocity",
+            {"must be about z alone", "the scene is plane, and would be left by what turns about x or y",
+             "write [0, 0, w], or dimensions: 3"});
+    d.block("velocity_gradient", liquid.velocity_gradient,
+            "Velocity at the start that grows linearly with the distance from the pivot, besides `velocity` and "
+            "`angular_velocity`: for instance x: [0, 2, 0] is a shear flow along x of 2 m/s per metre of y.");
+    double trace = 0, largest = 0;
+    for (std::size_t i = 0; i < 3; ++i) {
+        trace += liquid.velocity_gradient.rows[i][i];
+        for (const double change : liquid.velocity_gradient.rows[i]) largest = std::max(largest, std::abs(change));
+    }
+    d.check(std::abs(trace) <= 1e-6 * largest, "velocity_gradient",
+            {"must have a divergence of 0: the sum of x[0], y[1] and z[2]",
+             "the liquid keeps its volume, and the first pressure would change the velocity",
+             "a jet that stretches along z at 2 /s has x: [-1, 0, 0], y: [0, -1, 0], z: [0, 0, 2]"});
+    declare_pivot(d, liquid.pivot, "A point, whether liquid is there or not.",
+                  "Where the velocity at the start is `velocity`; without it the centre of the shapes together.");
+    d.check(!liquid.sheared() || !liquid.shapes.empty(), "shapes",
+            {"must be given with angular_velocity or velocity_gradient", "those are of the liquid at the start",
+             "add a shape, or remove them"});
+}
+
 } // namespace
 
 void Liquid::declare(Declaration& d) {
@@ -64,7 +98,38 @@ void Liquid::declare(Declaration& d) {
     d.list("shapes", shapes, "Where the liquid is at the start: the union of these shapes. May be left out when an inlet pours it.");
     d.boolean("around_bodies", around_bodies,
               "Whether the shapes may reach into bodies, the liquid being left out there; otherwise that is an error.");
-    d.vec3("velocity", velocity, unit::velocity, "Velocity at the start.");
+    declare_motion(d, *this);
+}
+
+void VelocityGradient::declare(Declaration& d) {
+    const char* names[] = {"x", "y", "z"};
+    for (std::size_t i = 0; i < 3; ++i) {
+        d.vec3(names[i], rows[i], unit::frequency,
+               std::string("Change of the velocity's ") + names[i] + " component per length along x, y and z.");
+    }
+    d.check(!d.plane_vectors() || rows[2] == Vec3{0, 0, 0}, "z",
+            {"must not be given", "the scene is plane", "leave it out"});
+}
+
+std::array<Vec3, 3> Liquid::initial_gradient() const {
+    auto out = velocity_gradient.rows;
+    for (std::size_t i = 0; i < 3; ++i) {
+        const std::size_t j = (i + 1) % 3, k = (i + 2) % 3;
+        out[i][k] += angular_velocity[j]; // (w x r)_i = w_j r_k - w_k r_j
+        out[i][j] -= angular_velocity[k];
+    }
+    return out;
+}
+
+Vec3 Liquid::initial_velocity(const Vec3& x, const Vec3& centre) const {
+    Vec3 out = velocity;
+    const auto gradient = initial_gradient();
+    for (std::size_t i = 0; i < 3; ++i) out[i] += dot(gradient[i], x - centre);
+    return out;
+}
+
+bool Liquid::sheared() const {
+    return std::ranges::any_of(initial_gradient(), [](const Vec3& row) { return row != Vec3{0, 0, 0}; });
 }
 
 } // namespace treacle::scene

@@ -1,16 +1,13 @@
 #include "scene/mesh.hpp"
 
-#include "base/error.hpp"
 #include "scene/triangle_tree.hpp"
 #include "scene/vector_math.hpp"
 
-#include <assimp/Importer.hpp>
-#include <assimp/postprocess.h>
-#include <assimp/scene.h>
-
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <numeric>
+#include <sstream>
 #include <tuple>
 #include <unordered_map>
 
@@ -18,6 +15,7 @@ namespace treacle::scene {
 namespace {
 
 constexpr double weld_share = 1e-9;            // of the size of the mesh
+constexpr double buried_points = 20'000;       // of the whole surface
 constexpr std::size_t thickness_rays = 20'000; // at most, one per triangle
 
 // Disjoint sets of 0..n-1.
@@ -128,6 +126,7 @@ void count_edges(const TriangleMesh& mesh, const std::vector<Edge>& edges, MeshR
         if (end - begin > 2) ++report.shared_edges;
         if ((end - begin) % 2 == 0) return;
         ++report.open_edges;
+        if (end - begin > 2) ++report.wall_edges;
         loops.join(edge.low, edge.high);
         open_vertices.insert(open_vertices.end(), {edge.low, edge.high});
     });
@@ -138,6 +137,14 @@ void count_edges(const TriangleMesh& mesh, const std::vector<Edge>& edges, MeshR
     for (const auto& triangle : mesh.triangles)
         for (const int v : triangle) used[parts.find(v)] = 1;
     report.components = static_cast<std::size_t>(std::count(used.begin(), used.end(), 1));
+}
+
+void count_duplicates(const TriangleMesh& mesh, MeshReport& report) {
+    auto triangles = mesh.triangles;
+    // The lowest corner first: what turns the same way is then the same.
+    for (auto& t : triangles) std::rotate(t.begin(), std::min_element(t.begin(), t.end()), t.end());
+    std::sort(triangles.begin(), triangles.end());
+    for (std::size_t i = 1; i < triangles.size(); ++i) report.duplicates += triangles[i] == triangles[i - 1];
 }
 
 // For each triangle the neighbours across edges of two triangles, and whether the two disagree.
@@ -188,18 +195,56 @@ void orient(TriangleMesh& mesh, const std::vector<Edge>& edges, MeshReport& repo
     }
 }
 
-void measure(TriangleMesh& mesh, MeshReport& report) {
-    const Vec3 origin = 0.5 * (report.bounds.min + report.bounds.max);
+struct Integrals {
+    double volume = 0, area = 0;
+};
+Integrals integrate(const TriangleMesh& mesh, const Bounds& bounds) {
+    const Vec3 origin = 0.5 * (bounds.min + bounds.max);
+    Integrals out;
     for (const auto& t : mesh.triangles) {
         const Vec3 a = mesh.vertices[t[0]] - origin, b = mesh.vertices[t[1]] - origin,
                    c = mesh.vertices[t[2]] - origin;
-        report.volume += dot(a, cross(b, c)) / 6;
-        report.area += 0.5 * length(cross(b - a, c - a));
+        out.volume += dot(a, cross(b, c)) / 6;
+        out.area += 0.5 * length(cross(b - a, c - a));
     }
+    return out;
+}
+
+void measure(TriangleMesh& mesh, MeshReport& report) {
+    const Integrals sums = integrate(mesh, report.bounds);
+    report.volume = sums.volume;
+    report.area = sums.area;
     if (report.volume >= 0) return;
     report.volume = -report.volume;
     report.inside_out = true;
     for (auto& t : mesh.triangles) std::swap(t[1], t[2]);
+}
+
+// By points spread over all triangles (R2, Roberts 2018): winding numbers on the two sides of each, 1 and 0 on the surface of
+// what the mesh bounds.
+void find_buried(const TriangleMesh& mesh, MeshReport& report) {
+    std::vector<Triangle> corners;
+    for (const auto& t : mesh.triangles) corners.push_back({mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]});
+    const TriangleTree tree(corners);
+    const double off = 1e-6 * length(report.bounds.max - report.bounds.min);
+    double before = 0, buried = 0, inwards = 0;
+    std::size_t k = 0;
+    for (const Triangle& t : corners) {
+        const Vec3 normal = cross(t[1] - t[0], t[2] - t[0]);
+        const double after = before + 0.5 * length(normal) / report.area * buried_points;
+        for (; static_cast<double>(k) + 0.5 < after; ++k) {
+            double u = std::fmod(0.7548776662466927 * static_cast<double>(k), 1);
+            double v = std::fmod(0.5698402909980532 * static_cast<double>(k), 1);
+            if (u + v > 1) u = 1 - u, v = 1 - v;
+            const Vec3 x = t[0] + u * (t[1] - t[0]) + v * (t[2] - t[0]);
+            const double above = tree.winding(x + off * unit(normal)), below = tree.winding(x - off * unit(normal));
+            if (above < -0.5) inwards += 1;
+            else if (above > 0.5 || below > 1.5) buried += 1;
+        }
+        before = after;
+    }
+    report.buried = buried / std::max<std::size_t>(1, k);
+    report.inwards = inwards / std::max<std::size_t>(1, k);
 }
 
 // Thickness below which 1 % of the sampled area lies, by rays inwards from the middle of triangles.
@@ -233,6 +278,12 @@ double thin_quantile(const TriangleMesh& mesh, const MeshReport& report) {
     return 0;
 }
 
+std::string text_of(double value) {
+    std::ostringstream out;
+    out << value;
+    return out.str();
+}
+
 } // namespace
 
 std::vector<std::string> MeshReport::notes() const {
@@ -244,38 +295,10 @@ std::vector<std::string> MeshReport::notes() const {
     if (inside_out) result.push_back("all triangles faced inwards and were turned round");
     if (shared_edges > 0)
         result.push_back(std::to_string(shared_edges) + " edges belong to more than two triangles");
+    if (separate_volume > 0)
+        result.push_back("its parts overlap: volume and mass are those of their union; one by one they have " +
+                         text_of(separate_volume) + " m3");
     return result;
-}
-
-TriangleMesh read_mesh(const std::string& path, const std::string& where) {
-    Assimp::Importer importer;
-    importer.SetPropertyInteger(AI_CONFIG_PP_RVC_FLAGS, aiComponent_NORMALS |
-                                                            aiComponent_TANGENTS_AND_BITANGENTS |
-                                                            aiComponent_COLORS | aiComponent_TEXCOORDS);
-    const aiScene* file = importer.ReadFile(path, aiProcess_RemoveComponent | aiProcess_Triangulate |
-                                                      aiProcess_PreTransformVertices);
-    if (file == nullptr)
-        throw InputError({where, "mesh '" + path + "' cannot be read", importer.GetErrorString(),
-                          "give a PLY, OBJ or STL file"});
-    TriangleMesh mesh;
-    for (unsigned m = 0; m < file->mNumMeshes; ++m) {
-        const aiMesh& part = *file->mMeshes[m];
-        const int offset = static_cast<int>(mesh.vertices.size());
-        for (unsigned v = 0; v < part.mNumVertices; ++v)
-            mesh.vertices.push_back({part.mVertices[v].x, part.mVertices[v].y, part.mVertices[v].z});
-        for (unsigned f = 0; f < part.mNumFaces; ++f) {
-            const aiFace& face = part.mFaces[f];
-            if (face.mNumIndices != 3) continue; // loose points and lines bound nothing
-            mesh.triangles.push_back({offset + static_cast<int>(face.mIndices[0]),
-                                      offset + static_cast<int>(face.mIndices[1]),
-                                      offset + static_cast<int>(face.mIndices[2])});
-        }
-    }
-    if (mesh.triangles.empty())
-        throw InputError({where, "mesh '" + path + "' holds no triangle", "a solid needs a surface", ""});
-    if (!std::all_of(mesh.vertices.begin(), mesh.vertices.end(), is_finite))
-        throw InputError({where, "mesh '" + path + "' holds a coordinate that is not a number", "", ""});
-    return mesh;
 }
 
 CheckedMesh check_mesh(TriangleMesh mesh) {
@@ -286,29 +309,50 @@ CheckedMesh check_mesh(TriangleMesh mesh) {
     count_edges(mesh, edges, report);
     orient(mesh, edges, report);
     measure(mesh, report);
-    if (report.closed() && report.volume > 0) report.thinnest = thin_quantile(mesh, report);
+    count_duplicates(mesh, report);
+    if (report.closed() && report.volume > 0) {
+        report.thinnest = thin_quantile(mesh, report);
+        find_buried(mesh, report);
+    }
     report.vertices = mesh.vertices.size();
     report.triangles = mesh.triangles.size();
     return {std::move(mesh), std::move(report)};
 }
 
-CheckedMesh load_closed_mesh(const std::string& path, const std::string& where) {
-    CheckedMesh result = check_mesh(read_mesh(path, where));
-    MeshReport& report = result.report;
-    report.path = path;
-    if (!report.closed())
-        throw InputError(
-            {where,
-             "mesh '" + path + "' is not closed: " + std::to_string(report.open_edges) +
-                 " open edges around " + std::to_string(report.holes) +
-                 (report.holes == 1 ? " hole" : " holes"),
-             "an open surface has no inside",
-             "fill the holes in a mesh editor (MeshLab: Filters, Close Holes; Blender: Mesh, Fill)"});
-    const Vec3 size = report.bounds.max - report.bounds.min;
-    if (!(report.volume > 1e-12 * size[0] * size[1] * size[2]) || !(report.volume > 0))
-        throw InputError({where, "mesh '" + path + "' encloses no volume", "a solid has an inside",
-                          "give the surface a thickness, or orient its triangles outwards"});
-    return result;
+std::vector<CheckedMesh> split(const CheckedMesh& checked) {
+    const TriangleMesh& mesh = checked.mesh;
+    Sets sets(mesh.vertices.size());
+    for (const auto& t : mesh.triangles)
+        for (const int v : t) sets.join(static_cast<std::size_t>(t[0]), static_cast<std::size_t>(v));
+    std::unordered_map<std::size_t, std::size_t> number; // of the part by its lowest vertex
+    std::vector<CheckedMesh> parts;
+    std::vector<int> renumbered(mesh.vertices.size(), -1);
+    for (const auto& t : mesh.triangles) {
+        const auto [place, fresh] = number.try_emplace(sets.find(static_cast<std::size_t>(t[0])), parts.size());
+        if (fresh) parts.emplace_back();
+        TriangleMesh& part = parts[place->second].mesh;
+        std::array<int, 3> corners;
+        for (std::size_t c = 0; c < 3; ++c) {
+            int& v = renumbered[static_cast<std::size_t>(t[c])];
+            if (v < 0) {
+                v = static_cast<int>(part.vertices.size());
+                part.vertices.push_back(mesh.vertices[static_cast<std::size_t>(t[c])]);
+            }
+            corners[c] = v;
+        }
+        part.triangles.push_back(corners);
+    }
+    for (CheckedMesh& part : parts) {
+        part.report.path = checked.report.path;
+        part.report.bounds = bounds_of(part.mesh.vertices);
+        const Integrals sums = integrate(part.mesh, part.report.bounds);
+        part.report.volume = sums.volume;
+        part.report.area = sums.area;
+        part.report.vertices = part.mesh.vertices.size();
+        part.report.triangles = part.mesh.triangles.size();
+        part.report.components = 1;
+    }
+    return parts;
 }
 
 } // namespace treacle::scene

@@ -44,12 +44,13 @@ public:
     Tree(const SampledSolid& solid, const Vec3& origin, int depth) : solid_(solid), origin_(origin), depth_(depth) {}
 
     void add(const Vec3& centre, const Vec3& half, int level) {
-        const double reach = length(half), distance = solid_.distance(centre);
-        if (distance >= reach) return;
+        const double reach = length(half), bound = solid_.bound ? solid_.bound(centre) : solid_.distance(centre);
+        if (bound >= reach) return;
         const double volume = size(half);
-        if (distance <= -reach) {
+        if (bound <= -reach) {
             add_cell(centre, half, volume);
         } else if (level == depth_) {
+            const double distance = solid_.bound ? solid_.distance(centre) : bound;
             add_cell(centre, half, volume * std::clamp(0.5 - distance / width(centre, half), 0.0, 1.0));
         } else {
             const Vec3 quarter = 0.5 * half;
@@ -74,15 +75,20 @@ private:
     // Of a cell at right angles to the surface.
     double width(const Vec3& centre, const Vec3& half) const {
         double squares = 0;
+        const Vec3 normal = solid_.normal ? solid_.normal(centre) : Vec3{0, 0, 0};
         for (int k = 0; k < solid_.dimensions; ++k) {
             const auto u = static_cast<std::size_t>(k);
-            Vec3 above = centre, below = centre;
-            above[u] += half[u] / 4;
-            below[u] -= half[u] / 4;
-            const double change = 4 * (solid_.distance(above) - solid_.distance(below));
+            const double change = solid_.normal ? 2 * half[u] * normal[u] : change_of(centre, half, u);
             squares += change * change;
         }
         return std::max(std::sqrt(squares), 1e-300);
+    }
+    // Of the distance from one side of a cell to the other [m].
+    double change_of(const Vec3& centre, const Vec3& half, std::size_t axis) const {
+        Vec3 above = centre, below = centre;
+        above[axis] += half[axis] / 4;
+        below[axis] -= half[axis] / 4;
+        return 4 * (solid_.distance(above) - solid_.distance(below));
     }
     void add_cell(const Vec3& centre, const Vec3& half, double volume) {
         if (volume == 0) return;
@@ -122,7 +128,9 @@ Moments moments_of(const SampledSolid& solid) {
     const Vec3 centre = 0.5 * (box.min + box.max), half = 0.5 * (box.max - box.min);
     Tree tree(solid, centre, solid.dimensions == 3 ? 7 : 10);
     tree.add(centre, half, 0);
+    if (!(tree.sums().volume > 0)) return {};
     auto out = tree.sums().about(centre, solid.dimensions);
+    if (solid.volume == 0) return out;
     const double scale = solid.volume / out.volume;
     out.volume = solid.volume;
     for (auto& row : out.inertia) row = scale * row;

@@ -21,7 +21,9 @@ struct SampledSolid {
     std::function<double(const Vec3&)> distance; // [m] negative inside
     Bounds bounds;
     int dimensions = 3;
-    double volume = 0; // exact: the sums are scaled to it
+    std::function<double(const Vec3&)> bound; // [m] of the same sign, no larger in magnitude; empty: the distance
+    std::function<Vec3(const Vec3&)> normal; // unit gradient of the distance; empty: by differences
+    double volume = 0; // exact: the sums are scaled to it; 0: not known
 };
 // Exact for boxes along the axes; otherwise the error falls with the square of the cells, which are 1/128 of the
 // longest edge in space, 1/1024 in the plane.

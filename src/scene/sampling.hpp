@@ -11,6 +11,9 @@ namespace treacle::scene {
 
 using Regions = std::vector<SolidRegion>; // their union
 
+// Of their union, all of which are of finite volume.
+Moments moments_of(const Regions& regions);
+
 // The points x = min + (i + 1/2) spacing of a domain. In the plane z is 0 and has one index.
 struct Lattice {
     double spacing = 0; // d [m]

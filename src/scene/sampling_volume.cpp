@@ -166,6 +166,15 @@ std::uint64_t linear(const Index& i, const Index& n) {
 
 } // namespace
 
+Moments moments_of(const Regions& regions) {
+    if (regions.size() == 1) return regions.front().moments();
+    SampledSolid sampled;
+    sampled.distance = [&](const Vec3& x) { return distance_to(regions, x); };
+    sampled.bounds = bounds_of(regions);
+    sampled.dimensions = regions.front().dimensions();
+    return moments_of(sampled);
+}
+
 std::array<std::int64_t, 3> Lattice::size() const {
     Index n{1, 1, 1};
     double total = 1;

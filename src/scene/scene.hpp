@@ -86,6 +86,13 @@ struct ViscosityProfile {
     double at(double x) const; // [Pa s]
 };
 
+// Gradient of a velocity u [1/s]: row i is that of u_i.
+struct VelocityGradient {
+    std::array<Vec3, 3> rows{};
+
+    void declare(Declaration& d);
+};
+
 struct Liquid {
     std::string name;
     std::string material = "none"; // a preset of `treacle materials`, or "none"
@@ -97,10 +104,19 @@ struct Liquid {
     double surface_tension = 0;    // [N/m]
     std::vector<Shape> shapes;     // none: it comes from inlets only
     bool around_bodies = false; // where a body is, the liquid is left out
-    Vec3 velocity{0, 0, 0};     // [m/s]
+    Vec3 velocity{0, 0, 0};     // [m/s] at the pivot, at the start
+    Vec3 angular_velocity{0, 0, 0};     // [rad/s] about the pivot, at the start
+    VelocityGradient velocity_gradient; // at the start, besides the angular velocity
+    std::optional<Vec3> pivot;          // [m] without it the centre of the shapes' union
     std::string where;
 
     void declare(Declaration& d);
+    // Gradient of the velocity at the start, rotation and velocity_gradient together [1/s]: row i is that of u_i.
+    std::array<Vec3, 3> initial_gradient() const;
+    // Velocity at the start, at x [m/s]; `centre` [m] is the pivot.
+    Vec3 initial_velocity(const Vec3& x, const Vec3& centre) const;
+    // Whether that is not the same everywhere.
+    bool sheared() const;
     // Whether its particles may differ in viscosity.
     bool varies() const {
         return rheology.law != ShearLaw::newtonian || !viscosity_profile.points.empty() || !viscosity_regions.empty();

@@ -21,6 +21,11 @@ void declare_rotation(Declaration& d, Shape& shape, const std::string& centre) {
 
 void declare_inverted(Declaration& d, Shape& shape) {
     d.boolean("inverted", shape.inverted, "The outside of the shape instead of its inside.");
+    d.boolean("clip", shape.clip,
+              "Cuts the shape at the domain's sides, as for a quarter of a ball in a corner between free-slip walls; "
+              "`treacle check` says how much is cut off.");
+    d.check(!shape.clip || !shape.nested, "clip",
+            {"must stand at the outermost shape", "the domain cuts the whole of it, not its parts", "move it there"});
 }
 
 void declare_centre(Declaration& d, Shape& shape, const std::string& doc) {
@@ -143,14 +148,65 @@ void declare_mesh(Declaration& d, Shape& shape) {
     if (present) shape.fallback.push_back(fallback);
 }
 
+// A shape inside a shape. Its manual is the one further up.
+void declare_part(Declaration& d, Shape& part) {
+    if (d.told_elsewhere()) return;
+    part.nested = true;
+    declare(d, part);
+}
+
+void declare_parts(Declaration& d, std::vector<Shape>& parts, const std::string& key, const std::string& doc) {
+    Declaration::Items items;
+    items.size = [&parts] { return parts.size(); };
+    items.clear = [&parts] { parts.clear(); };
+    items.append = [&parts] { parts.emplace_back(); };
+    items.declare = [&parts](std::size_t i, Declaration& inside) { declare_part(inside, parts[i]); };
+    items.declare_default = [](Declaration& inside) {
+        Shape part;
+        declare_part(inside, part);
+    };
+    d.list_of(key, items, doc);
+    d.required(key);
+    d.check(!parts.empty(), key, {"must not be empty", "it is a list of shapes", "add a shape, or write what is left as it is"});
+}
+
+void declare_placement(Declaration& d, Shape& shape) {
+    d.vec3("centre", shape.centre, unit::length, "Point that the rotation leaves where it is.");
+    declare_rotation(d, shape, "the centre");
+    declare_inverted(d, shape);
+}
+
+// Union and intersection.
+void declare_joined(Declaration& d, Shape& shape) {
+    declare_parts(d, shape.parts, "shapes", "The shapes: of any kind, these among them, each with its own place and rotation.");
+    declare_placement(d, shape);
+}
+
+void declare_difference(Declaration& d, Shape& shape) {
+    Shape from = shape.parts.empty() ? Shape{} : shape.parts.front();
+    std::vector<Shape> others(shape.parts.empty() ? shape.parts.begin() : shape.parts.begin() + 1, shape.parts.end());
+    d.block_of("from", [&](Declaration& inside) { declare_part(inside, from); }, "The shape that is cut, of any kind.");
+    d.required("from");
+    declare_parts(d, others, "subtract", "The shapes that are taken out of it, of any kind.");
+    declare_placement(d, shape);
+    if (!d.parsing()) return;
+    shape.parts = {from};
+    shape.parts.insert(shape.parts.end(), others.begin(), others.end());
+}
+
 } // namespace
 
 void declare(Declaration& d, Shape& shape) {
     if (d.parsing()) shape.where = d.place();
     auto alternatives = primitives(shape);
-    alternatives.push_back(
-        {ShapeKind::mesh, Alternative{"mesh", [&shape](Declaration& m) { declare_mesh(m, shape); },
-                                      "The inside of a closed triangle mesh."}});
+    const auto add = [&](ShapeKind kind, const char* key, void (*members)(Declaration&, Shape&), const char* doc) {
+        alternatives.push_back({kind, Alternative{key, [&shape, members](Declaration& m) { members(m, shape); }, doc}});
+    };
+    add(ShapeKind::mesh, "mesh", declare_mesh, "The inside of a closed triangle mesh.");
+    add(ShapeKind::unite, "union", declare_joined, "What is in one of several shapes.");
+    add(ShapeKind::intersect, "intersection", declare_joined, "What is in all of several shapes.");
+    add(ShapeKind::subtract, "difference", declare_difference,
+        "A shape without other shapes: a vessel with a hole, a pipe, a hollow body.");
     d.one_of(shape.kind, alternatives);
 }
 

@@ -1,257 +1,73 @@
 #include "scene/signed_distance.hpp"
 
 #include "base/error.hpp"
-#include "scene/surface.hpp"
+#include "scene/solid.hpp"
 #include "scene/vector_math.hpp"
 
-#include <algorithm>
 #include <cmath>
-#include <sstream>
 
 namespace treacle::scene {
 namespace {
 
 [[noreturn]] void reject(const Shape& shape, const std::string& problem, const std::string& reason,
                          const std::string& cure) {
-    throw InputError({shape.where, problem, reason, cure});
+    throw InputError({shape.where, std::string(name_of(shape.kind)) + problem, reason, cure});
 }
 
-std::string text(double value) {
-    std::ostringstream out;
-    out << value;
-    return out.str();
+[[noreturn]] void reject_empty(const Shape& shape, int dimensions) {
+    if (shape.clip)
+        throw InputError({shape.where, std::string(name_of(shape.parts.front().kind)) + ".clip leaves nothing",
+                          "it is all outside of the domain", "move it into the domain"});
+    const std::string at = dimensions == 2 ? " at z = 0, which is all that a plane scene sees" : "";
+    if (shape.kind == ShapeKind::subtract)
+        reject(shape, " is empty", "what is subtracted covers all of `from`" + at, "move or shrink what is subtracted");
+    if (shape.kind == ShapeKind::intersect)
+        reject(shape, " is empty", "its shapes have nothing in common" + at, "move them until they overlap");
+    reject(shape, " does not meet the plane z = 0", "a plane scene sees only the cut of a shape at z = 0", "move it to z = 0");
 }
 
-const char* name_of(ShapeKind kind) {
-    switch (kind) {
-    case ShapeKind::box:
-        return "box";
-    case ShapeKind::sphere:
-        return "sphere";
-    case ShapeKind::cylinder:
-        return "cylinder";
-    case ShapeKind::capsule:
-        return "capsule";
-    case ShapeKind::cone:
-        return "cone";
-    case ShapeKind::torus:
-        return "torus";
-    case ShapeKind::plane:
-        return "plane";
-    case ShapeKind::mesh:
-        return "mesh";
-    }
-    return "shape";
-}
-
-void require_positive(const Shape& shape, const char* key, double value) {
-    if (value > 0 && std::isfinite(value)) return;
-    reject(shape, std::string(name_of(shape.kind)) + "." + key + " = " + text(value) + ": must be > 0",
-           "a region has an extent", "give a length in metres or with its unit");
-}
-
-void require_finite(const Shape& shape, const char* key, const Vec3& value) {
-    if (is_finite(value)) return;
-    reject(shape, std::string(name_of(shape.kind)) + "." + key + " is not finite", "", "give three numbers");
-}
-
-void require_direction(const Shape& shape, const char* key, const Vec3& value) {
-    if (is_finite(value) && length(value) > 0) return;
-    reject(shape, std::string(name_of(shape.kind)) + "." + key + " has no direction",
-           "its three components are zero or not finite", "give a vector such as [0, 1, 0]");
-}
-
-Vec3 turned(const Shape& shape, const Vec3& v) {
-    return shape.rotation_angle == 0 ? v : rotated(v, unit(shape.rotation_axis), shape.rotation_angle);
-}
-
-[[noreturn]] void reject_no_cut(const Shape& shape) {
-    reject(shape, std::string(name_of(shape.kind)) + " does not meet the plane z = 0",
-           "a plane scene sees only the cut of a shape at z = 0", "move it to z = 0");
-}
-
-SurfacePointer cut_of(const SurfacePointer& body, const Shape& shape) {
-    const auto pieces = slice(*body);
-    if (pieces.empty()) reject_no_cut(shape);
-    return make_cut(pieces, [body](const Vec3& x) { return body->nearest(x).distance < 0; });
-}
-
-SurfacePointer box_of(const Shape& shape, int dimensions) {
-    require_finite(shape, "min", shape.min);
-    require_finite(shape, "max", shape.max);
+bool is_infinite(const Bounds& box, int dimensions) {
     for (int a = 0; a < dimensions; ++a)
-        if (!(shape.max[a] > shape.min[a]))
-            reject(shape,
-                   std::string("box.max = ") + text(shape.max[a]) +
-                       " m is not above box.min = " + text(shape.min[a]) + " m along " + "xyz"[a],
-                   "a box has an extent along each axis", "exchange or correct the two corners");
-    BoxPose pose;
-    pose.min = shape.min + shape.translation;
-    pose.max = shape.max + shape.translation;
-    if (dimensions == 2 && !(pose.max[2] > pose.min[2])) pose.min[2] = -1, pose.max[2] = 1; // z plays no role
-    pose.centre = 0.5 * (pose.min + pose.max);
-    pose.half = 0.5 * (pose.max - pose.min);
-    pose.rotation_axis = unit(shape.rotation_axis);
-    pose.rotation_angle = shape.rotation_angle;
-    const bool about_z = pose.rotation_axis[0] == 0 && pose.rotation_axis[1] == 0;
-    if (dimensions == 2 && pose.rotation_angle != 0 && !about_z) return cut_of(make_box(pose, 3), shape);
-    return make_box(pose, dimensions);
-}
-
-// The cut of a body whose axis is z: discs and rings.
-SurfacePointer ring_of(const Revolved& body, const Shape& shape) {
-    const double z = body.centre[2], up = body.axis[2] < 0 ? -1 : 1, half = 0.5 * body.height;
-    double outer = body.radius, inner = 0;
-    switch (body.profile) {
-    case Profile::sphere:
-        outer = std::sqrt(std::max(0.0, outer * outer - z * z));
-        break;
-    case Profile::cylinder:
-        outer = std::abs(z) < half ? outer : 0;
-        break;
-    case Profile::capsule: {
-        const double beyond = std::max(0.0, std::abs(z) - half);
-        outer = std::sqrt(std::max(0.0, outer * outer - beyond * beyond));
-        break;
-    }
-    case Profile::cone:
-        outer = std::abs(z) < half ? outer * (half + up * z) / body.height : 0;
-        break;
-    case Profile::torus: {
-        const double w = std::sqrt(std::max(0.0, body.tube * body.tube - z * z));
-        inner = w > 0 ? body.radius - w : 0;
-        outer = w > 0 ? body.radius + w : 0;
-    }
-    }
-    if (!(outer > inner)) reject_no_cut(shape);
-    return make_ring(body.centre, inner, outer);
-}
-
-SurfacePointer round_of(const Shape& shape, int dimensions) {
-    require_finite(shape, "centre", shape.centre);
-    require_positive(shape, "radius", shape.radius);
-    Revolved body;
-    switch (shape.kind) {
-    case ShapeKind::cylinder:
-        body.profile = Profile::cylinder;
-        break;
-    case ShapeKind::capsule:
-        body.profile = Profile::capsule;
-        break;
-    case ShapeKind::cone:
-        body.profile = Profile::cone;
-        break;
-    case ShapeKind::torus:
-        body.profile = Profile::torus;
-        break;
-    default:
-        body.profile = Profile::sphere;
-    }
-    body.centre = shape.centre + shape.translation;
-    body.radius = shape.radius;
-    if (body.profile == Profile::torus) {
-        require_positive(shape, "tube_radius", shape.tube_radius);
-        if (shape.tube_radius >= shape.radius)
-            reject(shape,
-                   "torus.tube_radius = " + text(shape.tube_radius) +
-                       " m: must be below torus.radius = " + text(shape.radius) + " m",
-                   "the tube would fill the hole", "lower the tube's radius");
-        body.tube = shape.tube_radius;
-    } else if (body.profile != Profile::sphere) {
-        require_positive(shape, "height", shape.height);
-        body.height = shape.height;
-    }
-    if (body.profile != Profile::sphere) {
-        require_direction(shape, "axis", shape.axis);
-        body.axis = unit(turned(shape, unit(shape.axis)));
-    }
-    if (dimensions == 3) return make_revolved(body);
-    constexpr double straight = 1e-12; // of a unit vector, after rotations
-    if (body.profile == Profile::sphere || std::hypot(body.axis[0], body.axis[1]) < straight)
-        return ring_of(body, shape);
-    if (std::abs(body.axis[2]) < straight && body.centre[2] == 0) {
-        body.axis = unit({body.axis[0], body.axis[1], 0});
-        return make_outline(body);
-    }
-    return cut_of(make_revolved(body), shape);
-}
-
-SurfacePointer plane_of(const Shape& shape, int dimensions) {
-    require_finite(shape, "centre", shape.centre);
-    require_direction(shape, "axis", shape.axis);
-    const Vec3 point = shape.centre + shape.translation, normal = unit(turned(shape, unit(shape.axis)));
-    if (dimensions == 3) return make_plane(point, normal, 3);
-    const Vec3 flat{normal[0], normal[1], 0};
-    const double l = length(flat);
-    if (l < 1e-12)
-        reject(shape, "plane.axis points along z", "a plane scene has no third direction", "tilt it");
-    // The line where the plane meets z = 0.
-    const Vec3 base{point[0], point[1], 0};
-    return make_plane(base + (point[2] * normal[2] / (l * l)) * flat, (1 / l) * flat, 2);
-}
-
-void place_mesh(CheckedMesh& checked, const Shape& shape) {
-    const Bounds& box = checked.report.bounds;
-    const Vec3 extent = box.max - box.min, middle = 0.5 * (box.min + box.max);
-    const double longest = std::max({extent[0], extent[1], extent[2]});
-    const double factor = shape.size > 0 ? shape.size / longest : shape.scale;
-    const Vec3 centre = shape.size > 0 ? Vec3{0, 0, 0} : factor * middle;
-    Bounds placed{{Bounds::infinite, Bounds::infinite, Bounds::infinite},
-                  {-Bounds::infinite, -Bounds::infinite, -Bounds::infinite}};
-    for (Vec3& v : checked.mesh.vertices) {
-        v = centre + turned(shape, factor * (v - middle)) + shape.translation;
-        for (int a = 0; a < 3; ++a) {
-            placed.min[a] = std::min(placed.min[a], v[a]);
-            placed.max[a] = std::max(placed.max[a], v[a]);
-        }
-    }
-    checked.report.bounds = placed;
-    checked.report.volume *= factor * factor * factor;
-    checked.report.area *= factor * factor;
-    checked.report.thinnest *= factor;
-}
-
-SurfacePointer mesh_of(const Shape& shape, int dimensions, std::optional<MeshReport>& report, std::optional<Moments>& moments) {
-    if (shape.size <= 0) require_positive(shape, "scale", shape.scale);
-    CheckedMesh checked = load_closed_mesh(shape.file, shape.where);
-    place_mesh(checked, shape);
-    report = checked.report;
-    const SurfacePointer body = make_mesh(checked.mesh, checked.report);
-    if (dimensions == 3) {
-        moments = moments_of(checked.mesh);
-        return body;
-    }
-    const auto pieces = slice(checked.mesh);
-    if (pieces.empty()) reject_no_cut(shape);
-    // Just below the plane, where slice() cuts: a face in the plane itself has no clear side.
-    const double below = -1e-9 * length(checked.report.bounds.max - checked.report.bounds.min);
-    return make_cut(pieces, [body, below](const Vec3& x) {
-        return body->nearest({x[0], x[1], below}).distance < 0;
-    });
+        if (!std::isfinite(box.min[a]) || !std::isfinite(box.max[a])) return true;
+    return false;
 }
 
 } // namespace
 
-SolidRegion::SolidRegion(const Shape& shape, int dimensions)
-    : dimensions_(dimensions), inverted_(shape.inverted) {
-    require_finite(shape, "translation", shape.translation);
-    if (shape.rotation_angle != 0) require_direction(shape, "rotation_axis", shape.rotation_axis);
-    if (!std::isfinite(shape.rotation_angle))
-        reject(shape, "the rotation angle is not finite", "", "give an angle");
-    switch (shape.kind) {
-    case ShapeKind::box:
-        surface_ = box_of(shape, dimensions_);
-        return;
-    case ShapeKind::plane:
-        surface_ = plane_of(shape, dimensions_);
-        return;
-    case ShapeKind::mesh:
-        break;
-    default:
-        surface_ = round_of(shape, dimensions_);
+SolidRegion::SolidRegion(const Shape& shape, int dimensions) : dimensions_(dimensions) {
+    SolidNotes notes;
+    Solid solid = make_solid(shape, dimensions, notes);
+    meshes_ = notes.meshes;
+    if (!solid.joined()) {
+        inverted_ = solid.inverted;
+        surface_ = solid.surface;
+        if (!surface_) reject_empty(shape, dimensions);
+        moments_ = notes.moments;
         return;
     }
-    surface_ = mesh_of(shape, dimensions_, mesh_, mesh_moments_);
+    // Of a solid and its outside the one with an end has the surface.
+    if (is_infinite(bounds_of(solid), dimensions)) {
+        Solid outside = solid;
+        outside.inverted ^= true;
+        if (!is_infinite(bounds_of(outside), dimensions)) {
+            solid = outside;
+            inverted_ = true;
+        }
+    }
+    surface_ = join(solid, dimensions);
+    if (!surface_) reject_empty(shape, dimensions);
+    if (!closed()) return;
+    SampledSolid sampled;
+    sampled.distance = [this](const Vec3& x) { return surface_->nearest(x).distance; };
+    sampled.bound = [this](const Vec3& x) { return surface_->bound(x); };
+    sampled.normal = [this](const Vec3& x) { return surface_->nearest(x).normal; };
+    sampled.bounds = surface_->bounds();
+    sampled.dimensions = dimensions_;
+    moments_ = moments_of(sampled);
+    if (!(moments_->volume > 0)) reject_empty(shape, dimensions);
+    if (shape.kind != ShapeKind::mesh || dimensions_ == 2) return;
+    meshes_.front().separate_volume = meshes_.front().volume;
+    meshes_.front().volume = moments_->volume;
 }
 
 double SolidRegion::distance(const Vec3& x) const {
@@ -266,12 +82,19 @@ Vec3 SolidRegion::normal(const Vec3& x) const {
 
 Bounds SolidRegion::bounds() const { return inverted_ ? Bounds{} : surface_->bounds(); }
 Bounds SolidRegion::surface_bounds() const { return surface_->bounds(); }
-double SolidRegion::volume() const { return inverted_ ? Bounds::infinite : surface_->volume(); }
+double SolidRegion::volume() const {
+    if (inverted_) return Bounds::infinite;
+    return moments_ ? moments_->volume : surface_->volume();
+}
 double SolidRegion::area() const { return surface_->area(); }
 Moments SolidRegion::moments() const {
-    if (mesh_moments_) return *mesh_moments_;
-    const auto distance = [this](const Vec3& x) { return surface_->nearest(x).distance; };
-    return moments_of(SampledSolid{distance, surface_->bounds(), dimensions_, surface_->volume()});
+    if (moments_) return *moments_;
+    SampledSolid sampled;
+    sampled.distance = [this](const Vec3& x) { return surface_->nearest(x).distance; };
+    sampled.bounds = surface_->bounds();
+    sampled.dimensions = dimensions_;
+    sampled.volume = surface_->volume();
+    return moments_of(sampled);
 }
 bool SolidRegion::closed() const { return std::isfinite(surface_->area()); }
 

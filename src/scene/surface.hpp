@@ -19,11 +19,15 @@ class Surface {
 public:
     virtual ~Surface() = default;
     virtual Nearest nearest(const Vec3& x) const = 0;
+    // [m] a distance of the same sign that is no larger in magnitude, and quicker to find.
+    virtual double bound(const Vec3& x) const { return nearest(x).distance; }
     virtual Bounds bounds() const = 0;
     virtual double volume() const = 0;
     virtual double area() const = 0;
     // A negative inset puts the layer outside.
     virtual SurfaceSamples sample(const SurfaceSampling& sampling) const = 0;
+    // Points and normals of the surface about a spacing apart, less evenly and more quickly; the inset does not count.
+    virtual SurfaceSamples scatter(const SurfaceSampling& sampling) const { return sample(sampling); }
 };
 
 using SurfacePointer = std::shared_ptr<const Surface>;
@@ -31,9 +35,9 @@ using SurfacePointer = std::shared_ptr<const Surface>;
 struct BoxPose {
     Vec3 centre{0, 0, 0};
     Vec3 half{0, 0, 0};
-    Vec3 rotation_axis{0, 0, 1};     // unit, about the centre
-    double rotation_angle = 0;       // [rad]
-    Vec3 min{0, 0, 0}, max{0, 0, 0}; // the corners themselves, used when there is no rotation
+    std::array<Vec3, 3> axes{Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}}; // of its edges, unit
+    bool turned = false;             // the axes are not those of space
+    Vec3 min{0, 0, 0}, max{0, 0, 0}; // the corners themselves, used when it is not turned
 };
 SurfacePointer make_box(const BoxPose& pose, int dimensions); // 2: a rectangle turned about z
 

@@ -12,12 +12,7 @@ namespace {
 class Box final : public Surface {
 public:
     Box(const BoxPose& pose, int dimensions)
-        : dimensions_(dimensions), turned_(pose.rotation_angle != 0), centre_(pose.centre) {
-        for (int a = 0; a < 3; ++a) {
-            Vec3 axis{0, 0, 0};
-            axis[a] = 1;
-            axes_[a] = turned_ ? rotated(axis, pose.rotation_axis, pose.rotation_angle) : axis;
-        }
+        : dimensions_(dimensions), turned_(pose.turned), centre_(pose.centre), axes_(pose.axes) {
         min_ = turned_ ? -pose.half : pose.min;
         max_ = turned_ ? pose.half : pose.max;
         if (dimensions_ == 2) min_[2] = max_[2] = centre_[2] = 0;

@@ -70,6 +70,16 @@ public:
         return result;
     }
 
+    SurfaceSamples scatter(const SurfaceSampling& sampling) const override {
+        constexpr double per_square = 2; // chance gaps are then no wider than a spacing
+        SurfaceSamples result;
+        place_on_triangles(per_square / (sampling.spacing * sampling.spacing), 0, [&](const Vec3& c, const Vec3& n) {
+            result.positions.push_back(c);
+            result.normals.push_back(n);
+        });
+        return result;
+    }
+
 private:
     // settle(), with a short cut: where c stays the closest point, nothing is in between.
     std::optional<Settled> lower(const Vec3& c, const Vec3& n, const SurfaceSampling& sampling) const {

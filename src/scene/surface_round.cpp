@@ -203,6 +203,8 @@ public:
         return result;
     }
 
+    SurfaceSamples scatter(const SurfaceSampling& sampling) const override { return rings(sampling.spacing, 0); }
+
 protected:
     // The distance of the deepest point from the surface.
     double largest_depth() const {
@@ -361,6 +363,7 @@ public:
         if (sampling.inset > largest_depth()) result.thin = result.positions.size();
         return result;
     }
+    SurfaceSamples scatter(const SurfaceSampling& sampling) const override { return sample({sampling.spacing, 0, sampling.clip}); }
 };
 
 } // namespace

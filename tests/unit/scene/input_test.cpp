@@ -118,8 +118,71 @@ TEST(SceneInput, ACameraWithAPositionIsNotAutomatic) {
     EXPECT_FALSE(scene.cameras[1].automatic);
 }
 
+const std::string spinning =
+    "schema_version: 1\n"
+    "domain: {max: [1, 1, 1], spacing: 0.1}\n"
+    "liquids: [{shapes: [{box: {max: [1, 1, 1], min: [0, 0, 0]}}], velocity: [1, 0, 0],\n"
+    "           angular_velocity: [0, 0, 60 rpm], velocity_gradient: {x: [0, 2 1/s, 0]}, pivot: {point: [0, 0, 0.5]}}]\n";
+
+TEST(SceneInput, ALiquidMayStartWithASpinAndAGradient) {
+    const auto liquid = read(spinning).liquids[0];
+    const double w = 2 * std::numbers::pi;
+    const Vec3 u = liquid.initial_velocity({3, 4, 9}, *liquid.pivot);
+    EXPECT_NEAR(u[0], 1 + (2 - w) * 4, 1e-12);
+    EXPECT_NEAR(u[1], w * 3, 1e-12);
+    EXPECT_NEAR(u[2], 0, 1e-12);
+    EXPECT_TRUE(liquid.sheared());
+    const std::string empty = start.substr(0, start.find("liquids"));
+    EXPECT_TRUE(is_problem(empty + "liquids: [{shapes: [{sphere: {centre: [0, 0, 0], radius: 1}}], velocity_gradient: {x: [1, 0, 0]}}]\n",
+                           "scene.yaml:3: liquids.0.velocity_gradient: must have a divergence of 0"));
+    EXPECT_TRUE(is_problem(empty + "liquids: [{angular_velocity: [0, 0, 1]}]\ninlets: [{disc: {centre: [0, 0, 0], radius: 1, direction: [0, 0, 1]}, velocity: 1}]\n",
+                           "scene.yaml:3: liquids.0.shapes"));
+    const std::string plane = "schema_version: 1\ndomain: {dimensions: 2, max: [1, 1], spacing: 0.1}\n"
+                              "liquids: [{shapes: [{sphere: {centre: [0, 0], radius: 1}}], ";
+    EXPECT_TRUE(is_problem(plane + "angular_velocity: [1, 0, 0]}]\n", "scene.yaml:3: liquids.0.angular_velocity"));
+    EXPECT_EQ(read(plane + "angular_velocity: [0, 0, 2]}]\n").liquids[0].initial_gradient()[1][0], 2);
+}
+
+const std::string vessel =
+    "schema_version: 1\n"
+    "domain: {max: [1, 1, 1], spacing: 0.1}\n"
+    "liquids: [{shapes: [{sphere: {centre: [0, 0, 0], radius: 0.5, clip: true}}]}]\n"
+    "bodies:\n"
+    "  - shape:\n"
+    "      difference:\n"
+    "        from: {cylinder: {centre: [0, 0, 0], radius: 1, height: 2}}\n"
+    "        subtract:\n"
+    "          - union:\n"
+    "              shapes:\n"
+    "                - {sphere: {centre: [0, 0, 0], radius: 0.5}}\n"
+    "                - box: {min: [0, 0, 0], max: [1, 1, 1]}\n"
+    "              translation: [0, 0, 1]\n"
+    "        rotation_angle: 90 deg\n";
+
+TEST(SceneInput, ShapesAreMadeOfShapes) {
+    const auto scene = read(vessel);
+    EXPECT_TRUE(scene.liquids[0].shapes[0].clip);
+    const Shape& shape = scene.bodies[0].shape;
+    ASSERT_EQ(shape.kind, ShapeKind::subtract);
+    ASSERT_EQ(shape.parts.size(), 2u);
+    EXPECT_EQ(shape.parts[0].kind, ShapeKind::cylinder);
+    ASSERT_EQ(shape.parts[1].parts.size(), 2u);
+    EXPECT_EQ(shape.parts[1].parts[1].where, "scene.yaml:12");
+    EXPECT_EQ(shape.parts[1].translation[2], 1);
+    std::string text = vessel;
+    text.replace(text.find("height: 2"), 9, "height: 2, clip: true");
+    EXPECT_TRUE(is_problem(text, "scene.yaml:7: bodies.0.shape.difference.from.cylinder.clip = true: must stand at the outermost shape"));
+    const std::string body = start + "bodies: [{shape: ";
+    EXPECT_TRUE(is_problem(body + "{union: {shapes: []}}}]\n", "scene.yaml:4: bodies.0.shape.union.shapes"));
+    EXPECT_TRUE(is_problem(body + "{difference: {from: {sphere: {centre: [0, 0, 0], radius: 1}}}}}]\n",
+                           "scene.yaml:4: bodies.0.shape.difference.subtract is missing"));
+    EXPECT_TRUE(is_problem(body + "{intersection: {shapes: [{sphere: {centre: [0, 0, 0], radius: -1}}]}}}]\n",
+                           "scene.yaml:4: bodies.0.shape.intersection.shapes.0.sphere.radius = -1 m: must be > 0"));
+    EXPECT_NE(manual(Scene{}, "bodies.shape.difference.from.box.min").find("difference"), std::string::npos);
+}
+
 TEST(SceneInput, TheEffectiveSceneParsesToTheSameOne) {
-    for (const auto& text : {everything, start,
+    for (const auto& text : {everything, start, spinning, vessel,
                              std::string("schema_version: 1\n"
                                          "domain: {dimensions: 2, max: [0.3, 3], spacing: 0.07}\n"
                                          "liquids: [{shapes: [{box: {min: [0.1, 0], max: [1, 2]}}]}]\n")}) {
