@@ -3,6 +3,7 @@
 #include "base/timers.hpp"
 #include "flow/inflow.hpp"
 #include "flow/outlets.hpp"
+#include "grid/curvature.hpp"
 #include "grid/face_fields.hpp"
 #include "grid/level_set.hpp"
 #include "grid/options.hpp"
@@ -164,6 +165,7 @@ private:
     Rheology rheology_;
     Viscosities viscosities_;
     SurfaceTensions tensions_;
+    Curvature curvature_;
     Pressure pressure_;
     Viscosity viscosity_;
     Stokes stokes_;
