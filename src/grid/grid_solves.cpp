@@ -90,7 +90,7 @@ SlipAreas GridStep::slip_areas() const {
 
 PressureScene GridStep::pressure_scene() {
     return {grid_, cells_halo_, distance_, fractions_, shares_, bodies_, setup_.density, tensions_.largest(),
-            tensions_.differ() ? &tensions_.at_centres() : nullptr, nullptr, slip_areas(), &inflow_};
+            tensions_.differ() ? &tensions_.at_centres() : nullptr, nullptr, slip_areas(), &inflow_, &curvature_.at_centres()};
 }
 
 // (V)

@@ -265,6 +265,9 @@ StepReport GridStep::advance(double dt) {
     {
         const auto phase = timers_.scope("surface");
         find_surface(); // (F1), (F2)
+        if (tensions_.largest() > 0) {
+            curvature_.find({grid_, cells_halo_, particles_, cells_, particle_mass_, setup_.density, fractions_});
+        }
         if (tensions_.differ()) tensions_.find(grid_, cells_halo_, particles_, cells_, particle_mass_);
     }
     // Velocities are those of the middles of steps: from the middle of the last one to that of this one.
@@ -355,7 +358,7 @@ std::size_t GridStep::bytes() const {
     numbers += fractions_.cell_fluid.span() + fractions_.cell_liquid.span() + fractions_.cell_wet.span();
     numbers += level_set_.distance().span() + 2 * solids_.distance().span();
     return 8 * numbers + particles_.store.bytes() + pressure_.bytes() + viscosity_.bytes() + rheology_.bytes() +
-           tensions_.bytes() + contraction_.bytes();
+           tensions_.bytes() + curvature_.bytes() + contraction_.bytes();
 }
 
 } // namespace treacle::grid

@@ -5,6 +5,7 @@
 #include "flow/outlets.hpp"
 #include "grid/closed_centres.hpp"
 #include "grid/closing.hpp"
+#include "grid/curvature.hpp"
 #include "grid/face_fields.hpp"
 #include "grid/level_set.hpp"
 #include "grid/momentum_balance.hpp"
@@ -177,6 +178,7 @@ private:
     Rheology rheology_;
     Viscosities viscosities_;
     SurfaceTensions tensions_;
+    Curvature curvature_;
     Pressure pressure_;
     Viscosity viscosity_;
     Stokes stokes_;

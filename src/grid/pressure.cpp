@@ -19,72 +19,6 @@ solve::Preconditioner translate(Preconditioner kind) {
     }
     return solve::Preconditioner::ic0;
 }
-
-constexpr int smoothing = 4; // passes, of a variance of dx^2 / 2 along each axis; README
-
-// sigma kappa, kappa the divergence of the smoothed distance's unit gradient, at most that of a drop of one cell.
-struct JumpLoop {
-    PressureFaces faces;
-    CellBox cells;
-    double dx, tension;
-    Array<double> tensions; // in its place, where there are any
-    Array<double> jump;
-
-    KOKKOS_INLINE_FUNCTION void operator()(int i) const {
-        int c[3];
-        cells.cell(i, c);
-        const auto at = static_cast<std::size_t>(faces.window.index(c[0], c[1], c[2]));
-        const auto& d = faces.distance;
-        double first[3] = {0, 0, 0}, second[3] = {0, 0, 0}, mixed[3] = {0, 0, 0};
-        for (int a = 0; a < faces.dimensions; ++a) {
-            const auto s = static_cast<std::size_t>(faces.stride[a]);
-            const auto t = static_cast<std::size_t>(faces.stride[(a + 1) % 3]);
-            first[a] = (d(at + s) - d(at - s)) / (2 * dx);
-            second[a] = (d(at + s) - 2 * d(at) + d(at - s)) / (dx * dx);
-            if ((a + 1) % 3 >= faces.dimensions) continue;
-            mixed[a] = (d(at + s + t) - d(at + s - t) - d(at - s + t) + d(at - s - t)) / (4 * dx * dx);
-        }
-        const double slope2 = first[0] * first[0] + first[1] * first[1] + first[2] * first[2];
-        double sum = 0;
-        for (int a = 0; a < 3; ++a) {
-            const int b = (a + 1) % 3;
-            sum += second[a] * (slope2 - first[a] * first[a]) - 2 * first[a] * first[b] * mixed[a];
-        }
-        const double least = 1e-12;
-        const double curvature = sum / math::max(slope2 * math::sqrt(slope2), least);
-        const double most = (faces.dimensions - 1) / dx;
-        jump(at) = (tensions.extent(0) > 0 ? tensions(at) : tension) * math::max(-most, math::min(curvature, most));
-    }
-};
-
-void copy_numbers(const Array<double>& from, int n, const Array<double>& to) {
-    Kokkos::parallel_for("treacle::copy_distance", n, KOKKOS_LAMBDA(int i) { to(i) = from(i); });
-}
-
-// One pass of (1 2 1)/4 along each axis.
-struct SmoothLoop {
-    PressureFaces faces;
-    CellBox cells;
-    Array<double> from, to;
-
-    KOKKOS_INLINE_FUNCTION void operator()(int i) const {
-        int c[3];
-        cells.cell(i, c);
-        const auto at = static_cast<std::int64_t>(faces.window.index(c[0], c[1], c[2]));
-        double sum = 0;
-        const int up = faces.dimensions == 3 ? 1 : 0;
-        for (int z = -up; z <= up; ++z) {
-            for (int y = -1; y <= 1; ++y) {
-                for (int x = -1; x <= 1; ++x) {
-                    const std::int64_t other = at + x * std::int64_t(faces.stride[0]) + y * std::int64_t(faces.stride[1]) +
-                                               z * std::int64_t(faces.stride[2]);
-                    sum += (x == 0 ? 2 : 1) * (y == 0 ? 2 : 1) * (z == 0 ? 2 : 1) * from(static_cast<std::size_t>(other));
-                }
-            }
-        }
-        to(static_cast<std::size_t>(at)) = sum / (faces.dimensions == 3 ? 64 : 32); // of a plane z counts twice
-    }
-};
 } // namespace
 
 Pressure::Pressure(const Comm& comm, const PressureOptions& options, Coupling coupling, int dimensions)
@@ -109,33 +43,16 @@ solve::KrylovOptions Pressure::krylov(int dimensions) {
     return out;
 }
 
-// Distances as curvatures need them: differences of those of particles are all noise.
-void Pressure::smooth(const PressureScene& scene) {
-    const auto n = static_cast<std::size_t>(scene.halo.window().size());
-    for (auto& array : smoothed_) {
-        reserve(array, n);
-        copy_numbers(scene.distance, static_cast<int>(n), array);
-    }
-    const CellBox cells = scene.halo.owned();
-    const auto faces = pressure_faces(scene.halo.window(), scene.grid.dimensions);
-    for (int pass = 0; pass < smoothing; ++pass) {
-        Kokkos::parallel_for("treacle::smooth_distance", static_cast<int>(cells.size()),
-                             SmoothLoop{faces, cells, smoothed_[0], smoothed_[1]});
-        scene.halo.gather({smoothed_[1]});
-        std::swap(smoothed_[0], smoothed_[1]);
-    }
-}
-
+// sigma kappa
 void Pressure::find_jumps(const PressureScene& scene) {
-    reserve(jump_, static_cast<std::size_t>(scene.halo.window().size()));
-    smooth(scene);
-    if (scene.halo.owned().empty()) return;
-    auto faces = pressure_faces(scene.halo.window(), scene.grid.dimensions);
-    faces.distance = smoothed_[0];
-    const CellBox cells = grown(scene.halo.owned(), 1, scene.grid.dimensions);
-    Kokkos::parallel_for("treacle::surface_tension", static_cast<int>(cells.size()),
-                         JumpLoop{faces, cells, scene.grid.dx, scene.surface_tension,
-                                  scene.tensions ? *scene.tensions : Array<double>(), jump_});
+    const CellBox window = scene.halo.window();
+    reserve(jump_, static_cast<std::size_t>(window.size()));
+    const auto curvature = *scene.curvature, jump = jump_;
+    const bool differ = scene.tensions != nullptr;
+    const auto tensions = differ ? *scene.tensions : Array<double>();
+    const double tension = scene.surface_tension;
+    Kokkos::parallel_for("treacle::surface_tension", static_cast<int>(window.size()),
+                         KOKKOS_LAMBDA(int i) { jump(i) = (differ ? tensions(i) : tension) * curvature(i); });
 }
 
 PressureFaces Pressure::describe(const PressureScene& scene) const {
@@ -153,7 +70,7 @@ void Pressure::build(const PressureScene& scene, bool goes_on) {
     halo_ = &scene.halo;
     density_ = scene.density;
     auto faces = describe(scene);
-    faces.has_jump = scene.surface_tension > 0;
+    faces.has_jump = scene.surface_tension > 0 && scene.curvature;
     if (faces.has_jump) find_jumps(scene);
     faces.jump = jump_;
     inflow_ = scene.inflow ? *scene.inflow : Array<double>();
@@ -270,7 +187,7 @@ void Pressure::record(std::span<const double> p) {
 
 std::size_t Pressure::bytes() const {
     return system_.bytes() + coupling_.bytes() + multilevel_.bytes() +
-           8 * (jump_.span() + smoothed_[0].span() + smoothed_[1].span() + right_hand_side_.span() + solution_.span() +
+           8 * (jump_.span() + right_hand_side_.span() + solution_.span() +
                 in_cells_.span() + pressures_.span() + found_.capacity());
 }
 

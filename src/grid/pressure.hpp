@@ -7,8 +7,7 @@
 
 namespace treacle::grid {
 
-// What a pressure solve is about; arrays over the window of the halo, current one cell around the owned ones, with
-// surface tension distances two cells.
+// What a pressure solve is about; arrays over the window of the halo, current one cell around the owned ones.
 struct PressureScene {
     const MacGrid& grid;
     CellHalo& halo;
@@ -22,6 +21,7 @@ struct PressureScene {
     const FaceField* open = nullptr; // in the place of that of the fractions
     SlipAreas slip; // of bodies that liquid slides along
     const Array<double>* inflow = nullptr; // [window] what must flow into owned cells, over a face's area (contraction.hpp) [m/s]
+    const Array<double>* curvature = nullptr; // [window] of the surface at centres [1/m]; none: no surface tension acts
 };
 
 struct PressureReport {
@@ -76,7 +76,6 @@ public:
     std::size_t bytes() const;
 
     // Parts of the above; not private, since nvcc takes no kernel in a private function.
-    void smooth(const PressureScene& scene);
     void find_jumps(const PressureScene& scene);
     void collect(const Array<double>& cells, double factor = 1);
 
@@ -100,7 +99,6 @@ private:
     CellHalo* halo_ = nullptr;
     double density_ = 0, least_residual_ = 0;
     Array<double> jump_{"treacle::pressure_jump", 0};
-    Array<double> smoothed_[2] = {Array<double>("treacle::smooth_distance", 0), Array<double>("treacle::smoother_distance", 0)};
     Array<double> inflow_; // of the scene, or none
     Array<double> right_hand_side_{"treacle::pressure_source", 0};
     Array<double> solution_{"treacle::pressure_solution", 0};

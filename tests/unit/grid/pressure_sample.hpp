@@ -1,4 +1,5 @@
 #pragma once
+#include "grid/curvature.hpp"
 #include "grid/pressure.hpp"
 
 #include <algorithm>
@@ -47,7 +48,17 @@ public:
     }
 
     void build() {
-        pressure.build({grid, halo, distance, fractions, shares, bodies, sample_.density, sample_.surface_tension});
+        if (sample_.surface_tension > 0) {
+            Array<double> share("share", static_cast<std::size_t>(halo.window().size()));
+            // As linear weights spread liquid below a plane across an axis.
+            each_place([&](std::size_t at, const int*) {
+                const double d = std::clamp(distance(at) / grid.dx, -1.0, 1.0);
+                share(at) = 0.5 - d + 0.5 * d * std::fabs(d);
+            });
+            curvature.find(grid, halo, share);
+        }
+        pressure.build({grid, halo, distance, fractions, shares, bodies, sample_.density, sample_.surface_tension, nullptr,
+                        nullptr, nullptr, &curvature.at_centres()});
     }
     PressureReport project(double dt) { return pressure.project(velocity, bodies, dt); }
 
@@ -118,6 +129,7 @@ public:
     Fractions fractions;
     FaceShares shares;
     FaceField velocity;
+    Curvature curvature;
     Pressure pressure;
 
 private:
