@@ -2,6 +2,7 @@
 
 #include "app/bodies.hpp"
 #include "app/inflow.hpp"
+#include "app/table_text.hpp"
 #include "base/error.hpp"
 #include "base/text.hpp"
 #include "grid/seeding.hpp"
@@ -41,13 +42,12 @@ scene::SolidRegion place_shape(const scene::Shape& shape, const scene::Domain& d
     if (fits) return whole;
     scene::SolidRegion part(scene::clipped(shape, {domain.min, domain.max}), domain.dimensions);
     const std::string unit = domain.dimensions == 3 ? " m3" : " m2";
-    std::ostringstream note;
-    note << owner << " is cut at the domain (clip): " << part.volume() << unit << " are left";
+    auto note = owner + " is cut at the domain (clip): " + short_number(part.volume()) + unit + " are left";
     if (std::isfinite(whole.volume())) {
-        note << ", " << 100 * std::max(0.0, 1 - part.volume() / whole.volume()) << " % of its " << whole.volume() << unit
-             << " are cut off";
+        const double percent = 100 * std::max(0.0, 1 - part.volume() / whole.volume());
+        note += ", " + short_number(std::round(10 * percent) / 10) + " % of its " + short_number(whole.volume()) + unit + " are cut off";
     }
-    notes.push_back(note.str());
+    notes.push_back(note);
     return part;
 }
 
@@ -122,13 +122,15 @@ double thin_surface(const scene::SolidRegion& region, const Geometry& geometry, 
     constexpr int probes = 4;
     std::size_t thin = 0;
     for (std::size_t i = 0; i < samples.positions.size(); ++i) {
-        bool through = false;
-        for (int q = 1; q <= probes && !through; ++q) {
-            const double depth = spacing * (1 - 1e-6) * q / probes;
+        const auto behind = [&](double depth) {
             Vec3 x = samples.positions[i];
             for (std::size_t k = 0; k < 3; ++k) x[k] -= depth * samples.normals[i][k];
-            through = region.distance(x) > 0;
-        }
+            return region.distance(x);
+        };
+        // From an edge the one face's normal runs along the other face.
+        if (std::abs(behind(0.02 * spacing)) < 1e-3 * spacing && std::abs(behind(0.05 * spacing)) < 1e-3 * spacing) continue;
+        bool through = false;
+        for (int q = 1; q <= probes && !through; ++q) through = behind(spacing * (1 - 1e-6) * q / probes) > 0;
         thin += through ? 1 : 0;
     }
     return samples.positions.empty() ? 0 : double(thin) / double(samples.positions.size());

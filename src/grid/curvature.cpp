@@ -10,9 +10,9 @@ namespace treacle::grid {
 
 namespace {
 constexpr int passes = 3; // of (1 2 1)/4 along each axis, before the first curvature and again before the second; README
-// [dx2] Variances along an axis: of a pass, and what the spread of particles and differences over a cell take besides,
-// by the curvatures of balls of four and eight cells.
-constexpr double pass_variance = 0.5, other_variance = 0.5;
+// [dx2] Variances along an axis: of a pass, and what the spread of particles and differences over a cell take besides, such
+// that drops of four and eight cells of radius oscillate about as much too slowly as too fast.
+constexpr double pass_variance = 0.5, other_variance = 0.75;
 constexpr double first_variance = other_variance + passes * pass_variance, second_variance = first_variance + passes * pass_variance;
 constexpr double farthest = 1.5; // [dx] from the surface, as far as its curvature goes on
 

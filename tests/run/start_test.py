@@ -109,7 +109,8 @@ class Start(Workplace):
             scene = self.write(QUARTER.format(kind=kind))
             said = self.treacle("check", scene).stdout
             self.assertIn("liquids.water is cut at the domain (clip)", said)
-            self.assertIn("75 % of its 0.0335103 m3 are cut off", said)
+            self.assertIn("75 % of its 0.03351 m3 are cut off", said)
+            self.assertNotIn("thinner than the spacing", said)
             self.assertIn("bodies.buoy is cut at the domain (clip)", said)
             self.run_scene(scene, f"quarter_{kind}", 2, {})
 

@@ -90,7 +90,7 @@ def add_rows(table):
     table.row("spinning liquid", claim="a ball of liquid with `angular_velocity`, both methods, in 2D and 3D, 1e-3 to 1e3 Pa s, "
               "1 to 3 ranks", asked="w x r at the start; 0.98 of L after 0.6 rad")(spin)
     table.row("joined shapes", claim="pipes, hollow bodies, vessels with holes: distances against their formulas, volume and "
-              "inertia, layers of the surface, flush faces, 2D and 3D", asked="1e-9; 2e-4 and 5e-4")(joined)
+              "inertia, layers of the surface, flush faces, 2D and 3D", asked="1e-3 of the size; 5e-4 and 1e-3")(joined)
     table.row("clip", claim="a quarter of a ball of liquid and of a dynamic cylinder in corners, both methods",
               asked="runs; `check` says how much is cut")(clip)
     table.row("map coordinates", claim="a sphere of 10 m at (5e5, 5e6)", asked="refused with the cure")(
