@@ -214,6 +214,7 @@ void GridStep::balance_momentum(StepReport& report, double kick) {
 }
 
 void GridStep::move(StepReport& report, StepTimes& times) {
+    if (balances()) balance_.begin(comm_, balance_scene(), bodies_);
     faces_to_particles(grid_, cells_halo_.window(), velocity_, particles_); // (A4)
     balance_momentum(report, times.kick);                                   // (M)
     times.drift = report.dt = std::min(times.drift, (setup_.options.cfl + 1) * grid_.dx / fastest(particles_.velocity()));
@@ -277,7 +278,6 @@ StepReport GridStep::advance(double dt) {
     solids_.update(cells_halo_, bodies_);
     dt_ = dt;
     find_strains(dt); // (S), (D)
-    if (balances()) balance_.begin(comm_, balance_scene(), bodies_);
     bodies_.fall(kick);
     accelerate(grid_, cells_halo_.window(), setup_.domain.gravity, kick, velocity_); // (A1)
     if (solves_together(kick)) {

@@ -30,7 +30,8 @@ public:
         const GridParticles& particles;
         const Array<double>& particle_mass; // [liquids] [kg]
     };
-    // Collective. Which bodies and which liquid hang together, and the liquid's momentum before the step changes it.
+    // Collective, after the solves: which bodies and which liquid hang together, and the liquid's momentum while its particles have
+    // the velocities of before.
     void begin(const Comm& comm, const Scene& scene, const rigid::RigidBodies& bodies);
     // Collective. `loads`: what the step has put on each body, mean over its kick, 6 numbers each [N], [N m], about their
     // centres; they become those that balance. `gravity` [m/s2] acted for `kick` [s].
