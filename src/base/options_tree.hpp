@@ -20,6 +20,7 @@ struct OptionEntry {
     Range range;
     std::vector<std::string> words; // that a choice or each of the texts may be
     std::string shorthand;          // of a block
+    VectorKind vector = VectorKind::in_plane;
     std::vector<OptionEntry> members;
 };
 
