@@ -7,6 +7,7 @@
 #include "grid/level_set.hpp"
 #include "grid/options.hpp"
 #include "grid/pressure.hpp"
+#include "grid/resting_solids.hpp"
 #include "grid/rheology.hpp"
 #include "grid/slip_geometry.hpp"
 #include "grid/step_strains.hpp"
@@ -14,6 +15,8 @@
 #include "grid/synchronise.hpp"
 #include "grid/tension.hpp"
 #include "grid/viscosity.hpp"
+#include "grid/wall_momentum.hpp"
+#include "grid/wall_pressures.hpp"
 #include "mpi/halo.hpp"
 #include "mpi/migration.hpp"
 
@@ -46,6 +49,8 @@ struct StepReport {
     PositionReport correction;      // of the last step that had one
     std::vector<double> loads;         // [body][6] by pressure, mean of the step [N], [N m]
     std::vector<double> viscous_loads; // by viscosity; both of bodies that move
+    // The same of solids at rest, torques about the origin: the six sides of the domain, then all bodies, 0 where they move.
+    std::vector<double> resting_loads, resting_viscous_loads;
     std::int64_t pushed = 0;        // particles moved out of solids, over all ranks
     double imbalance = 1;           // largest over mean number of particles per rank
     std::vector<LostParticle> lost; // of this rank, but for what flowed out
@@ -131,6 +136,12 @@ private:
     void find_viscosities();
     ViscousSpread viscous_spread(double dt) const { return {viscosities_.cell, setup_.density, dt}; }
     void continue_velocity(const WallGrip& grip);
+    void show_pressures();
+    void load_resting(StepReport& report, double dt, bool at_once);
+    void leave_solids(double dt);
+    WallMomentum::Scene wall_scene();
+    void follow_walls() { wall_momentum_.begin(grid_, cells_halo_.window(), velocity_); }
+    const RestingSolids& gripping() const { return slip_.any() ? gripping_ : resting_; }
     void move(StepReport& report, StepTimes& times);
     double pull() const;
     std::array<double, 9> sums(const Array3& velocity) const;
@@ -158,6 +169,10 @@ private:
     Fractions fractions_;
     FaceShares shares_;
     SlipGeometry slip_;
+    RestingSolids resting_, gripping_; // all, and of them those that grip
+    PressureCoupling resting_pressures_;
+    WallMomentum wall_momentum_;
+    WallPressures wall_pressures_;
     Array<double> distance_{"treacle::centre_distance", 0};
     FaceField mass_, velocity_, start_, scratch_; // start: of the particles, before the step changes it
     FaceMarks known_, reached_;

@@ -10,6 +10,8 @@
 
 namespace treacle::grid {
 
+class RestingSolids;
+
 // What a shear rate is about; arrays over the window of the halo.
 struct StrainScene {
     const MacGrid& grid;
@@ -19,6 +21,7 @@ struct StrainScene {
     const FaceShares& shares;   // of gripping bodies
     const BodyMotion& motion;
     const ViscosityOptions& options; // which stresses there are
+    const RestingSolids* resting = nullptr; // those that grip, where sides of the domain move
 };
 
 // The particles that tell which liquid is where.
