@@ -1,6 +1,7 @@
 #include "app/bodies.hpp"
 
 #include "app/table_text.hpp"
+#include "base/text.hpp"
 #include "sph/solid_scale.hpp"
 
 #include <algorithm>
@@ -54,8 +55,9 @@ double reach_of_bounds(const scene::SolidRegion& region, const Vec3& centre) {
 
 enum class Contacts { possible, none };
 
-rigid::BodySetup make_body(const scene::Body& body, const scene::SolidRegion& region, const Geometry& geometry,
+rigid::BodySetup make_body(const scene::Body& body, std::size_t number, const Geometry& geometry,
                            Contacts contacts = Contacts::possible) {
+    const auto &region = geometry.bodies[number], &original = geometry.originals[number];
     rigid::BodySetup out;
     out.name = body.name;
     out.kind = body.kind;
@@ -70,10 +72,10 @@ rigid::BodySetup make_body(const scene::Body& body, const scene::SolidRegion& re
     const bool probed = contacts == Contacts::possible || body.kind != scene::BodyKind::fixed || !region.closed();
     if (probed) out.probes = probes_of(body, region, geometry);
     if (region.closed()) {
-        const auto moments = region.moments();
+        const auto moments = original.moments();
         out.centre = body.pivot.value_or(moments.centre);
         if (dynamic(body)) {
-            const double density = density_of(body, region);
+            const double density = density_of(body, original);
             out.mass = density * moments.volume;
             for (std::size_t i = 0; i < 3; ++i) {
                 for (std::size_t j = 0; j < 3; ++j) out.inertia[i][j] = density * moments.inertia[i][j];
@@ -144,7 +146,7 @@ class Checker {
 public:
     Checker(const Input& input, const Geometry& geometry) : input_(input), geometry_(geometry) {
         for (std::size_t b = 0; b < geometry.bodies.size(); ++b) {
-            setups_.push_back(make_body(body(b), geometry.bodies[b], geometry));
+            setups_.push_back(make_body(body(b), b, geometry));
         }
     }
 
@@ -224,9 +226,32 @@ private:
         }
         for (std::size_t k = 0; k < static_cast<std::size_t>(domain.dimensions); ++k) {
             const bool periodic = domain.faces[2 * k].kind == scene::FaceKind::periodic;
-            if (!periodic || 2 * setups_[b].reach < domain.max[k] - domain.min[k]) continue;
-            problems.push_back({body(b).where, name + " moves and is longer than the period in " + "xyz"[k],
-                                "it could meet its own image", "shorten it, or lengthen the domain"});
+            if (periodic && !geometry_.spans[b][k]) fits_period(b, k, problems);
+        }
+    }
+
+    // A body that moves, along an axis whose period it is not as long as without a gap.
+    void fits_period(std::size_t b, std::size_t k, std::vector<Diagnostic>& problems) const {
+        const auto& domain = input_.scene.domain;
+        const auto name = "bodies." + body(b).name;
+        const std::string axis(1, "xyz"[k]);
+        const auto bounds = geometry_.originals[b].bounds();
+        const double period = domain.max[k] - domain.min[k], length = bounds.max[k] - bounds.min[k];
+        const bool turns = may_turn(body(b), k, domain.dimensions), meets = std::fabs(length - period) <= 1e-6 * domain.spacing;
+        if ((turns ? 2 * setups_[b].reach : length) < period && !meets) return;
+        const auto [given, least] = tell_apart(meets ? period : length, period);
+        if (turns && (meets || length < period)) {
+            problems.push_back({body(b).where, name + " may turn, and is longer than the period in " + axis + " then",
+                                "it could meet its own image",
+                                "shorten it, lengthen the domain, or take its rotation away (`locked` of a dynamic body)"});
+        } else if (meets) {
+            problems.push_back({body(b).where, name + " moves and is as long as the period in " + axis + ", " + given + " m",
+                                "the ends of a body meet those of its images only where they are flat, of a box that is not turned "
+                                "or a cylinder along " + axis,
+                                "take one of these, shorten the body, or lengthen the domain"});
+        } else {
+            problems.push_back({body(b).where, name + " moves and is " + given + " m long in " + axis + ", more than the period of " + least + " m",
+                                "it could meet its own image", "make it as long as the period, so that its ends meet, or shorter"});
         }
     }
 
@@ -276,7 +301,7 @@ rigid::BodiesSetup make_bodies(const Input& input, const Geometry& geometry) {
     out.dimensions = domain.dimensions;
     const auto contacts = std::ranges::any_of(input.scene.bodies, dynamic) ? Contacts::possible : Contacts::none;
     for (std::size_t b = 0; b < geometry.bodies.size(); ++b) {
-        out.bodies.push_back(make_body(input.scene.bodies[b], geometry.bodies[b], geometry, contacts));
+        out.bodies.push_back(make_body(input.scene.bodies[b], b, geometry, contacts));
     }
     out.joints = make_joints(input, out.bodies);
     const auto box = sph::make_domain_box(domain, 0);
@@ -371,11 +396,12 @@ std::vector<std::string> body_notes(const Input& input, const Geometry& geometry
         if (!dynamic(body)) continue;
         const auto [thin, dense] = std::ranges::minmax(input.scene.liquids, {}, &scene::Liquid::density);
         for (const auto* liquid : {&thin, &dense}) {
-            const double ratio = density_of(body, geometry.bodies[b]) / liquid->density;
+            const double ratio = density_of(body, geometry.originals[b]) / liquid->density;
             if (ratio >= light && ratio <= heavy) continue;
-            notes.push_back("bodies." + body.name + " has " + short_number(ratio) + " times the density of " +
-                            liquid->name + ": its motion is sure from " + short_number(light) + " to " +
-                            short_number(heavy) + " times, beyond that take smaller steps and compare");
+            const auto [given, bound] = tell_apart(ratio, ratio < light ? light : heavy);
+            notes.push_back("bodies." + body.name + " has " + given + " times the density of " +
+                            liquid->name + ": its motion is sure from " + (ratio < light ? bound : short_number(light)) + " to " +
+                            (ratio < light ? short_number(heavy) : bound) + " times, beyond that take smaller steps and compare");
             break;
         }
     }

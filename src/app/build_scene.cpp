@@ -5,6 +5,8 @@
 #include "app/table_text.hpp"
 #include "base/error.hpp"
 #include "base/options.hpp"
+#include "base/text.hpp"
+#include "grid/mac_grid.hpp"
 #include "scene/materials.hpp"
 
 #include <algorithm>
@@ -179,6 +181,7 @@ void check_supported(const Input& input) {
     if (input.on_grid()) {
         check_grid(input, problems);
         if (!problems.empty()) throw InputError(std::move(problems));
+        grid::make_mac_grid(input.scene.domain);
         return;
     }
     if (input.scene.time.cfl > 1) {
@@ -189,6 +192,7 @@ void check_supported(const Input& input) {
     check_surface_tension(input, problems);
     check_viscosity(input, problems);
     if (!problems.empty()) throw InputError(std::move(problems));
+    sph::make_cell_grid(input.scene.domain, input.method.support_ratio * input.scene.domain.spacing);
 }
 
 std::vector<std::string> method_notes(const Input& input) {
@@ -197,8 +201,9 @@ std::vector<std::string> method_notes(const Input& input) {
     const auto [light, heavy] = std::ranges::minmax(input.scene.liquids, {}, &scene::Liquid::density);
     const double ratio = heavy.density / light.density;
     if (ratio > sure_density_ratio) {
-        notes.push_back("liquids: " + heavy.name + " has " + short_number(ratio) + " times the density of " + light.name +
-                        "; what was measured ends at " + short_number(sure_density_ratio) +
+        const auto [given, bound] = tell_apart(ratio, sure_density_ratio);
+        notes.push_back("liquids: " + heavy.name + " has " + given + " times the density of " + light.name +
+                        "; what was measured ends at " + bound +
                         " times, beyond that take smaller steps and compare");
     }
     const bool modelled = input.method.surface_tension.model != sph::SurfaceTensionModel::none;
@@ -267,6 +272,10 @@ std::unique_ptr<sph::IsphStep> make_solver(const Comm& comm, const Input& input,
         setup.solid_scale = solid_scales(input, geometry);
     }
     setup.first_body = domain_sides;
+    if (domain.any_side_moves()) {
+        for (const auto& face : domain.faces) setup.sides.push_back(face.velocity);
+        setup.constants.conveyors = domain_sides;
+    }
     setup.inflow = make_inflow(input);
     setup.forces.artificial = input.method.viscosity.artificial * setup.constants.support * reference_speed;
     return std::make_unique<sph::IsphStep>(comm, setup);
@@ -375,10 +384,12 @@ std::size_t add_solids(const Geometry& geometry, const scene::Bounds& part, sph:
     Column id(solid.id());
     Column body(solid.body());
     Column volume(solid.volume()), pressure(solid.pressure());
+    const auto& sides = solver.setup().sides;
     for (std::size_t i = 0; i < samples.size(); ++i) {
+        const auto side = static_cast<std::size_t>(samples[i].body);
         for (int k = 0; k < 3; ++k) {
             (*x)(i, k) = solver.setup().domain.wrap(k, samples[i].position[static_cast<std::size_t>(k)]);
-            (*v)(i, k) = 0;
+            (*v)(i, k) = side < sides.size() ? sides[side][static_cast<std::size_t>(k)] : 0.0;
             (*normal)(i, k) = samples[i].normal[static_cast<std::size_t>(k)];
         }
         (*id)(i) = samples[i].id;

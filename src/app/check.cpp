@@ -4,7 +4,6 @@
 #include "app/check_report.hpp"
 #include "app/preview.hpp"
 #include "app/time_loop.hpp"
-#include "grid/mac_grid.hpp"
 #include "base/log.hpp"
 #include "video/movie.hpp"
 
@@ -38,10 +37,6 @@ Geometry look_at(const Comm& comm, const CheckRequest& request, Input& input) {
     Problems problems;
     problems.of([&] { check_supported(input); });
     problems.of([&] { check_time_step(input); });
-    problems.of([&] {
-        if (input.on_grid()) grid::make_mac_grid(input.scene.domain);
-        else sph::make_cell_grid(input.scene.domain, make_constants(input).support);
-    });
     problems.of([&] {
         geometry = build_geometry(input);
         validate_geometry(input, geometry, comm);

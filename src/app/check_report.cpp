@@ -70,8 +70,11 @@ std::string edges(const Vec3& min, const Vec3& max, int dimensions) {
 std::string side_text(const scene::Face& face) {
     if (face.kind == scene::FaceKind::open) return "open";
     if (face.kind == scene::FaceKind::periodic) return "periodic";
-    if (face.slip == scene::Slip::slip_length) return "wall with a slip length of " + short_number(face.slip_length) + " m";
-    return face.slip == scene::Slip::no_slip ? "no-slip wall" : "free-slip wall";
+    std::string out = face.slip == scene::Slip::no_slip ? "no-slip wall" : "free-slip wall";
+    if (face.slip == scene::Slip::slip_length) out = "wall with a slip length of " + short_number(face.slip_length) + " m";
+    const auto& v = face.velocity;
+    if (v == Vec3{0, 0, 0}) return out;
+    return out + " that moves at (" + short_number(v[0]) + ", " + short_number(v[1]) + ", " + short_number(v[2]) + ") m/s";
 }
 
 std::string volume_text(double volume, int dimensions) {
@@ -108,7 +111,8 @@ void Report::meshes(const scene::SolidRegion& region, const std::string& owner) 
                     volume_text(report.volume, 3));
         for (const auto& note : report.notes()) row("", note);
         if (report.thinnest < scene().domain.spacing) {
-            warn(owner + ": its mesh is in places thinner than the spacing (" + short_number(report.thinnest) +
+            const auto [given, spacing] = tell_apart(report.thinnest, scene().domain.spacing);
+            warn(owner + ": its mesh is in places thinner than the spacing (" + given + " m, " + spacing +
                  " m): refine domain.spacing or thicken it");
         }
     }
@@ -173,7 +177,7 @@ void Report::bodies() {
     if (!scene().bodies.empty()) heading("bodies");
     for (std::size_t i = 0; i < scene().bodies.size(); ++i) {
         const auto& body = scene().bodies[i];
-        const auto& region = at_.geometry.bodies[i];
+        const auto& region = at_.geometry.originals[i];
         const auto dynamic = body.kind == scene::BodyKind::dynamic;
         if (body.kind == scene::BodyKind::kinematic) row(body.name, "kinematic");
         if (dynamic) {

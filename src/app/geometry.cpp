@@ -93,7 +93,11 @@ Geometry build_geometry(const Input& input) {
         for (const auto& part : liquid.viscosity_regions) parts.emplace_back(part.shape, domain.dimensions);
     }
     for (const auto& body : input.scene.bodies) {
-        out.bodies.push_back(place_shape(body.shape, domain, "bodies." + body.name, out.notes));
+        out.originals.push_back(place_shape(body.shape, domain, "bodies." + body.name, out.notes));
+        out.spans.push_back(spanned_axes(body, out.originals.back(), domain));
+        const bool spans = std::ranges::any_of(out.spans.back(), [](bool along) { return along; });
+        if (spans) out.bodies.emplace_back(with_images(body.shape, out.spans.back(), domain), domain.dimensions);
+        else out.bodies.push_back(out.originals.back());
         out.moving.push_back(moves(body) ? 1 : 0);
     }
     out.walls.lattice = out.lattice;
@@ -106,9 +110,15 @@ Geometry build_geometry(const Input& input) {
 }
 
 scene::SurfaceSampling body_sampling(const Geometry& geometry, std::size_t body) {
-    if (geometry.moving[body] != 0 && geometry.bodies[body].closed()) return {geometry.lattice.spacing, geometry.offset, {}};
-    scene::SurfaceSampling sampling{geometry.lattice.spacing, geometry.offset,
-                                    {geometry.lattice.min, geometry.lattice.max}};
+    scene::SurfaceSampling sampling{geometry.lattice.spacing, geometry.offset, {}};
+    const bool whole = geometry.moving[body] != 0 && geometry.bodies[body].closed();
+    for (std::size_t k = 0; k < 3; ++k) {
+        if (whole && !geometry.spans[body][k]) continue;
+        sampling.clip.min[k] = geometry.lattice.min[k];
+        sampling.clip.max[k] = geometry.lattice.max[k];
+        if (geometry.spans[body][k]) sampling.clip.max[k] -= 1e-9 * geometry.lattice.spacing; // the images' first point
+    }
+    if (whole) return sampling;
     for (std::size_t k = 0; k < static_cast<std::size_t>(geometry.lattice.dimensions); ++k) {
         const double reach = std::max(0.0, geometry.offset);
         if (geometry.walls.sides[2 * k] == scene::Side::wall) sampling.clip.min[k] -= reach;
@@ -214,6 +224,16 @@ void check_overlaps(const Input& input, const Geometry& geometry, std::vector<Di
 }
 } // namespace
 
+namespace {
+// In as many digits as tell them apart.
+std::pair<std::string, std::string> memory_texts(double needed, double available) {
+    std::pair out(format_bytes(static_cast<std::uint64_t>(needed)), format_bytes(static_cast<std::uint64_t>(available)));
+    if (out.first != out.second) return out;
+    const auto [most, spare] = tell_apart(needed, available);
+    return {most + " B", spare + " B"};
+}
+} // namespace
+
 void validate_geometry(const Input& input, const Geometry& geometry, const Comm& comm) {
     std::vector<Diagnostic> problems;
     check_overlaps(input, geometry, problems);
@@ -228,11 +248,12 @@ void validate_geometry(const Input& input, const Geometry& geometry, const Comm&
     const double needed = bytes_per_particle(input) * double(counts.liquid) + 200.0 * double(counts.solid);
     const double available = available_memory();
     if (available > 0 && needed > available) {
+        const auto [most, spare] = memory_texts(needed, available);
         problems.push_back({input.scene.domain.where,
-                            "the run needs about " + format_bytes(static_cast<std::uint64_t>(needed)) + " of memory for " +
+                            "the run needs about " + most + " of memory for " +
                                 std::to_string(counts.liquid) + " liquid and " + std::to_string(counts.solid) +
                                 " solid particles",
-                            "this machine has " + format_bytes(static_cast<std::uint64_t>(available)) + " to spare for its " +
+                            "this machine has " + spare + " to spare for its " +
                                 std::to_string(comm.size()) + " ranks",
                             "enlarge domain.spacing, or use more machines"});
     }

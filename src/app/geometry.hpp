@@ -2,6 +2,7 @@
 #include "app/input.hpp"
 #include "flow/flow_curve.hpp"
 #include "mpi/comm.hpp"
+#include "app/spanning.hpp"
 #include "scene/sampling.hpp"
 #include "sph/domain.hpp"
 #include "sph/lattice.hpp"
@@ -20,6 +21,8 @@ struct Geometry {
     scene::WallSampling walls;
     double offset = 0;                     // depth of a solid's particle layer below its surface [m]
     std::vector<std::string> notes;        // fallbacks taken and the like
+    scene::Regions originals;              // the bodies without their images, for masses and extents
+    std::vector<Axes> spans;               // of the bodies, the periods that they are as long as
 };
 
 // Index of a body's loads and slip: the six sides of the domain come first, then the bodies of the scene.

@@ -1,6 +1,7 @@
 #include "app/grid_simulation.hpp"
 
 #include "app/bodies.hpp"
+#include "app/build_scene.hpp"
 #include "app/inflow.hpp"
 #include "app/table_text.hpp"
 #include "grid/inflow.hpp"
@@ -110,8 +111,8 @@ StepFigures GridSimulation::advance(double dt) {
                   double(viscosity.unknowns), double(report.stokes.solve.iterations), report.stokes.solve.relative_residual,
                   double(report.correction.iterations), report.correction.density_before,
                   report.correction.density_after, report.correction.energy, double(report.pushed), report.imbalance};
-    out.loads = of_moving_bodies(report.loads);
-    out.viscous_loads = of_moving_bodies(report.viscous_loads);
+    out.loads = of_all(report.resting_loads, report.loads);
+    out.viscous_loads = of_all(report.resting_viscous_loads, report.viscous_loads);
     look_at_solve(report.stokes, out);
     out.lost = std::move(report.lost);
     out.lost_by_cause = report.lost_by_cause;
@@ -125,25 +126,20 @@ LiquidView GridSimulation::view() const {
             2.5 * spacing,        volume_of_particle(solver_.grid())};
 }
 
-// The step knows no loads of bodies at rest. Those of the scene stand before the plugs of inlets.
-std::vector<double> GridSimulation::of_moving_bodies(const std::vector<double>& loads) const {
-    std::vector<double> out;
-    for (std::size_t b = 0; b < input_.scene.bodies.size(); ++b) {
-        if (!moves(input_.scene.bodies[b])) continue;
-        for (std::size_t k = 6 * b; k < 6 * b + 6; ++k) {
-            out.push_back(k < loads.size() ? loads[k] : 0.0);
-        }
+// Those of what rests, and of the bodies that move. Those of the scene stand before the plugs of inlets.
+std::vector<double> GridSimulation::of_all(const std::vector<double>& resting, const std::vector<double>& moving) const {
+    std::vector<double> out(6 * load_names().size(), 0.0);
+    for (std::size_t k = 0; k < out.size(); ++k) {
+        const std::size_t solid = k / 6;
+        const bool rests = solid < domain_sides || !moves(input_.scene.bodies[solid - domain_sides]);
+        const auto& from = rests ? resting : moving;
+        const std::size_t at = rests ? k : k - 6 * domain_sides;
+        if (at < from.size()) out[k] = from[at];
     }
     return out;
 }
 
-std::vector<std::string> GridSimulation::load_names() const {
-    std::vector<std::string> names;
-    for (const auto& body : input_.scene.bodies) {
-        if (moves(body)) names.push_back(body.name);
-    }
-    return names;
-}
+std::vector<std::string> GridSimulation::load_names() const { return app::load_names(input_); }
 
 std::vector<std::string> GridSimulation::columns() const {
     return {"pressure iterations", "pressure residual", "pressure unknowns", "closed parts", "viscosity iterations",

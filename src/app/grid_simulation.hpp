@@ -36,7 +36,7 @@ public:
     std::vector<std::string> phases() const override;
 
 private:
-    std::vector<double> of_moving_bodies(const std::vector<double>& loads) const;
+    std::vector<double> of_all(const std::vector<double>& resting, const std::vector<double>& moving) const;
     void look_at_solve(const grid::StokesReport& stokes, StepFigures& out);
 
     const Input& input_;

@@ -1,6 +1,7 @@
 #include "app/inflow.hpp"
 
 #include "app/table_text.hpp"
+#include "base/text.hpp"
 #include "grid/inflow.hpp"
 #include "grid/seeding.hpp"
 #include "sph/inflow.hpp"
@@ -313,8 +314,9 @@ std::vector<std::string> inflow_notes(const Input& input) {
             extent = input.scene.domain.dimensions == 3 ? std::min(inlet.width, inlet.height) : inlet.width;
         }
         if (extent >= fine_opening * d) continue;
-        notes.push_back("inlets." + inlet.name + ": its opening is " + short_number(extent / d) +
-                        " particles wide; what flows through fewer than " + short_number(fine_opening) +
+        const auto [given, bound] = tell_apart(extent / d, fine_opening);
+        notes.push_back("inlets." + inlet.name + ": its opening is " + given +
+                        " particles wide; what flows through fewer than " + bound +
                         " is not resolved: refine domain.spacing");
     }
     return notes;

@@ -28,10 +28,9 @@ void check_limit(const scene::Time& time, double limit, const std::string& of, c
                  const std::string& cure) {
     const double step = time.rule == scene::StepRule::fixed ? time.step : 0;
     if (std::max(step, time.min_step) <= limit) return;
-    char text[64];
-    std::snprintf(text, sizeof text, "%.3g s", limit);
-    throw InputError({time.where, std::string("time.") + (step > 0 ? "step" : "min_step") + " is above the limit of the " + of +
-                              ", " + text, why, cure});
+    const auto [given, most] = tell_apart(std::max(step, time.min_step), limit);
+    throw InputError({time.where, std::string("time.") + (step > 0 ? "step" : "min_step") + " = " + given +
+                              " s is above the limit of the " + of + ", " + most + " s", why, cure});
 }
 } // namespace
 

@@ -38,8 +38,9 @@ Range range_between(double min, double max);  // both included
 Range range_above_to(double min, double max); // the lower bound excluded
 
 // In plane scenes two numbers are enough for a vector. A third one must be 0 (`in_plane`) or is kept, as for
-// the axis of a rotation (`in_space`).
-enum class VectorKind { in_plane, in_space };
+// the place of a camera (`in_space`). What turns (`turning`) turns about z there: one number is enough, and the first two
+// of three must be 0.
+enum class VectorKind { in_plane, in_space, turning };
 
 class Declaration {
 public:
@@ -73,8 +74,8 @@ public:
                        const std::vector<std::string>& allowed = {}) = 0;
     virtual void vec3(const std::string& key, Vec3& value, const Unit& unit, const std::string& doc,
                       VectorKind kind = VectorKind::in_plane) = 0;
-    // An axis or normal: not zero, no unit, of any length.
-    void direction(const std::string& key, Vec3& value, const std::string& doc);
+    // An axis or normal: not zero, no unit, of any length. `in_plane`: in plane scenes without a third number.
+    void direction(const std::string& key, Vec3& value, const std::string& doc, VectorKind kind = VectorKind::in_space);
 
     template <class E>
     void choice(const std::string& key, E& value, const std::vector<std::pair<std::string, E>>& choices,

@@ -28,7 +28,7 @@ std::string type_of(const OptionEntry& entry) {
     case Kind::texts:
         return entry.words.empty() ? "list of words" : "list of " + join(entry.words, ", ");
     case Kind::vec3:
-        return "3 numbers" + unit;
+        return (entry.vector == VectorKind::turning ? "3 numbers, or in a plane scene one about z," : "3 numbers") + unit;
     case Kind::choice:
         return "one of " + join(entry.words, ", ");
     case Kind::list:

@@ -85,11 +85,17 @@ public:
     void vec3(const std::string& key, Vec3& value, const Unit& unit, const std::string& doc,
               VectorKind kind) override {
         const Node* node = find(key, doc);
-        const std::string must =
-            std::string("must be a list of ") + (session_.plane_vectors ? "2 numbers" : "3 numbers");
+        const bool turns = session_.plane_vectors && kind == VectorKind::turning;
+        if (turns && node && node->kind == Node::Kind::scalar) {
+            double about_z = 0;
+            if (read_number(*node, key, about_z, unit, range_any())) value = {0, 0, about_z};
+            return;
+        }
+        const std::string must = turns ? "must be a number, or a list of 3 numbers of which the first two are 0"
+                                       : std::string("must be a list of ") + (session_.plane_vectors ? "2 numbers" : "3 numbers");
         if (!node || !expect(*node, key, Node::Kind::list, must)) return;
         const auto count = node->items.size();
-        if (count != 3 && !(count == 2 && session_.plane_vectors)) {
+        if (count != 3 && !(count == 2 && session_.plane_vectors && !turns)) {
             complain(*node, key, {must, "it has " + std::to_string(count), ""});
             return;
         }
@@ -102,6 +108,11 @@ public:
         if (session_.plane_vectors && kind == VectorKind::in_plane && read[2] != 0) {
             complain(*node, key,
                      {"must have no third number", "the scene is plane", "leave it out or write 0"});
+            return;
+        }
+        if (turns && (read[0] != 0 || read[1] != 0)) {
+            complain(*node, key, {"must be about z alone", "the scene is plane, and would be left by what turns about x or y",
+                                  "write a number, which is about z, or dimensions: 3"});
             return;
         }
         value = read;

@@ -74,8 +74,11 @@ Json type_of(const OptionEntry& entry) {
         return {{"type", Json::array({"string", "number", "boolean"})}};
     case Kind::texts:
         return texts_of(entry);
-    case Kind::vec3:
-        return {{"type", "array"}, {"items", quantity(range_any())}, {"minItems", 2}, {"maxItems", 3}};
+    case Kind::vec3: {
+        const Json list = {{"type", "array"}, {"items", quantity(range_any())}, {"minItems", 2}, {"maxItems", 3}};
+        if (entry.vector != VectorKind::turning) return list;
+        return {{"anyOf", Json::array({quantity(range_any()), list})}};
+    }
     case Kind::choice:
         return {{"enum", entry.words}};
     case Kind::block:

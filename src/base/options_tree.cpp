@@ -49,8 +49,9 @@ public:
     }
 
     void vec3(const std::string& key, Vec3& value, const Unit& unit, const std::string& doc,
-              VectorKind) override {
+              VectorKind kind) override {
         auto& entry = add(key, Kind::vec3, doc);
+        entry.vector = kind;
         entry.standard = format_vector(value);
         entry.unit = unit;
     }

@@ -21,6 +21,7 @@ struct OptionEntry {
     std::vector<std::string> words; // that a choice or each of the texts may be
     std::string shorthand;          // of a block
     bool told_elsewhere = false;    // a block whose members stand further up
+    VectorKind vector = VectorKind::in_plane;
     std::vector<OptionEntry> members;
 };
 

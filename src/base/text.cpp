@@ -85,6 +85,17 @@ std::string format_number(double value) {
     return {buffer.data(), end};
 }
 
+std::pair<std::string, std::string> tell_apart(double a, double b) {
+    constexpr int fewest = 4, most = 17; // digits, the most that a double has
+    std::pair<std::string, std::string> out;
+    for (int digits = fewest; digits <= most; ++digits) {
+        const auto format = "%." + std::to_string(digits) + "g";
+        out = {print(format.c_str(), a), print(format.c_str(), b)};
+        if (out.first != out.second) break;
+    }
+    return a == b ? std::pair(format_number(a), format_number(b)) : out;
+}
+
 std::optional<double> read_number(std::string_view text) {
     if (text.starts_with('+') && !text.starts_with("+-")) text.remove_prefix(1);
     double value = 0;

@@ -3,6 +3,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace treacle {
@@ -21,6 +22,9 @@ std::string shorten(std::string text);
 
 // The shortest decimal that reads back as the same double.
 std::string format_number(double value);
+
+// Both in as many digits as tell them apart, four at least; of equal numbers the texts are equal.
+std::pair<std::string, std::string> tell_apart(double a, double b);
 
 // The whole text as one number, in any locale; nothing when it is not one. Infinite when too large.
 std::optional<double> read_number(std::string_view text);

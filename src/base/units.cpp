@@ -185,7 +185,7 @@ private:
     }
 
     bool skip_blanks() {
-        const auto n = std::min(text_.find_first_not_of(' '), text_.size());
+        const auto n = std::min(text_.find_first_not_of(" \t"), text_.size());
         text_.remove_prefix(n);
         return n > 0;
     }

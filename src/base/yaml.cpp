@@ -180,6 +180,18 @@ std::string lower_start(std::string text) {
     return text;
 }
 
+// Whether a tab stands before the first word of a line, counted from 0; dashes of list items are no words.
+bool indented_by_tab(const std::string& text, int line) {
+    std::size_t start = 0;
+    for (int k = 0; k < line && start != std::string::npos; ++k) {
+        start = text.find('\n', start);
+        if (start != std::string::npos) ++start;
+    }
+    if (line < 0 || start == std::string::npos) return false;
+    const auto word = std::min(text.find_first_not_of(" \t-", start), text.size());
+    return text.substr(start, word - start).find('\t') != std::string::npos;
+}
+
 } // namespace
 
 DocumentTree read_yaml(const std::string& text, const std::string& name, const std::string& place) {
@@ -204,6 +216,10 @@ DocumentTree read_yaml(const std::string& text, const std::string& name, const s
         tree.root = std::move(first);
     } catch (const YAML::Exception& error) {
         const auto where = place.empty() ? name + ":" + std::to_string(error.mark.line + 1) : place;
+        if (indented_by_tab(text, error.mark.line)) {
+            throw InputError({where, "is not YAML: a tab stands in the indentation", "YAML indents by blanks, since a tab has no fixed width",
+                              "write blanks in the place of tabs, the same number for all keys of a block"});
+        }
         throw InputError({where, "is not YAML: " + lower_start(error.msg), "",
                           "check the indentation, colons and quotes around that line"});
     }

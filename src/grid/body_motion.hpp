@@ -14,6 +14,7 @@ struct BodyMotion {
     Array<double> frame{"treacle::body_motion", 0};
     int bodies = 0;
     double period[3]{0, 0, 0}; // [m], 0: not periodic
+    double side[6][3]{};       // [m/s] of the domain's sides along themselves
 
     // From the body's centre to x, by the shortest way.
     KOKKOS_INLINE_FUNCTION void arm(int body, const double x[3], double r[3]) const {
@@ -45,12 +46,13 @@ struct BodyMotion {
             out[3 + a] = 0.5 * (frame(at + 3 * a + b) + frame(at + 3 * b + a));
         }
     }
-    // Of solid `number` (Solids::number) at x, as what sticks to it or, without `sticks`, as a rigid body; sides of the domain
-    // rest.
+    // Of solid `number` (Solids::number) at x, as what sticks to it or, without `sticks`, as a rigid body; 0 of none.
     KOKKOS_INLINE_FUNCTION void velocity(int number, const double x[3], double u[3], bool sticks = true) const {
         double r[3] = {0, 0, 0};
         if (number >= 0) arm(number, x, r);
-        for (int k = 0; k < 3; ++k) u[k] = number < 0 ? 0.0 : rigid_velocity(number, k, r) + (sticks ? bend(number, k, r) : 0.0);
+        for (int k = 0; k < 3; ++k) {
+            u[k] = number >= 0 ? rigid_velocity(number, k, r) + (sticks ? bend(number, k, r) : 0.0) : number >= -6 ? side[-1 - number][k] : 0.0;
+        }
     }
 };
 

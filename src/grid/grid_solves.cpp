@@ -23,7 +23,9 @@ void take_idle_faces(const ViscousFaces& places, const FaceField& from, const Fa
 } // namespace
 
 void GridStep::project(StepReport& report, double dt, Pressure::Surface surface) {
+    follow_walls();
     auto found = pressure_.project(velocity_, bodies_, dt, surface);
+    wall_momentum_.add(wall_scene(), WallMomentum::Which::pushed, velocity_);
     gather_faces(grid_, cells_halo_, velocity_);
     if (surface == Pressure::Surface::tense) {
         report.pressure = std::move(found);
@@ -43,7 +45,7 @@ void GridStep::find_viscosities_by_rate() {
     const bool slides = slip_.any();
     const StrainScene scene{grid_, cells_halo_, fractions_, slides ? slip_.slip().grip : fractions_,
                             slides ? slip_.shares() : shares_, solids_.motion(), setup_.options.viscosity, &strains_,
-                            dt_ > 0 ? before_ / dt_ : 0.0};
+                            dt_ > 0 ? before_ / dt_ : 0.0, gripping().any_moves() ? &gripping() : nullptr};
     halo_.gather(particles_.store, {particles_.viscosity_field()});
     rheology_.find_rates(scene, start_);
     rheology_.find_viscosities(scene, {particles_, cells_, particle_mass_}, viscosities_);
@@ -77,10 +79,13 @@ void GridStep::find_viscosities() {
 
 ViscousScene GridStep::viscous_scene() {
     const bool slides = slip_.any();
-    if (slides) slip_.update(cells_halo_, bodies_, solids_, level_set_, setup_.options.fractions);
+    if (slides) {
+        slip_.update(cells_halo_, bodies_, solids_, level_set_, setup_.options.fractions);
+        gripping_.find(slip_.gripping(), slip_.fractions_of_gripping(), bodies_);
+    }
     find_viscosities();
     return {grid_, cells_halo_, fractions_, slides ? slip_.shares() : shares_, viscosities_, setup_.density,
-            slides ? &slip_.slip() : nullptr, nullptr, &strains_, &distance_};
+            slides ? &slip_.slip() : nullptr, nullptr, &strains_, &distance_, &gripping()};
 }
 
 SlipAreas GridStep::slip_areas() const {
@@ -97,14 +102,13 @@ PressureScene GridStep::pressure_scene() {
 void GridStep::apply_viscosity(StepReport& report, double dt) {
     if (!viscous()) return;
     const auto scene = viscous_scene();
-    // Faces in solids that liquid slides along are unknowns too, and those with small openings: what gravity made of them would
-    // drag the liquid down.
-    continue_velocity({false, {}, viscous_spread(dt)});
+    leave_solids(dt);
     report.viscosity = viscosity_.solve(scene, velocity_, bodies_, dt);
     report.viscous_loads = report.viscosity.loads;
     // Faces that hardly any liquid reaches have stresses and no mass: what the solve leaves there is arbitrary.
     mark_faces(grid_, cells_halo_.window(), fractions_.face_wet, least_wet, known_);
     extrapolate(grid_, cells_halo_, velocity_, known_, 2);
+    follow_walls();
 }
 
 // Whether the set of gaps that close has changed by the last solve, or by the first one, in which all were open.
@@ -119,12 +123,14 @@ void GridStep::keep_start(const StepReport& report) {
     copy_faces(grid_, cells_halo_.window(), velocity_, open_velocity_);
     open_bodies_ = bodies_.snapshot();
     open_loads_ = report.loads;
+    open_walls_ = wall_momentum_.lost();
 }
 
 void GridStep::go_back(StepReport& report) {
     copy_faces(grid_, cells_halo_.window(), open_velocity_, velocity_);
     bodies_.go_back(open_bodies_);
     report.loads = open_loads_;
+    wall_momentum_.go_back(open_walls_);
     pressure_.take_back();
 }
 
@@ -134,6 +140,7 @@ void GridStep::project_last(StepReport& report, double dt, Pressure::Surface sur
     project(report, dt, surface);
     continue_velocity({false, {}, viscous() ? viscous_spread(dt) : ViscousSpread{}});
     if (!gaps_change(true)) return;
+    wall_momentum_.add(wall_scene(), WallMomentum::Which::closed, velocity_);
     keep_start(report);
     for (int pass = 1;; ++pass) {
         find_inflow(fractions_.open);
@@ -204,10 +211,11 @@ void GridStep::together(StepReport& report, double dt) {
         project(report, dt, Pressure::Surface::tense);
     }
     const auto phase = timers_.scope("viscosity");
-    continue_velocity({false, {}, viscous_spread(dt)});
+    leave_solids(dt);
     keep_start(report);
     for (int pass = 0;; ++pass) {
         if (pass > 0) build_pressure(true);
+        follow_walls();
         problem.build(scene, velocity_, bodies_, dt);
         report.stokes = stokes_.solve({pressure_, problem, scene, dt}, velocity_, bodies_);
         gather_faces(grid_, cells_halo_, velocity_);

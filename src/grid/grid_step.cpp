@@ -28,7 +28,8 @@ GridStep::GridStep(const Comm& comm, const GridSetup& setup)
     : comm_(comm), setup_(setup), grid_(make_mac_grid(setup.domain)), bodies_(setup.rigid),
       decomposition_(comm, grid_.cells), source_(make_layer_source(setup.inflow, grid_)),
       outlets_(flow::make_outlets(setup.inflow.outlets, grid_.dimensions)), solids_(grid_, setup.domain),
-      slip_(grid_, setup.domain, setup.slip), rheology_(setup.rheology), tensions_(setup.surface_tension),
+      slip_(grid_, setup.domain, setup.slip), resting_(grid_, setup.domain, setup.rigid.bodies.size()),
+      gripping_(grid_, setup.domain, setup.rigid.bodies.size()), rheology_(setup.rheology), tensions_(setup.surface_tension),
       pressure_(comm, setup.options.pressure, setup.options.coupling, grid_.dimensions),
       viscosity_(comm, setup.options.viscosity, setup.options.coupling), stokes_(comm, setup.options.stokes),
       correction_(grid_) {
@@ -163,6 +164,7 @@ void GridStep::find_surface() {
     level_set_.build(grid_, cells_halo_, particles_, cells_, solids_);
     take_centres();
     fraction_builder_.build(solids_.nodes(), solids_.distance(), level_set_.distance(), setup_.options.fractions, fractions_);
+    resting_.find(solids_, fraction_builder_, bodies_);
     if (!bodies_.any_moves()) { // what rests has no shares, but the lists of the faces are looked at
         const auto faces = static_cast<std::size_t>(cells_halo_.window().size()) + 1;
         for (auto& of : shares_) {
@@ -221,9 +223,8 @@ void GridStep::move(StepReport& report, StepTimes& times) {
     const double dt = times.drift;
     subtract_faces(grid_, cells_halo_.window(), velocity_, start_, scratch_);
     end_velocities(grid_, cells_halo_.window(), scratch_, times, particles_); // (E)
-    cells_halo_.gather({pressure_.pressures()});
     const double before = bodies_.time();
-    pressures_to_particles(grid_, cells_halo_.window(), pressure_.pressures(), particles_);
+    show_pressures();
     bodies_.move(dt);
     if (bodies_.any_moves()) solids_.update(cells_halo_, bodies_);
     const Advection how{FaceSampler(grid_, cells_halo_.window(), velocity_), solids_.sampler(),
@@ -274,13 +275,15 @@ StepReport GridStep::advance(double dt) {
     // Velocities are those of the middles of steps: from the middle of the last one to that of this one.
     StepTimes times{0.5 * (before_ + dt), dt, !(before_ > 0)};
     const double kick = times.kick;
+    wall_momentum_.clear(resting_.count());
     bodies_.begin(dt);
     solids_.update(cells_halo_, bodies_);
     dt_ = dt;
     find_strains(dt); // (S), (D)
     bodies_.fall(kick);
     accelerate(grid_, cells_halo_.window(), setup_.domain.gravity, kick, velocity_); // (A1)
-    if (solves_together(kick)) {
+    const bool at_once = solves_together(kick);
+    if (at_once) {
         together(report, kick); // (P), (U)
     } else {
         split(report, kick); // (P), (V)
@@ -289,6 +292,7 @@ StepReport GridStep::advance(double dt) {
         const auto phase = timers_.scope("move");
         solids_.update(cells_halo_, bodies_);
         continue_velocity({viscous(), slip_.lengths(), viscous_spread(kick)});
+        load_resting(report, kick, at_once);
         move(report, times); // (A4), (E), (A5)
     }
     {
@@ -331,7 +335,7 @@ double GridStep::pull() const {
 }
 
 double GridStep::stable_step(double cfl) const {
-    const double speed = std::max(fastest(particles_.velocity()), bodies_.max_speed());
+    const double speed = std::max({fastest(particles_.velocity()), bodies_.max_speed(), resting_.max_speed()});
     if (crowding_ > 1) cfl = std::min(cfl, std::max(1.0, cfl / crowding_));
     const double pull = this->pull(), way = cfl * grid_.dx;
     double dt = std::numeric_limits<double>::infinity();
@@ -358,7 +362,8 @@ std::size_t GridStep::bytes() const {
     numbers += fractions_.cell_fluid.span() + fractions_.cell_liquid.span() + fractions_.cell_wet.span();
     numbers += level_set_.distance().span() + 2 * solids_.distance().span();
     return 8 * numbers + particles_.store.bytes() + pressure_.bytes() + viscosity_.bytes() + rheology_.bytes() +
-           tensions_.bytes() + curvature_.bytes() + contraction_.bytes();
+           tensions_.bytes() + curvature_.bytes() + contraction_.bytes() + resting_.bytes() + gripping_.bytes() +
+           resting_pressures_.bytes() + wall_pressures_.bytes();
 }
 
 } // namespace treacle::grid

@@ -11,6 +11,7 @@
 #include "grid/momentum_balance.hpp"
 #include "grid/options.hpp"
 #include "grid/pressure.hpp"
+#include "grid/resting_solids.hpp"
 #include "grid/rheology.hpp"
 #include "grid/slip_geometry.hpp"
 #include "grid/step_strains.hpp"
@@ -18,6 +19,8 @@
 #include "grid/synchronise.hpp"
 #include "grid/tension.hpp"
 #include "grid/viscosity.hpp"
+#include "grid/wall_momentum.hpp"
+#include "grid/wall_pressures.hpp"
 #include "mpi/halo.hpp"
 #include "mpi/migration.hpp"
 
@@ -50,6 +53,8 @@ struct StepReport {
     PositionReport correction;      // of the last step that had one
     std::vector<double> loads;         // [body][6] by pressure, mean of the step [N], [N m]
     std::vector<double> viscous_loads; // by viscosity; both of bodies that move
+    // The same of solids at rest, torques about the origin: the six sides of the domain, then all bodies, 0 where they move.
+    std::vector<double> resting_loads, resting_viscous_loads;
     std::int64_t pushed = 0;        // particles moved out of solids, over all ranks
     double imbalance = 1;           // largest over mean number of particles per rank
     std::vector<LostParticle> lost; // of this rank, but for what flowed out
@@ -141,6 +146,12 @@ private:
     void find_viscosities();
     ViscousSpread viscous_spread(double dt) const { return {viscosities_.cell, setup_.density, dt}; }
     void continue_velocity(const WallGrip& grip);
+    void show_pressures();
+    void load_resting(StepReport& report, double dt, bool at_once);
+    void leave_solids(double dt);
+    WallMomentum::Scene wall_scene();
+    void follow_walls() { wall_momentum_.begin(grid_, cells_halo_.window(), velocity_); }
+    const RestingSolids& gripping() const { return slip_.any() ? gripping_ : resting_; }
     void move(StepReport& report, StepTimes& times);
     MomentumBalance::Scene balance_scene();
     bool balances() const { return bodies_.any_moves() && setup_.options.coupling == Coupling::strong; }
@@ -172,6 +183,10 @@ private:
     FaceShares shares_;
     SlipGeometry slip_;
     ClosedCentres closed_centres_;
+    RestingSolids resting_, gripping_; // all, and of them those that grip
+    PressureCoupling resting_pressures_;
+    WallMomentum wall_momentum_;
+    WallPressures wall_pressures_;
     Array<double> distance_{"treacle::centre_distance", 0};
     FaceField mass_, velocity_, start_, scratch_; // start: of the particles, before the step changes it
     FaceMarks known_, reached_;
@@ -189,7 +204,7 @@ private:
     Closing closing_;
     FaceField open_velocity_; // of keep_start(); bodies and loads likewise
     rigid::RigidBodies::Snapshot open_bodies_;
-    std::vector<double> open_loads_;
+    std::vector<double> open_loads_, open_walls_;
     Array<double> inflow_{"treacle::inflow", 0}; // [window] what must flow into cells, of contraction and strains [m/s]
     PhaseTimers timers_;
     EndMotion end_motion_;

@@ -1,6 +1,7 @@
 #include "grid/rheology.hpp"
 
 #include "grid/apic.hpp"
+#include "grid/resting_solids.hpp"
 
 #include <algorithm>
 
@@ -124,6 +125,7 @@ void find_mean_velocities(const StrainScene& scene, const FaceField& velocity, F
         Kokkos::parallel_for("treacle::mean_velocities", static_cast<int>(box.size()),
                              MeanVelocityLoop{velocity.axis[a], scene.grip.face_fluid.axis[a], out.axis[a],
                                               scene.shares[static_cast<std::size_t>(a)], scene.motion, scene.grid, window, box, a, scene.carried});
+        if (scene.resting) scene.resting->add_velocities(a, window, {}, out.axis[a]);
     }
 }
 

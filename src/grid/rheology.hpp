@@ -11,6 +11,8 @@
 
 namespace treacle::grid {
 
+class RestingSolids;
+
 // What a shear rate is about; arrays over the window of the halo.
 struct StrainScene {
     const MacGrid& grid;
@@ -24,6 +26,7 @@ struct StrainScene {
     // not strain; solids likewise.
     const StepStrains* strains = nullptr;
     double carried = 0; // length of the last step over that of this one
+    const RestingSolids* resting = nullptr; // those that grip, where sides of the domain move
 };
 
 // The particles that tell which liquid is where.

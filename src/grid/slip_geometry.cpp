@@ -54,7 +54,7 @@ void SlipGeometry::find_lengths(const Solids& solids) {
     const int middle = dimensions_ == 2 ? 3 : 7;
     Kokkos::parallel_for("treacle::slip_lengths", static_cast<int>(n), KOKKOS_LAMBDA(int i) {
         const int nearest = number(FineNodes::per_cell * i + middle);
-        body(i) = nearest >= 0 ? nearest : -1;
+        body(i) = nearest;
         length(i) = nearest == Solids::nothing ? 0 : of(Solids::place(nearest));
     });
 }

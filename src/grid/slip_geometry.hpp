@@ -27,6 +27,8 @@ public:
                 FractionMethod method);
     const SlipSolids& slip() const { return slip_; }
     const FaceShares& shares() const { return shares_; } // of bodies that grip
+    const Solids& gripping() const { return gripping_; }
+    const FractionBuilder& fractions_of_gripping() const { return builder_; }
     const Array<double>& lengths() const { return lengths_; } // [6 sides, then bodies] 0: grips, infinity: does not hold [m]
 
     // Part of update(); not private, since nvcc takes no kernel in a private function.

@@ -13,6 +13,7 @@
 namespace treacle::grid {
 
 class StepStrains;
+class RestingSolids;
 
 // Dynamic viscosity [Pa s] at the centres of cells and at edges, over the window. Plane scenes use edges along z.
 struct Viscosities {
@@ -24,7 +25,7 @@ struct Viscosities {
 struct SlipSolids {
     Fractions grip;           // of the solids that grip alone: cell_fluid, face_fluid, edge_fluid, open
     Array<double> length;     // [window] slip length of the solid near the cell [m], infinity: none of its tangents holds
-    Array<int> body;          // [window] its number in rigid::RigidBodies, -1: it rests
+    Array<int> body;          // [window] its number, Solids::number: < 0 no body
 };
 
 // What a solve is about. All arrays over the window of the halo, with valid values in all its cells.
@@ -43,6 +44,7 @@ struct ViscousScene {
     // [m] of cells' centres from the liquid's surface, where a pressure acts before or with the solve: it holds the liquid
     // within to the normal velocity of what it slides along.
     const Array<double>* distance = nullptr;
+    const RestingSolids* resting = nullptr; // those that grip; then there are loads on all solids at rest
 };
 
 struct ViscosityReport {

@@ -117,6 +117,7 @@ struct GivenLoop {
         if (moved.first(n) == moved.last(n)) return;
         double sum = faces.strain_pull(a, i);
         faces.each_entry(a, i, [&](int b, std::ptrdiff_t j, double entry) { sum -= entry * faces.bend.axis[b](j); });
+        faces.each_slip(a, i, [&](std::ptrdiff_t cell, int b, double k) { sum += k * faces.wall_bend[b](cell); });
         out(n) = sum;
     }
 };
@@ -157,6 +158,11 @@ void ViscousBodies::prepare(const rigid::RigidBodies& bodies) {
     size_ = 6 * bodies.size();
     columns_.clear();
     if (bodies.any_dynamic()) columns_ = bodies.mobility().columns();
+}
+
+void ViscousBodies::prepare(std::size_t solids) {
+    size_ = 6 * solids;
+    columns_.clear();
 }
 
 void ViscousBodies::list(const ViscousScene& scene, const ViscousFaces& faces, const CellBox& owned, const BodyMotion& motion) {
@@ -261,6 +267,7 @@ void ViscousBodies::sum_faces(const ViscousFaces& faces, const ViscousSystem& sy
             for (int k = slipped.first(n); k < slipped.last(n); ++k) {
                 const double* const pull = slipped.at(k);
                 if (role(i) == free_face) couple(local, share(i), slipped.body(k), pull);
+                for (std::size_t l = 0; l < 6; ++l) held_[at(slipped.body(k)) + l] -= bend(i) * pull[l];
                 for (int m = moved.first(n); m < moved.last(n); ++m) {
                     add_stiffness(moved.body(m), moved.at(m), slipped.body(k), pull, 1);
                     add_stiffness(slipped.body(k), pull, moved.body(m), moved.at(m), 1);

@@ -19,6 +19,8 @@ class ViscousBodies {
 public:
     // Columns of L of the bodies where they are.
     void prepare(const rigid::RigidBodies& bodies);
+    // Of as many solids whose motion is given, in the `bend` and `wall_bend` of the faces.
+    void prepare(std::size_t solids);
     int unknowns() const { return static_cast<int>(columns_.size()); }
 
     // Collective: C, G, h for an assembled system.
@@ -68,7 +70,7 @@ private:
     List moved_;   // W_S R of a face
     List surface_; // of slip surfaces, by owned cells: R along each axis
     std::vector<Entry> coupling_; // C
-    Array<double> given_pull_{"treacle::given_pull", 0}; // [owned faces] D^T K (e - D W_S bend)
+    Array<double> given_pull_{"treacle::given_pull", 0}; // [owned faces] D^T K (e - D W_S bend) and of slip surfaces
     std::vector<double> stiffness_, held_; // G [size][size], h [size]
 };
 

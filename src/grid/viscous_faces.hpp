@@ -20,7 +20,7 @@ struct ViscousFaces {
     FaceField scale;        // of the bodies' shares in a face's cube: W_S = scale * share of the body
     FaceField mass;         // of the liquid, over dt [kg/s]
     FaceField solid;        // sum W_S R V of the bodies as they move now [m/s], with their bend
-    FaceField bend;         // of that what BodyMotion::bend gives
+    FaceField bend;         // of that what BodyMotion::bend gives, and sides of the domain that move
     bool strained = false;
     Array<double> strain[3]; // normal strain rates at the centres that no stress resists [m/s over dx], step_strains.hpp
     EdgeField shear_strain;  // and twice the shear strain rates at edges
@@ -28,8 +28,9 @@ struct ViscousFaces {
     bool slips = false;
     Array<double> traction[6]; // xx, yy, zz, xy, yz, zx of the cell's slip surface: force = -traction (u - V) [kg/s]
     FaceField lean;            // share that face i has, against face i + stride, in the velocity at a cell's slip surface
-    Array<int> slip_body;      // whose surface slips in a cell, -1: at rest
-    Array<double> wall[3];     // the velocity of that body there [m/s]
+    Array<int> slip_body;      // whose surface slips in a cell, < 0: of no body
+    Array<double> wall[3];     // the velocity of that solid there [m/s]
+    Array<double> wall_bend[3]; // of that what sides of the domain have that move
 
     // The stresses beside face i across a: use(where), with where = 0 … 3 (2 in the plane): edges, and the two centres.
     template <class Use>

@@ -1,5 +1,6 @@
 #include "grid/viscous_parts.hpp"
 
+#include "grid/resting_solids.hpp"
 #include "grid/step_strains.hpp"
 
 namespace treacle::grid {
@@ -88,7 +89,7 @@ struct SolidLoop {
 struct WallLoop {
     ViscousFaces faces;
     Inner inner;
-    BodyMotion motion;
+    BodyMotion motion, sides;
     MacGrid grid;
 
     KOKKOS_INLINE_FUNCTION void operator()(int n) const {
@@ -97,7 +98,7 @@ struct WallLoop {
         const int body = faces.slip_body(i);
         for (int k = 0; k < faces.dimensions; ++k) {
             double x[3], r[3];
-            faces.wall[k](i) = 0;
+            faces.wall[k](i) = faces.wall_bend[k](i) = body < 0 && body >= -6 ? sides.side[-1 - body][k] : 0.0;
             if (body < 0) continue;
             faces.slip_point(grid, k, c, x);
             motion.arm(body, x, r);
@@ -208,6 +209,7 @@ void ViscousParts::weigh_slip(const ViscousScene& scene, const ViscosityOptions&
     faces_.slip_body = scene.slip->body;
     for (auto& component : faces_.traction) make_room(f.cell_wet, {&component});
     for (auto& component : faces_.wall) make_room(f.cell_wet, {&component});
+    for (auto& component : faces_.wall_bend) make_room(f.cell_wet, {&component});
     const double dx = scene.grid.dx;
     const Inner second(faces_.window, faces_.dimensions, 2); // the neighbours' neighbours are read
     Kokkos::parallel_for("treacle::weigh_slip", second.count(),
@@ -242,17 +244,23 @@ void ViscousParts::cast_roles(const ViscousScene& scene, const ViscosityOptions&
 
 void ViscousParts::move_solids(const ViscousScene& scene, const BodyMotion& motion) {
     const Inner inner(faces_.window, faces_.dimensions);
-    if (faces_.slips && motion.bodies > 0) {
-        Kokkos::parallel_for("treacle::move_slip_surfaces", inner.count(), WallLoop{faces_, inner, motion, scene.grid});
+    const bool sides = scene.resting && scene.resting->any_moves();
+    if (faces_.slips && (motion.bodies > 0 || sides)) {
+        Kokkos::parallel_for("treacle::move_slip_surfaces", inner.count(),
+                             WallLoop{faces_, inner, motion, sides ? scene.resting->motion() : BodyMotion(), scene.grid});
     }
     for (int a = 0; a < faces_.dimensions; ++a) {
         if (motion.bodies == 0) {
             Kokkos::deep_copy(faces_.solid.axis[a], 0.0);
             Kokkos::deep_copy(faces_.bend.axis[a], 0.0);
-            continue;
+        } else {
+            Kokkos::parallel_for("treacle::move_solids", inner.count(),
+                                 SolidLoop{faces_, inner, a, scene.shares[static_cast<std::size_t>(a)], motion, scene.grid});
         }
-        Kokkos::parallel_for("treacle::move_solids", inner.count(),
-                             SolidLoop{faces_, inner, a, scene.shares[static_cast<std::size_t>(a)], motion, scene.grid});
+        if (!sides) continue;
+        for (const auto& out : {faces_.solid.axis[a], faces_.bend.axis[a]}) {
+            scene.resting->add_velocities(a, faces_.window, faces_.scale.axis[a], out);
+        }
     }
 }
 
@@ -284,7 +292,7 @@ std::size_t ViscousParts::bytes() const {
         }
     }
     for (const auto& component : faces_.traction) total += component.span();
-    for (int a = 0; a < 3; ++a) total += faces_.wall[a].span();
+    for (int a = 0; a < 3; ++a) total += faces_.wall[a].span() + faces_.wall_bend[a].span();
     return 8 * total + 4 * (faces_.role[0].span() + faces_.role[1].span() + faces_.role[2].span());
 }
 

@@ -1,5 +1,7 @@
 #include "grid/viscous_problem.hpp"
 
+#include "grid/resting_solids.hpp"
+
 #include <algorithm>
 
 namespace treacle::grid {
@@ -195,6 +197,25 @@ std::vector<double> ViscousProblem::push(std::span<const double> x, std::span<co
     return loads;
 }
 
+// All solids move as given here, so that their velocities stand where those of sides do.
+void ViscousProblem::load_resting(const ViscousScene& scene, std::span<const double> u, const FaceField& velocity) {
+    const auto& resting = *scene.resting;
+    auto faces = parts_.faces();
+    for (int a = 0; a < 3; ++a) {
+        faces.bend.axis[a] = faces.solid.axis[a];
+        faces.wall_bend[a] = faces.wall[a];
+    }
+    if (faces.slips) {
+        resting.renumber(faces.slip_body, static_cast<std::size_t>(faces.window.size()), resting_number_);
+        faces.slip_body = resting_number_;
+    }
+    const ViscousScene of_resting{scene.grid, scene.halo, scene.fractions, resting.shares(), scene.viscosity, scene.density,
+                                  scene.slip, scene.pressed, scene.strains};
+    resting_.prepare(resting.count());
+    resting_.build(comm_, of_resting, faces, system_, resting.motion(), velocity);
+    resting_loads_ = resting_.loads(comm_, u, std::vector<double>(6 * resting.count(), 0.0));
+}
+
 std::vector<double> ViscousProblem::apply(const ViscousScene& scene, std::span<const double> x, std::span<const double> others,
                                           const FaceField& velocity, rigid::RigidBodies& bodies) {
     std::vector<double> loads(before_.size(), 0.0);
@@ -204,13 +225,14 @@ std::vector<double> ViscousProblem::apply(const ViscousScene& scene, std::span<c
         update_motion(bodies, scene.grid, motion_);
         if (!scene.halo.window().empty()) parts_.move_solids(scene, motion_);
     }
+    if (scene.resting) load_resting(scene, x.first(faces()), velocity);
     write(x, velocity);
     hold_faces(parts_.faces(), scene.halo.owned(), velocity);
     return loads;
 }
 
 std::size_t ViscousProblem::bytes() const {
-    return parts_.bytes() + system_.bytes() + bodies_.bytes() + multilevel_.bytes() + mechanisms_.bytes() + components_.bytes() +
+    return parts_.bytes() + system_.bytes() + bodies_.bytes() + resting_.bytes() + multilevel_.bytes() + mechanisms_.bytes() + components_.bytes() +
            8 * (faces_.span() + places_.capacity()) + 4 * cells_.capacity() + axes_.capacity() + aside_.capacity();
 }
 

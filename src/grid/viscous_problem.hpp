@@ -53,10 +53,14 @@ public:
     std::vector<double> apply(const ViscousScene& scene, std::span<const double> x, std::span<const double> others,
                               const FaceField& velocity, rigid::RigidBodies& bodies);
 
+    // Of the solids at rest, as apply() found them: 6 numbers each, numbered as RestingSolids does [N], [N m] about the origin.
+    const std::vector<double>& resting_loads() const { return resting_loads_; }
+
     std::size_t bytes() const;
 
 private:
     solve::KrylovOptions krylov();
+    void load_resting(const ViscousScene& scene, std::span<const double> u, const FaceField& velocity);
     solve::RigidBorder border() const;
     void describe_rows(const MacGrid& grid);
     void make_matrix();
@@ -73,7 +77,9 @@ private:
     BodyMotion motion_;
     ViscousParts parts_;
     ViscousSystem system_;
-    ViscousBodies bodies_;
+    ViscousBodies bodies_, resting_; // resting: solids at rest, for their loads
+    std::vector<double> resting_loads_;
+    Array<int> resting_number_{"treacle::resting_slip", 0}; // [window] whose surface slips in a cell
     std::optional<solve::Matrix> matrix_;
     std::vector<double> before_; // velocities of the bodies, 6 numbers each
     std::vector<double> block_;  // of the bodies

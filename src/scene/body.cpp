@@ -15,6 +15,10 @@ void Keyframe::declare(Declaration& d) {
     d.direction("rotation_axis", rotation_axis, "Axis of the rotation, of any length.");
     d.number("rotation_angle", rotation_angle, unit::angle, range_any(),
              "Rotation from the initial orientation.");
+    const bool leaves_plane = rotation_angle != 0 && (rotation_axis[0] != 0 || rotation_axis[1] != 0);
+    d.check(!d.plane_vectors() || !leaves_plane, "rotation_axis",
+            {"must be z", "the scene is plane, and would be left by what turns about x or y",
+             "leave it out, or write dimensions: 3"});
 }
 
 namespace {
@@ -114,7 +118,7 @@ void Body::declare(Declaration& d) {
            "Velocity of a dynamic body at the start, or of a kinematic one all the time.");
     d.vec3("angular_velocity", angular_velocity, unit::angular_velocity,
            "Angular velocity of a dynamic body at the start, or of a kinematic one all the time.",
-           VectorKind::in_space);
+           VectorKind::turning);
     d.list("keyframes", keyframes,
            "Motion of a kinematic body, in the order of time: from one to the next at constant velocity and about "
            "a fixed axis, from its initial place at time 0, at rest after the last. Angles of keyframes with the "

@@ -1,6 +1,7 @@
 #include "base/options.hpp"
 #include "scene/scene.hpp"
 
+#include <algorithm>
 #include <array>
 
 namespace treacle::scene {
@@ -11,6 +12,7 @@ const std::array<std::string, 6> face_names{"x_min", "x_max", "y_min", "y_max", 
 
 void declare_boundaries(Declaration& d, Domain& domain) {
     for (std::size_t i = 0; i < face_names.size(); ++i) {
+        domain.faces[i].axis = static_cast<int>(i / 2);
         d.block(face_names[i], domain.faces[i],
                 "The side of the domain at the " + std::string(i % 2 == 0 ? "lower" : "upper") + " end of " +
                     face_names[i].substr(0, 1) + ".",
@@ -69,6 +71,18 @@ void Face::declare(Declaration& d) {
     d.number("skin_friction", skin_friction, unit::none, range_between(0, 1),
              "Coefficient c_f of turbulent flow along the wall, whose boundary layer is thinner than a particle: the "
              "shear stress is c_f / 2 times density times speed squared. 0.003 to 0.01 for water on smooth walls.");
+    d.vec3("velocity", velocity, unit::velocity,
+           "Velocity of a wall along itself, as that of a belt: the domain stays as it is, and the liquid that the wall holds is "
+           "taken along.");
+    d.check(velocity[static_cast<std::size_t>(axis)] == 0, "velocity",
+            {std::string("must be 0 along ") + "xyz"[axis], "a side of the domain moves along itself alone, since the domain keeps its size",
+             "take a kinematic body for a piston"});
+    const bool still = velocity == Vec3{0, 0, 0};
+    d.check(still || kind == FaceKind::wall, "velocity",
+            {"has no effect", std::string("the side is ") + (kind == FaceKind::open ? "open" : "periodic") + " and no wall",
+             "remove it or write kind: wall"});
+    d.check(still || kind != FaceKind::wall || slip != Slip::free_slip || skin_friction > 0, "velocity",
+            {"has no effect", "a free-slip wall takes nothing along", "write slip: no_slip, or give a slip length"});
     d.check(kind == FaceKind::wall || skin_friction == 0, "skin_friction",
             {"has no effect", "the side is not a wall", "remove it or write kind: wall"});
     d.check(slip != Slip::slip_length || slip_length > 0, "slip_length",
@@ -77,6 +91,10 @@ void Face::declare(Declaration& d) {
             {"has no effect", "slip is not slip_length", "add slip: slip_length or remove it"});
     d.check(kind == FaceKind::wall || slip == Slip::free_slip, "slip",
             {"has no effect", "the side is not a wall", "remove it or write kind: wall"});
+}
+
+bool Domain::any_side_moves() const {
+    return std::ranges::any_of(faces, [](const Face& face) { return face.velocity != Vec3{0, 0, 0}; });
 }
 
 void Domain::declare(Declaration& d) {

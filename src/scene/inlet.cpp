@@ -15,7 +15,7 @@ void declare_place(Declaration& d, Inlet& inlet) {
     d.vec3("centre", inlet.centre, unit::length, "Middle of the opening.");
     d.required("centre");
     d.direction("direction", inlet.direction,
-                "Where the liquid flows to, of any length: the normal of the opening.");
+                "Where the liquid flows to, of any length: the normal of the opening.", VectorKind::in_plane);
     d.required("direction");
 }
 
@@ -89,7 +89,7 @@ void Outlet::declare(Declaration& d) {
     };
     const auto half_space = [this](Declaration& m) {
         m.vec3("point", point, unit::length, "A point of the plane.");
-        m.direction("normal", normal, "Direction away from what is taken out, of any length.");
+        m.direction("normal", normal, "Direction away from what is taken out, of any length.", VectorKind::in_plane);
         m.required("point");
         m.required("normal");
     };

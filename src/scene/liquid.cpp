@@ -45,11 +45,7 @@ void declare_motion(Declaration& d, Liquid& liquid) {
     d.vec3("velocity", liquid.velocity, unit::velocity,
            "Velocity at the start; with an angular velocity or a gradient that of the pivot.");
     d.vec3("angular_velocity", liquid.angular_velocity, unit::angular_velocity,
-           "Angular velocity at the start, about the pivot.", VectorKind::in_space);
-    const Vec3& spin = liquid.angular_velocity;
-    d.check(!d.plane_vectors() || (spin[0] == 0 && spin[1] == 0), "angular_velocity",
-            {"must be about z alone", "the scene is plane, and would be left by what turns about x or y",
-             "write [0, 0, w], or dimensions: 3"});
+           "Angular velocity at the start, about the pivot.", VectorKind::turning);
     d.block("velocity_gradient", liquid.velocity_gradient,
             "Velocity at the start that grows linearly with the distance from the pivot, besides `velocity` and "
             "`angular_velocity`: for instance x: [0, 2, 0] is a shear flow along x of 2 m/s per metre of y.");

@@ -22,13 +22,15 @@ struct Face {
     Slip slip = Slip::free_slip;
     double slip_length = 0; // [m]
     double skin_friction = 0; // c_f
+    Vec3 velocity{0, 0, 0};   // [m/s] of the wall, along itself
+    int axis = 0;             // across it
     std::string where;
 
     void declare(Declaration& d);
     // Where it was written does not count.
     bool operator==(const Face& other) const {
         return kind == other.kind && slip == other.slip && slip_length == other.slip_length &&
-               skin_friction == other.skin_friction;
+               skin_friction == other.skin_friction && velocity == other.velocity;
     }
 };
 
@@ -42,6 +44,7 @@ struct Domain {
     std::string where;             // of the spacing
 
     void declare(Declaration& d);
+    bool any_side_moves() const; // along itself
 };
 
 enum class ShearLaw { newtonian, power_law, carreau, cross, herschel_bulkley };

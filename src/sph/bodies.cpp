@@ -8,10 +8,15 @@ enum Frame { turn = 0, start = 9, frame_width = 12 };
 } // namespace
 
 Bodies::Bodies(rigid::BodiesSetup setup, const std::vector<double>& scale, int first, int count,
-               const DomainBox& domain)
-    : rigid(std::move(setup)), domain_(domain), first_(first), points_(count),
+               const DomainBox& domain, std::vector<Vec3> sides)
+    : rigid(std::move(setup)), domain_(domain), first_(first), points_(count), sides_(std::move(sides)),
       motion_("treacle::solid_motion", static_cast<std::size_t>(6 * count)) {
-    if (!rigid.any_moves()) return;
+    if (!rigid.any_moves()) {
+        auto motion = Kokkos::create_mirror_view(motion_);
+        move_sides(motion);
+        Kokkos::deep_copy(motion_, motion);
+        return;
+    }
     points_.moving = true;
     points_.centre = Array<double>("treacle::body_centres", static_cast<std::size_t>(4 * count));
     for (int k = 0; k < 3; ++k) points_.period[k] = domain.period[k];
@@ -26,10 +31,17 @@ Bodies::Bodies(rigid::BodiesSetup setup, const std::vector<double>& scale, int f
     upload();
 }
 
+void Bodies::move_sides(const Array<double>::HostMirror& motion) const {
+    for (std::size_t side = 0; side < sides_.size(); ++side) {
+        for (std::size_t k = 0; k < 3; ++k) motion(6 * side + k) = sides_[side][k];
+    }
+}
+
 void Bodies::upload() {
     auto centres = Kokkos::create_mirror_view(points_.centre);
     auto frames = Kokkos::create_mirror_view(frames_);
     auto motion = Kokkos::create_mirror_view(motion_); // of solids that rest it stays 0
+    move_sides(motion);
     for (std::size_t b = 0; b < rigid.size(); ++b) {
         if (!rigid.moves(b)) continue;
         const auto load = static_cast<std::size_t>(first_) + b;

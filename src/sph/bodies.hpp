@@ -11,8 +11,10 @@ namespace treacle::sph {
 class Bodies {
 public:
     Bodies() = default;
-    // With factors on the volumes of the bodies' particles; none: 1.
-    Bodies(rigid::BodiesSetup setup, const std::vector<double>& scale, int first, int count, const DomainBox& domain);
+    // With factors on the volumes of the bodies' particles; none: 1. `sides` [m/s]: of the domain's sides, which are the first
+    // numbers; none: they rest.
+    Bodies(rigid::BodiesSetup setup, const std::vector<double>& scale, int first, int count, const DomainBox& domain,
+           std::vector<Vec3> sides = {});
 
     rigid::RigidBodies rigid;
 
@@ -36,10 +38,12 @@ public:
 
 private:
     void upload();
+    void move_sides(const Array<double>::HostMirror& motion) const;
 
     DomainBox domain_{};
     int first_ = 0;
     LoadPoints points_;
+    std::vector<Vec3> sides_;
     Array<double> motion_{"treacle::solid_motion", 0}; // [count][6]
     Array<double> frames_{"treacle::body_frames", 0};  // [count][frame_width]
 };

@@ -1,6 +1,7 @@
 #include "sph/domain.hpp"
 
 #include "base/error.hpp"
+#include "base/text.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -57,10 +58,13 @@ CellGrid make_cell_grid(const scene::Domain& domain, double support) {
         if (box.period[k] > 0) {
             grid.count[k] = static_cast<int>(std::floor(length / width));
             if (grid.count[k] < 2) {
-                throw InputError({"", "domain: a periodic edge of " + std::to_string(length) + " m is too short",
+                // Both as written: a period that misses the two radii by the digits of a double is as long as they are.
+                const bool same = std::fabs(length - 2 * support) < 1e-9 * support;
+                const auto [given, least] = tell_apart(same ? 2 * support : length, 2 * support);
+                throw InputError({domain.where, "domain: the period of " + given + " m in " + "xyz"[k] + " is not above two support radii, " +
+                                                    least + " m",
                                   "a particle must not meet two images of a neighbour",
-                                  "make it at least " + std::to_string(2 * width) +
-                                      " m long, or refine domain.spacing"});
+                                  "lengthen the domain, or refine domain.spacing"});
             }
             grid.origin[k] = box.lo[k];
             grid.inverse_width[k] = grid.count[k] / length;

@@ -55,7 +55,8 @@ struct PrepareLoop {
         double g[3] = {liquid[0], liquid[1], liquid[2]};
         fluid.solid.each(i, [&](int s, double dx, double dy, double dz, double r2) {
             const double gradient = c.rest_density * fluid.solid_volume(s) * kernel.gradient(math::sqrt(r2));
-            change += gradient * ((ux - v(s, 0)) * dx + (uy - v(s, 1)) * dy + (uz - v(s, 2)) * dz);
+            const double share = fluid.carries(s) ? 1 : 0;
+            change += gradient * ((ux - share * v(s, 0)) * dx + (uy - share * v(s, 1)) * dy + (uz - share * v(s, 2)) * dz);
             g[0] += gradient * dx;
             g[1] += gradient * dy;
             g[2] += gradient * dz;

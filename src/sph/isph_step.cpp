@@ -24,7 +24,7 @@ bool viscosity_by_operator(const IsphSetup& setup) {
 
 IsphStep::IsphStep(const Comm& comm, const IsphSetup& setup)
     : comm_(comm), setup_(setup), decomposition_(comm, setup.grid),
-      bodies_(setup.rigid, setup.solid_scale, setup.first_body, setup.bodies, setup.domain),
+      bodies_(setup.rigid, setup.solid_scale, setup.first_body, setup.bodies, setup.domain, setup.sides),
       hierarchy_(make_hierarchy(comm, setup.options, setup.constants, setup.domain, setup.grid)),
       solver_(comm, "pressure", krylov_options(setup.options, setup.constants.dimensions, hierarchy_.get())),
       complementarity_(comm, solver_.options()) {
@@ -505,7 +505,9 @@ double IsphStep::stable_step(double cfl) const {
     }, Kokkos::Max<double>(fastest));
     const double own = std::sqrt(liquid_.store.owned() > 0 ? fastest : 0.0);
     const double inflow = inflow_ ? inflow_->max_speed() : 0;
-    const double speed = comm_.max(std::max({own, setup_.reference_speed, bodies_.rigid.max_speed(), inflow}));
+    double sides = 0;
+    for (const auto& velocity : setup_.sides) sides = std::max(sides, std::hypot(velocity[0], velocity[1], velocity[2]));
+    const double speed = comm_.max(std::max({own, setup_.reference_speed, bodies_.rigid.max_speed(), inflow, sides}));
     const auto& g = setup_.forces.gravity;
     const double pull = std::sqrt(g[0] * g[0] + g[1] * g[1] + g[2] * g[2]);
     const double d = setup_.constants.spacing;

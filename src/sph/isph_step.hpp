@@ -34,6 +34,7 @@ struct IsphSetup {
     rigid::BodiesSetup rigid; // may be empty: then all solids rest
     std::vector<double> solid_scale; // per body of `rigid`, or empty: factor on its particles' volumes
     flow::InflowSetup inflow;
+    std::vector<Vec3> sides;  // [m/s] velocities of the domain's sides along themselves; empty: they rest
     int first_body = 0;       // number, among the solids that carry loads, of the first of these bodies
 };
 

@@ -23,6 +23,7 @@ struct Constants {
     double wall_depth = 0;         // of the layer of solid particles below the surface [m]
     int dimensions = 3;
     Mixture mixture;           // of several liquids, otherwise empty
+    int conveyors = 0;         // solids with numbers below it move along themselves: their particles stay, and carry no volume
 };
 
 // The neighbours of one step: liquid around liquid, solid around liquid.
@@ -99,6 +100,10 @@ struct Fluid {
     Array<int> solid_body;
     int count; // owned liquid particles
 
+    // Whether the velocity of a solid particle is that of its place.
+    KOKKOS_INLINE_FUNCTION bool carries(int s) const {
+        return constants.conveyors == 0 || solid_body(s) >= constants.conveyors;
+    }
     KOKKOS_INLINE_FUNCTION Row row(int i) const { return liquid.row(i, place); }
     KOKKOS_INLINE_FUNCTION Quads motions(const Row& row, int k) const {
         return gather_quads(motion.data(), row.index + k);

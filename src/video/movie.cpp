@@ -2,6 +2,7 @@
 
 #include "base/error.hpp"
 #include "base/file.hpp"
+#include "base/text.hpp"
 
 #include <cmath>
 #include <fstream>
@@ -41,7 +42,7 @@ void check(const MovieOptions& options) {
         throw InputError({"movie", problem, "", cure});
     };
     if (!(options.frames_per_second > 0) || !std::isfinite(options.frames_per_second))
-        refuse("frames per second = " + std::to_string(options.frames_per_second) + ": must be > 0",
+        refuse("frames per second = " + format_number(options.frames_per_second) + ": must be > 0",
                "30 is usual");
     if (options.width < 2 || options.height < 2 || options.width % 2 != 0 || options.height % 2 != 0)
         refuse("size of " + std::to_string(options.width) + " x " + std::to_string(options.height) +

@@ -1,6 +1,7 @@
 #include "video/rasteriser.hpp"
 
 #include "base/error.hpp"
+#include "base/text.hpp"
 #include "video/liquid_surface.hpp"
 #include "video/overlay.hpp"
 #include "video/scenery.hpp"
@@ -76,10 +77,10 @@ void check(const ParticleLayer& layer) {
         refuse(std::to_string(n) + " particles are more than a picture can tell apart",
                "draw every second one");
     if (n > 0 && !(layer.radius > 0 && std::isfinite(layer.radius)))
-        refuse("radius = " + std::to_string(layer.radius) + " m: must be > 0",
+        refuse("radius = " + format_number(layer.radius) + " m: must be > 0",
                "half of the particle spacing");
     if (!(layer.opacity > 0 && layer.opacity <= 1))
-        refuse("opacity = " + std::to_string(layer.opacity) + ": must be in (0, 1]",
+        refuse("opacity = " + format_number(layer.opacity) + ": must be in (0, 1]",
                "1 hides what lies behind");
     if (layer.range && !(layer.range->low < layer.range->high))
         refuse("range of values is empty", "give low < high");

@@ -1,6 +1,7 @@
 #include "video/view.hpp"
 
 #include "base/error.hpp"
+#include "base/text.hpp"
 #include "video/vector.hpp"
 
 #include <algorithm>
@@ -28,7 +29,7 @@ void check(const View& view) {
                "each side must be between 1 and " + std::to_string(largest_side) + " pixels");
     const double angle = view.vertical_field_of_view;
     if (!(angle > 0 && angle < std::numbers::pi))
-        refuse("vertical field of view = " + std::to_string(angle) + " rad: must be between 0 and pi",
+        refuse("vertical field of view = " + format_number(angle) + " rad: must be between 0 and pi",
                "0.7 rad is a normal lens");
     if (!is_finite(view.position) || !is_finite(view.target) || !is_finite(view.up))
         refuse("position, target or up is not finite", "give numbers in metres");

@@ -1,6 +1,7 @@
 #include "../own_folder.hpp"
 #include "sample.hpp"
 
+#include <algorithm>
 #include <fstream>
 #include <random>
 
@@ -9,6 +10,24 @@ namespace {
 
 using Messages = std::vector<std::string>;
 constexpr auto small = "parts: [{name: one, box: {}}]\n";
+
+TEST(Yaml, ATabInTheIndentationIsNamed) {
+    const auto message = [](const std::string& text) -> std::string {
+        try {
+            Document::from_text(text, "scene.yaml");
+        } catch (const InputError& error) {
+            return error.what();
+        }
+        return "accepted";
+    };
+    for (const std::string text : {"a:\n\tb: 1\n", "a:\n  b: 1\n\tc: 2\n", "a: 1\n\tb: 2\n", "a:\n  b: 1\n \tc: 2\n",
+                                   "a:\n -\tb: 1\n   c: 2\n", "a:\n\t- b: 1\n"}) {
+        const auto line = std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(text.find('\t')), '\n') + 1;
+        EXPECT_TRUE(message(text).starts_with("scene.yaml:" + std::to_string(line) + ": is not YAML: a tab stands in the indentation")) << message(text);
+    }
+    EXPECT_EQ(message("a:\t1\nb: {\n\tc: 2}\nd: 3\t# more\n"), "accepted");
+    EXPECT_EQ(message("a: [1\nb: 2\n").find("tab"), std::string::npos);
+}
 
 TEST(Document, ADuplicateKeyIsAnErrorAtItsSecondPlace) {
     EXPECT_EQ(problems("width: 1\nparts: []\nwidth: 2\n"),

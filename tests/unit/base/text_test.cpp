@@ -8,6 +8,15 @@
 namespace treacle {
 namespace {
 
+TEST(Text, NumbersThatDifferAreToldApart) {
+    const auto [a, b] = tell_apart(0.05, 0.0500004);
+    EXPECT_EQ(a, "0.05");
+    EXPECT_EQ(b, "0.0500004");
+    EXPECT_NE(tell_apart(1, std::nextafter(1, 2)).first, tell_apart(1, std::nextafter(1, 2)).second);
+    EXPECT_EQ(tell_apart(12345.678, 3).first, "1.235e+04");
+    EXPECT_EQ(tell_apart(0.1, 0.1).first, "0.1");
+}
+
 TEST(EditDistance, CountsInsertionsDeletionsSubstitutionsAndSwaps) {
     EXPECT_EQ(edit_distance("viscosity", "viscosity"), 0);
     EXPECT_EQ(edit_distance("viscosity", "viscosty"), 1);

@@ -70,6 +70,51 @@ TEST(BadScene, SidesAreConsistent) {
                            "scene.yaml:2: domain.boundaries.z_min = open: must not be given; a plane scene"));
 }
 
+TEST(BadScene, SidesMoveAlongThemselvesWhereTheyHoldTheLiquid) {
+    const auto sides = [](const std::string& text) {
+        return domain("  max: [1, 1, 1]\n  spacing: 0.1\n  boundaries:\n    " + text + "\n");
+    };
+    EXPECT_TRUE(problems(sides("y_max: {slip: no_slip, velocity: [1, 0, 2]}")).empty());
+    EXPECT_TRUE(problems(sides("y_max: {slip: slip_length, slip_length: 1 mm, velocity: [1, 0, 2]}")).empty());
+    EXPECT_TRUE(problems(sides("y_max: {skin_friction: 0.01, velocity: [1, 0, 2]}")).empty());
+    const std::string at = "scene.yaml:6: domain.boundaries.y_max.velocity = [1, 0, 0]: has no effect; ";
+    EXPECT_TRUE(is_problem(sides("y_max: {velocity: [1, 0, 0]}"), at + "a free-slip wall takes nothing along; write slip: no_slip"));
+    EXPECT_TRUE(is_problem(sides("y_max: {kind: open, velocity: [1, 0, 0]}"), at + "the side is open and no wall"));
+    EXPECT_TRUE(is_problem(sides("y_max: {kind: periodic, velocity: [1, 0, 0]}\n    y_min: periodic"), at + "the side is periodic and no wall"));
+    EXPECT_TRUE(is_problem(sides("y_max: {slip: no_slip, velocity: [1, 2, 0]}"),
+                           "scene.yaml:6: domain.boundaries.y_max.velocity = [1, 2, 0]: must be 0 along y; a side of the domain moves along itself alone"));
+}
+
+TEST(BadScene, WhatIsInThePlaneStaysInIt) {
+    const auto scene = [](const std::string& text) {
+        return "schema_version: 1\n"
+               "domain: {dimensions: 2, max: [4, 3], spacing: 0.1}\n"
+               "liquids: [{shapes: [{sphere: {centre: [0, 0], radius: 1}}]}]\n" + text + "\n";
+    };
+    const auto body = [&](const std::string& keys) {
+        return scene("bodies: [{name: drum, kind: kinematic, shape: {sphere: {centre: [1, 1], radius: 1}}, " + keys + "}]");
+    };
+    for (const std::string spin : {"[0, 12.566]", "[12, 0, 0]", "[0, 12, 3]"}) {
+        EXPECT_TRUE(is_problem(body("angular_velocity: " + spin), "scene.yaml:4: bodies.drum.angular_velocity = " + spin + ": must be ")) << spin;
+    }
+    EXPECT_EQ(read(body("angular_velocity: 3")).bodies[0].angular_velocity, (Vec3{0, 0, 3}));
+    EXPECT_EQ(read(body("angular_velocity: 30 deg/s")).bodies[0].angular_velocity[0], 0);
+    EXPECT_EQ(read(body("angular_velocity: [0, 0, -3]")).bodies[0].angular_velocity, (Vec3{0, 0, -3}));
+    EXPECT_TRUE(is_problem(body("angular_velocity: fast"), "scene.yaml:4: bodies.drum.angular_velocity = fast: must be an angular velocity"));
+    EXPECT_TRUE(is_problem(body("velocity: [0, 0, 1]"), "scene.yaml:4: bodies.drum.velocity = [0, 0, 1]: must have no third number"));
+    EXPECT_TRUE(is_problem(body("keyframes: [{time: 1, rotation_axis: [0, 1], rotation_angle: 1}]"),
+                           "scene.yaml:4: bodies.drum.keyframes.0.rotation_axis = [0, 1]: must be z"));
+    EXPECT_TRUE(problems(body("keyframes: [{time: 1, rotation_axis: [0, 0, -1], rotation_angle: 1}]")).empty());
+    EXPECT_TRUE(is_problem(body("keyframes: [{time: 1, translation: [0, 0, 1]}]"),
+                           "scene.yaml:4: bodies.drum.keyframes.0.translation = [0, 0, 1]: must have no third number"));
+    EXPECT_TRUE(is_problem(scene("inlets: [{velocity: 1, disc: {centre: [1, 2], direction: [0, -1, 1], radius: 0.3}}]"),
+                           "scene.yaml:4: inlets.0.disc.direction = [0, -1, 1]: must have no third number"));
+    EXPECT_TRUE(is_problem(scene("outlets: [{half_space: {point: [1, 2], normal: [0, 0, 1]}}]"),
+                           "scene.yaml:4: outlets.0.half_space.normal = [0, 0, 1]: must have no third number"));
+    const auto space = start + "bodies: [{kind: kinematic, angular_velocity: 3, shape: {sphere: {centre: [0, 0, 0], radius: 1}}}]\n";
+    EXPECT_TRUE(is_problem(space, "scene.yaml:4: bodies.0.angular_velocity = 3: must be a list of 3 numbers"));
+}
+
 TEST(BadScene, PropertiesOfALiquidAreInRange) {
     EXPECT_EQ(problems(liquid("    viscosity: -3\n" + shapes)).at(0),
               "scene.yaml:5: liquids.honey.viscosity = -3 Pa s: must be >= 0; a Newtonian viscosity is "

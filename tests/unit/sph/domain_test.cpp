@@ -47,8 +47,22 @@ TEST(CellGrid, RefusesAPeriodicEdgeInWhichAParticleMeetsTwoImages) {
         make_cell_grid(domain, 0.11);
         FAIL() << "two supports do not fit";
     } catch (const InputError& error) {
-        EXPECT_NE(std::string(error.what()).find("periodic"), std::string::npos);
+        EXPECT_NE(std::string(error.what()).find("the period of 0.21 m in z is not above two support radii, 0.22 m"), std::string::npos);
     }
+}
+
+TEST(CellGrid, NamesAPeriodAndItsLeastByNumbersThatDifferWhereTheyDo) {
+    const auto message = [](double period, double support) -> std::string {
+        try {
+            make_cell_grid(make_domain(2, {0, 0, 0}, {period, 1, 0}, {.periodic = {true, false, false}}), support);
+        } catch (const InputError& error) {
+            return error.what();
+        }
+        return "accepted";
+    };
+    EXPECT_NE(message(0.05, 0.025).find("the period of 0.05 m in x is not above two support radii, 0.05 m"), std::string::npos);
+    EXPECT_NE(message(0.0499999, 0.025).find("the period of 0.0499999 m in x is not above two support radii, 0.05 m"), std::string::npos);
+    EXPECT_EQ(message(0.0500001, 0.025), "accepted");
 }
 
 TEST(CellGrid, APlaneHasOneLayerOfCells) {

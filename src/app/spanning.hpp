@@ -1,0 +1,22 @@
+#pragma once
+#include "scene/scene.hpp"
+#include "scene/signed_distance.hpp"
+
+#include <array>
+
+namespace treacle::app {
+
+// A body that is as long as a period, a box or a cylinder along the axis: its ends meet those of its images, and there is no gap
+// between. Where distances are taken and surfaces sampled it is longer by a period at both ends.
+using Axes = std::array<bool, 3>;
+
+// Along which axes; `region` is the body as the scene has it.
+Axes spanned_axes(const scene::Body& body, const scene::SolidRegion& region, const scene::Domain& domain);
+
+// The shape of a body that spans these axes, with what its images add.
+scene::Shape with_images(scene::Shape shape, const Axes& spans, const scene::Domain& domain);
+
+// Whether the body's motion may turn it out of an axis.
+bool may_turn(const scene::Body& body, std::size_t axis, int dimensions);
+
+} // namespace treacle::app
