@@ -1,0 +1,84 @@
+#!/usr/bin/env python3
+"""One run at a time writes into a folder; killed at any moment, a run goes on, and each row of its tables stands once.
+
+usage: kill_test.py PROGRAM MPIEXEC
+"""
+import os
+import random
+import sys
+import time
+
+import harness
+from harness import SCENES, TIGHT, Workplace, kill_all, overrides
+
+DAM = os.path.join(SCENES, "dam.yaml")
+KILLS = int(os.environ.get("TREACLE_KILLS", 5))
+STEPS = 40 * KILLS
+LONG = {**TIGHT, "time.end": f"{0.001 * STEPS}", "time.step": "0.001", "output.interval": "0.02", "output.checkpoint_interval": "0.01",
+        "output.checkpoints_kept": "2", "lost_limit": "0.1"}
+# Particles that collide part on other numbers of ranks (resume_test.py); the liquid as a whole does not.
+SAME_MEAN = 0.02 * 0.02  # [m]
+
+
+class Folder(Workplace):
+    def test_a_second_run_is_refused_while_the_first_goes_on(self):
+        first = self.start("run", DAM, "--out", "run", *overrides(LONG), ranks=2)
+        self.wait_for_frames(first, "run")
+        for command in [["run", DAM, "--out", "run", "--overwrite"], ["resume", "run"]]:
+            for ranks in [1, 2]:
+                done = self.treacle(*command, ranks=ranks, code=2)
+                self.assertIn("a run is writing into this folder", done.stderr)
+        self.assertIsNone(first.poll(), "the first run was over before the others")
+        self.treacle("info", "run")
+        out = first.communicate(timeout=120)[0]
+        self.assertEqual(first.returncode, 0, out)
+        self.assertEqual(list(self.steps("run")["step"]), list(range(1, STEPS + 1)))
+        self.assertFalse(os.path.exists(self.path("run", "run.lock")))
+        self.treacle("resume", "run")
+
+
+class Kill(Workplace):
+    def setUp(self):
+        super().setUp()
+        self.random = random.Random(27)
+        self.kills = 0
+
+    def sitting(self):
+        """Runs or goes on, and kills all ranks at some moment; whether the run ended before that."""
+        begun = os.path.isdir(self.path("run", "checkpoints")) and self.checkpoints("run")
+        command = ["resume", "run"] if begun else ["run", DAM, "--out", "run", "--overwrite", *overrides(LONG)]
+        process = self.start(*command, ranks=self.random.choice([1, 2, 3]))
+        if self.kills == KILLS:
+            self.assertEqual(process.wait(timeout=240), 0, process.communicate()[0])
+            return True
+        for line in process.stdout:
+            if "going on from" in line or "particles on" in line:
+                break
+        time.sleep(self.random.uniform(0, 0.5))
+        if process.poll() is not None:
+            self.assertEqual(process.returncode, 0, process.communicate()[0])
+            return True
+        kill_all(process)
+        self.kills += 1
+        return False
+
+    def test_each_row_stands_once(self):
+        while not self.sitting():
+            pass
+        self.assertGreater(self.kills, KILLS // 3, "it was too fast for the others")
+        self.run_scene(DAM, "straight", 1, LONG)
+        for table in ["steps.csv", "bodies.csv", "measurements.csv"]:
+            one, other = self.columns("straight", table), self.columns("run", table)
+            self.assertEqual(one.dtype.names, other.dtype.names)
+            self.assertEqual(list(one["step"]), list(other["step"]), table)
+        self.assertEqual(list(self.steps("run")["step"]), list(range(1, STEPS + 1)))
+        one, other = self.frame("straight"), self.frame("run")
+        self.assertEqual(one["time"], other["time"])
+        self.assertLess(abs(one["position"].mean(0) - other["position"].mean(0)).max(), SAME_MEAN)
+        print(f"{self.kills} kills, {STEPS} rows once in each table")
+
+
+if __name__ == "__main__":
+    if len(sys.argv) < 3:
+        sys.exit(__doc__)
+    harness.main(sys.argv, __doc__)
