@@ -106,7 +106,7 @@ class Workplace(unittest.TestCase):
                                 stderr=subprocess.STDOUT, text=True, **options)
 
     def wait_for_frames(self, process, run, count=3):
-        end = time.monotonic() + 60
+        end = time.monotonic() + 200
         while time.monotonic() < end and process.poll() is None:
             folder = self.path(run, "frames")
             if os.path.isdir(folder) and len([n for n in os.listdir(folder) if n.startswith("frame_0")]) >= count:
