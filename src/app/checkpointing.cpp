@@ -41,11 +41,11 @@ void read_store(const io::CheckpointReader& reader, const std::string& prefix, P
 }
 } // namespace
 
-void save_checkpoint(const io::RunFolder& folder, const Input& input, const std::string& scene_hash,
+void save_checkpoint(const io::RunFolder& folder, const Input& input, const std::string& state_hash,
                      const Progress& progress, const Simulation& solver) {
     const auto& comm = solver.comm();
     io::CheckpointWriter writer(comm, io::checkpoint_path(folder.checkpoints(), progress.step));
-    writer.attribute("scene", scene_hash);
+    writer.attribute("scene", state_hash);
     writer.attribute("step", progress.step);
     writer.attribute("time", progress.time);
     writer.attribute("frames", progress.frames);
@@ -65,7 +65,7 @@ void save_checkpoint(const io::RunFolder& folder, const Input& input, const std:
     io::keep_last_checkpoints(comm, folder.checkpoints(), input.scene.output.checkpoints_kept);
 }
 
-Checkpoint find_checkpoint(const Comm& comm, const io::RunFolder& folder, const std::string& scene_hash) {
+Checkpoint find_checkpoint(const Comm& comm, const io::RunFolder& folder, const std::string& state_hash) {
     const auto newest = io::newest_valid_checkpoint(comm, folder.checkpoints());
     Checkpoint out;
     out.skipped = newest.skipped;
@@ -77,7 +77,7 @@ Checkpoint find_checkpoint(const Comm& comm, const io::RunFolder& folder, const 
     }
     out.path = *newest.path;
     const io::CheckpointReader reader(comm, out.path);
-    if (reader.attribute<std::string>("scene") != scene_hash) {
+    if (reader.attribute<std::string>("scene") != state_hash) {
         throw InputError({out.path.string(), "this checkpoint belongs to another scene",
                           "effective.yaml of the folder is not the scene that it was written from",
                           "put back the effective.yaml of the run, or start anew with treacle run"});

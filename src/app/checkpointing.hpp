@@ -19,7 +19,7 @@ struct Progress {
 };
 
 // Collective: writes a checkpoint of all state fields, keeps the last ones, removes older ones.
-void save_checkpoint(const io::RunFolder& folder, const Input& input, const std::string& scene_hash,
+void save_checkpoint(const io::RunFolder& folder, const Input& input, const std::string& state_hash,
                      const Progress& progress, const Simulation& solver);
 
 // Collective: reads the newest valid checkpoint into a solver without particles and starts it. `report` gets a
@@ -30,7 +30,7 @@ struct Checkpoint {
     std::filesystem::path path;
     std::vector<std::string> skipped;
 };
-Checkpoint find_checkpoint(const Comm& comm, const io::RunFolder& folder, const std::string& scene_hash);
+Checkpoint find_checkpoint(const Comm& comm, const io::RunFolder& folder, const std::string& state_hash);
 void load_checkpoint(const Checkpoint& checkpoint, Simulation& solver);
 
 } // namespace treacle::app

@@ -124,23 +124,24 @@ void add_run(CLI::App& program, Chosen& chosen, const Words& arguments) {
 
 void add_resume(CLI::App& program, Chosen& chosen, const Words& arguments) {
     struct ResumeWords {
-        std::string folder, wall_limit;
-        Words data;
+        std::string folder, until, wall_limit;
+        Words changes;
     };
     auto words = std::make_shared<ResumeWords>();
     auto& app =
         *program.add_subcommand("resume", "Go on from the newest valid checkpoint, on any number of ranks.");
     app.add_option("folder", words->folder, "Folder of a run")->required()->type_name("DIR");
-    add_repeated(app, "--data", words->data, "Folder in which meshes are looked up.");
+    app.add_option("--until", words->until, "Simulated time at which the run ends from now on, in place of time.end")
+        ->type_name("TIME");
+    add_repeated(app, "--set", words->changes, "Change time.end, output, cameras or lost_limit of the scene: a.b.c=value.");
     app.add_option("--wall-limit", words->wall_limit, "Stop with a checkpoint after this time of the clock")
         ->type_name("TIME");
     add_petsc(app, chosen);
     app.callback([words, arguments, &chosen] {
         chosen.make = [words, arguments]() -> Command {
-            ResumeRequest request{words->folder,
-                                  {words->data.begin(), words->data.end()},
-                                  read_wall_limit(words->wall_limit),
-                                  arguments};
+            ResumeRequest request{words->folder, {}, read_wall_limit(words->wall_limit), arguments};
+            for (const auto& change : words->changes) request.changes.push_back({change});
+            if (!words->until.empty()) request.changes.push_back({"time.end=" + words->until, "--until " + words->until});
             return [request](const Comm& comm) { return resume_run(comm, request); };
         };
     });

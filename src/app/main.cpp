@@ -3,6 +3,7 @@
 #include "kokkos/runtime.hpp"
 #include "solve/runtime.hpp"
 
+#include <csignal>
 #include <cstdio>
 #include <cstring>
 #include <optional>
@@ -48,6 +49,7 @@ ExitCode run_program(const Comm& comm, const std::vector<std::string>& arguments
 
 int main(int argc, char** argv) {
     const MpiRuntime mpi(argc, argv);
+    std::signal(SIGPIPE, SIG_IGN); // a reader of the output that goes away does not end a run
     const Comm comm = Comm::world();
     std::vector<std::string> arguments;
     std::vector<char*> of_kokkos;

@@ -5,6 +5,7 @@
 #include "app/measure.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace treacle::app {
 
@@ -65,6 +66,11 @@ const std::vector<std::string> lost_columns{"step",         "time [s]",     "id"
                                             "x [m]",        "y [m]",        "z [m]",        "velocity x [m/s]",
                                             "velocity y [m/s]", "velocity z [m/s]"};
 
+// When a value is due after one at `time` [s].
+double next_time(double interval, double time) {
+    return interval > 0 ? interval * (std::floor(time / interval + 1e-9) + 1) : 0;
+}
+
 struct HostField {
     const Field* field;
     std::variant<std::vector<double>, std::vector<std::int64_t>> rows;
@@ -117,7 +123,20 @@ Outputs::Outputs(const io::RunFolder& folder, const Input& input, Simulation& si
         steps_ = open(folder.steps(), step_columns(input, simulation));
         bodies_ = open(folder.bodies(), body_columns(input, simulation));
         if (!input.scene.measurements.empty()) measurements_ = open(folder.measurements(), measurement_columns(input));
+        if (std::filesystem::exists(folder.lost_particles())) lost_ = open(folder.lost_particles(), lost_columns);
     });
+    if (!fresh) resume_measurements(progress.time);
+}
+
+// Goes on with the values of the last row and the times at which new ones are due. Without a row all are due.
+void Outputs::resume_measurements(double time) {
+    std::vector<double> last;
+    if (measurements_) last = measurements_->last_row();
+    last = comm_.all_gather(std::span<const double>(last)); // rank 0 alone has a table
+    const auto& measurements = input_.scene.measurements;
+    if (last.size() != measurements.size() + 2) return;
+    std::copy(last.begin() + 2, last.end(), last_measurement_.begin());
+    for (std::size_t k = 0; k < measurements.size(); ++k) next_measurement_[k] = next_time(measurements[k].interval, time);
 }
 
 void Outputs::write_frame(const Progress& progress) {
@@ -161,9 +180,8 @@ void Outputs::write_measurements(const Progress& progress) {
     bool due = false;
     for (std::size_t k = 0; k < measurements.size(); ++k) {
         if (progress.time < next_measurement_[k] - 1e-12) continue;
-        const double interval = measurements[k].interval;
         last_measurement_[k] = measure(measurements[k], input_.scene, simulation_);
-        if (interval > 0) next_measurement_[k] = interval * (std::floor(progress.time / interval + 1e-9) + 1);
+        next_measurement_[k] = next_time(measurements[k].interval, progress.time);
         due = true;
     }
     if (!due || !measurements_) return;
@@ -204,7 +222,7 @@ void Outputs::write_lost(const Progress& progress, const StepFigures& report) {
     }
     const auto gathered = comm_.all_gather(std::span<const double>(rows));
     comm_.guard_root([&] {
-        if (!lost_) lost_ = CsvTable::resume(folder_.lost_particles(), lost_columns, progress.step);
+        if (!lost_) lost_ = CsvTable::create(folder_.lost_particles(), lost_columns);
         const std::size_t width = lost_columns.size();
         for (std::size_t k = 0; k < gathered.size(); k += width) lost_->append(std::span(gathered).subspan(k, width));
         lost_->flush();
@@ -212,9 +230,19 @@ void Outputs::write_lost(const Progress& progress, const StepFigures& report) {
 }
 
 void Outputs::flush() {
-    for (auto* table : {&steps_, &measurements_, &bodies_, &lost_}) {
-        if (*table) (*table)->flush();
-    }
+    comm_.guard_root([&] {
+        for (auto* table : {&steps_, &measurements_, &bodies_, &lost_}) {
+            if (*table) (*table)->flush();
+        }
+    });
+}
+
+void Outputs::sync() {
+    comm_.guard_root([&] {
+        for (auto* table : {&steps_, &measurements_, &bodies_, &lost_}) {
+            if (*table) (*table)->sync();
+        }
+    });
 }
 
 } // namespace treacle::app

@@ -28,8 +28,12 @@ public:
     // Appends the culprits to lost_particles.csv.
     void write_lost(const Progress& progress, const StepFigures& report);
     void flush();
+    // Waits until the disk has all rows.
+    void sync();
 
 private:
+    void resume_measurements(double time);
+
     Comm comm_;
     io::RunFolder folder_;
     const Input& input_;

@@ -5,6 +5,8 @@
 #include "app/time_loop.hpp"
 #include "base/file.hpp"
 #include "base/options.hpp"
+#include "base/text.hpp"
+#include "io/checkpoint.hpp"
 #include "io/manifest.hpp"
 #include "kokkos/runtime.hpp"
 #include "solve/runtime.hpp"
@@ -40,6 +42,25 @@ void write_description(const Comm& comm, const io::RunFolder& folder, const RunR
     io::write_manifest(comm, folder.manifest(), manifest);
 }
 
+void describe_resumption(const Comm& comm, const io::RunFolder& folder, const ResumeRequest& request, const std::string& scene,
+                         std::int64_t step) {
+    if (!request.changes.empty()) comm.guard_root([&] { write_file_atomically(folder.effective_scene(), scene); });
+    io::Resumption resumption{request.command, step, scene, {}};
+    for (const auto& change : request.changes) resumption.changes.push_back(change.assignment);
+    io::add_resumption(comm, folder.manifest(), resumption);
+}
+
+// A new end lies behind the checkpoint.
+void check_end(const ResumeRequest& request, const Input& input, double time) {
+    const double end = input.scene.time.end;
+    for (const auto& change : request.changes) {
+        if (!change.assignment.starts_with("time.end=") || end > time) continue;
+        throw InputError({change.origin.empty() ? "--set " + change.assignment : change.origin,
+                          "time.end = " + format_number(end) + " s is not behind the checkpoint, at " + format_number(time) + " s",
+                          "a run does not go back", "give a later time"});
+    }
+}
+
 std::filesystem::path default_folder(const std::filesystem::path& scene) {
     const auto stem = scene.stem() == "scene" ? std::filesystem::absolute(scene).parent_path().filename() : scene.stem();
     return std::filesystem::path("out") / stem;
@@ -67,26 +88,29 @@ ExitCode run_scene(const Comm& comm, const RunRequest& request) {
     progress.reference_speed = reference_speed(input, geometry);
     auto solver = make_simulation(comm, input, progress.reference_speed, geometry);
     const auto notes = solver->fill(geometry);
-    TimeLoop loop({comm, folder, input, io::text_hash(scene), request.wall_limit}, std::move(solver), progress);
+    TimeLoop loop({comm, folder, input, state_hash(input), request.wall_limit}, std::move(solver), progress);
     for (const auto& note : notes) loop.log().warn(note);
     return loop.run(Opening::fresh);
 }
 
 ExitCode resume_run(const Comm& comm, const ResumeRequest& request) {
-    const auto folder = io::open_run_folder(comm, request.folder);
-    const auto scene = read_text(comm, folder.effective_scene());
+    const auto folder = io::open_run_folder(comm, request.folder, io::Access::write);
+    const auto before = read_text(comm, folder.effective_scene());
     Input input;
     Geometry geometry;
     comm.guard([&] {
-        parse(Document::from_text(scene, folder.effective_scene().string()), input);
+        input = continued_input(before, folder.effective_scene().string(), request.changes);
         check_supported(input);
         // The files of meshes were found when the run began and stand there with their whole paths.
         if (any_moves(input) || input.on_grid()) geometry = build_geometry(input);
     });
-    const auto hash = io::text_hash(scene);
+    const auto hash = state_hash(input);
     const auto checkpoint = find_checkpoint(comm, folder, hash);
+    check_end(request, input, checkpoint.progress.time);
     auto solver = make_simulation(comm, input, checkpoint.progress.reference_speed, geometry);
     load_checkpoint(checkpoint, *solver);
+    describe_resumption(comm, folder, request, request.changes.empty() ? before : effective(input), checkpoint.progress.step);
+    io::remove_checkpoints_after(comm, folder.checkpoints(), checkpoint.progress.step); // broken ones
     TimeLoop loop({comm, folder, input, hash, request.wall_limit}, std::move(solver), checkpoint.progress);
     for (const auto& message : checkpoint.skipped) loop.log().warn(message);
     loop.log().line("going on from " + checkpoint.path.string());

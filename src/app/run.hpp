@@ -1,5 +1,5 @@
 #pragma once
-#include "app/input.hpp"
+#include "app/continuation.hpp"
 #include "base/error.hpp"
 #include "io/run_folder.hpp"
 #include "mpi/comm.hpp"
@@ -19,12 +19,13 @@ ExitCode run_scene(const Comm& comm, const RunRequest& request);
 
 struct ResumeRequest {
     std::filesystem::path folder;
-    std::vector<std::filesystem::path> data_folders;
+    std::vector<Change> changes; // of the scene
     double wall_limit = 0; // [s]
     std::vector<std::string> command;
 };
 
-// `treacle resume`: goes on from the newest valid checkpoint of a run's folder, on any number of ranks.
+// `treacle resume`: goes on from the newest valid checkpoint of a run's folder, on any number of ranks. Changes go into
+// effective.yaml and manifest.json.
 ExitCode resume_run(const Comm& comm, const ResumeRequest& request);
 
 } // namespace treacle::app

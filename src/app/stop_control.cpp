@@ -7,18 +7,22 @@ namespace treacle::app {
 namespace {
 volatile std::sig_atomic_t signalled = 0;
 void note_signal(int) { signalled = 1; }
-constexpr int signals[] = {SIGTERM, SIGINT, SIGUSR1};
+constexpr int signals[] = {SIGTERM, SIGINT, SIGHUP, SIGUSR1};
 } // namespace
 
 StopControl::StopControl(const Comm& comm, std::filesystem::path stop_file, double wall_limit)
     : comm_(comm), stop_file_(std::move(stop_file)), wall_limit_(wall_limit),
       start_(std::chrono::steady_clock::now()) {
     signalled = 0;
-    for (const int number : signals) std::signal(number, note_signal);
+    for (const int number : signals) {
+        earlier_.emplace_back(number, std::signal(number, note_signal));
+        // Stays ignored, as nohup wants it.
+        if (earlier_.back().second == SIG_IGN) std::signal(number, SIG_IGN);
+    }
 }
 
 StopControl::~StopControl() {
-    for (const int number : signals) std::signal(number, SIG_DFL);
+    for (const auto& [number, handler] : earlier_) std::signal(number, handler == SIG_ERR ? SIG_DFL : handler);
 }
 
 double StopControl::wall_seconds() const {

@@ -4,10 +4,12 @@
 #include <chrono>
 #include <filesystem>
 #include <string>
+#include <utility>
+#include <vector>
 
 namespace treacle::app {
 
-// Why a run should end before its time: a signal (SIGTERM, SIGINT, SIGUSR1), a file named STOP in its folder, or
+// Why a run should end before its time: a signal (SIGTERM, SIGINT, SIGHUP, SIGUSR1), a file named STOP in its folder, or
 // the time limit of the clock.
 class StopControl {
 public:
@@ -24,10 +26,13 @@ public:
     double wall_seconds() const;
 
 private:
+    using Handler = void (*)(int);
+
     Comm comm_;
     std::filesystem::path stop_file_;
     double wall_limit_;
     std::chrono::steady_clock::time_point start_;
+    std::vector<std::pair<int, Handler>> earlier_; // handlers by the number of their signal
 };
 
 std::string describe(StopControl::Reason reason);

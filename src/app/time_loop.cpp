@@ -15,6 +15,8 @@ namespace {
 // Times closer than this share of the run count as equal.
 constexpr double same_time = 1e-10;
 
+double with_tolerance(double time) { return time * (1 + same_time) + 1e-300; }
+
 constexpr const char* cause_words[loss_causes] = {"flowed out", "went through a wall",
                                                        "were no longer finite"};
 
@@ -102,17 +104,36 @@ void TimeLoop::check_losses(const StepFigures& report, Outputs& outputs) {
                            "take a smaller time step, or raise lost_limit"});
 }
 
-void TimeLoop::save() {
+// Tables first: after a crash the checkpoint's step and all before it stand in them.
+void TimeLoop::save(Outputs& outputs) {
+    outputs.sync();
     auto progress = progress_;
     progress.wall_seconds += stop_.wall_seconds();
-    save_checkpoint(setup_.folder, setup_.input, setup_.scene_hash, progress, *solver_);
+    save_checkpoint(setup_.folder, setup_.input, setup_.state_hash, progress, *solver_);
+    saved_step_ = progress_.step;
 }
 
+bool TimeLoop::keeps_checkpoints() const {
+    const auto& output = setup_.input.scene.output;
+    return output.checkpoint_interval > 0 || output.checkpoint_wall_interval > 0;
+}
+
+// Frames and checkpoints that were due so far, by intervals that may be others than before the run went on.
+void TimeLoop::count_due() {
+    const auto& output = setup_.input.scene.output;
+    const double now = with_tolerance(progress_.time);
+    if (output.interval > 0) progress_.frames = static_cast<std::int64_t>(std::floor(now / output.interval)) + 1;
+    if (output.checkpoint_interval > 0) {
+        progress_.checkpoints = static_cast<std::int64_t>(std::floor(now / output.checkpoint_interval));
+    }
+}
+
+// The end of the run has a frame, and a checkpoint to go on from when there are any, whatever their intervals.
 void TimeLoop::write_due(Outputs& outputs, const StepFigures& report) {
     const auto& output = setup_.input.scene.output;
-    const double now = progress_.time * (1 + same_time) + 1e-300;
+    const double now = with_tolerance(progress_.time);
     bool line = finished();
-    if (output.interval > 0 && now >= output.interval * double(progress_.frames)) {
+    if (output.interval > 0 && (now >= output.interval * double(progress_.frames) || finished())) {
         if (stale_) solver_->refresh();
         outputs.write_frame(progress_);
         outputs.write_solids(progress_);
@@ -127,7 +148,7 @@ void TimeLoop::write_due(Outputs& outputs, const StepFigures& report) {
         outputs.flush();
         report_progress(report);
     }
-    bool due = false;
+    bool due = finished() && keeps_checkpoints();
     if (output.checkpoint_interval > 0 && now >= output.checkpoint_interval * double(progress_.checkpoints + 1)) {
         progress_.checkpoints = static_cast<std::int64_t>(std::floor(now / output.checkpoint_interval));
         due = true;
@@ -137,7 +158,7 @@ void TimeLoop::write_due(Outputs& outputs, const StepFigures& report) {
         next_wall_save_ += output.checkpoint_wall_interval;
         due = true;
     }
-    if (due) save();
+    if (due) save(outputs);
 }
 
 void TimeLoop::report_progress(const StepFigures& report) {
@@ -212,6 +233,7 @@ ExitCode TimeLoop::run(Opening opening) {
     totals_ = solver_->totals();
     Outputs outputs(setup_.folder, setup_.input, *solver_, progress_, opening);
     if (opening == Opening::fresh) {
+        if (setup_.folder.lock && !setup_.folder.lock->warning().empty()) log_.warn(setup_.folder.lock->warning());
         progress_.initial_particles = totals_.particles - solver_->emitted();
         progress_.initial_mass = totals_.mass;
         const std::int64_t solids = solver_->solid() ? setup_.comm.sum(std::int64_t{solver_->solid()->owned()}) : 0;
@@ -226,6 +248,7 @@ ExitCode TimeLoop::run(Opening opening) {
         }
         outputs.write_measurements(progress_);
     }
+    if (opening == Opening::resumed) count_due();
     auto reason = StopControl::Reason::none;
     while (!finished() && reason == StopControl::Reason::none) {
         take_step(outputs);
@@ -237,7 +260,7 @@ ExitCode TimeLoop::run(Opening opening) {
         log_.line("finished: " + setup_.folder.root.string());
         return ExitCode::ok;
     }
-    save();
+    if (saved_step_ != progress_.step) save(outputs);
     stop_.clear();
     write_summary("stopped by " + describe(reason));
     log_.line("stopped by " + describe(reason) + " with a checkpoint; go on with treacle resume " +

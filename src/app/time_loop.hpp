@@ -10,7 +10,7 @@ struct LoopSetup {
     Comm comm;
     io::RunFolder folder;
     Input input;
-    std::string scene_hash;
+    std::string state_hash; // of continuation.hpp
     double wall_limit = 0; // [s]
 };
 
@@ -29,7 +29,9 @@ private:
     void take_step(Outputs& outputs);
     void check_losses(const StepFigures& report, Outputs& outputs);
     void write_due(Outputs& outputs, const StepFigures& report);
-    void save();
+    void save(Outputs& outputs);
+    void count_due();
+    bool keeps_checkpoints() const;
     void report_progress(const StepFigures& report);
     void write_summary(const std::string& how_it_ended);
     bool finished() const;
@@ -44,6 +46,7 @@ private:
     double start_time_ = 0;       // [s] simulated, of this sitting
     double next_wall_save_ = 0;   // [s] of the clock
     std::int64_t start_step_ = 0;
+    std::int64_t saved_step_ = -1; // of the newest checkpoint
     bool stale_ = false; // particles were taken out after the densities had been computed
     std::int64_t iterations_ = 0;
 };

@@ -4,10 +4,13 @@
 #include "base/file.hpp"
 #include "base/text.hpp"
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <fstream>
+#include <limits>
 #include <stdexcept>
+#include <unistd.h>
 
 namespace treacle {
 
@@ -24,6 +27,17 @@ std::string header(const std::filesystem::path& path, const std::vector<std::str
                           "names become the header of the table", "choose a plainer name"});
     }
     return join(columns, ",") + "\n";
+}
+
+// What is no number, such as nan, is NaN.
+std::vector<double> numbers_of(const std::string& line) {
+    std::vector<double> row;
+    for (std::size_t from = 0; from <= line.size();) {
+        const auto comma = std::min(line.find(',', from), line.size());
+        row.push_back(read_number(line.substr(from, comma - from)).value_or(std::numeric_limits<double>::quiet_NaN()));
+        from = comma + 1;
+    }
+    return row;
 }
 } // namespace
 
@@ -48,13 +62,16 @@ CsvTable CsvTable::resume(const std::filesystem::path& path, std::vector<std::st
         throw InputError({path.string() + ":1", "the header is not the one that this run writes",
                           "the file belongs to another scene or version", "move it away to start a new one"});
     }
+    std::string last;
     // A row without its line break was cut off: getline then ends at the end of the file.
     while (std::getline(old, line) && !old.eof()) {
         const auto step = read_number(line.substr(0, line.find(',')));
-        if (step && *step <= static_cast<double>(last_step)) kept += line + "\n";
+        if (step && *step <= static_cast<double>(last_step)) kept += (last = line) + "\n";
     }
     write_file_atomically(path, kept);
-    return CsvTable(path, std::move(columns));
+    CsvTable table(path, std::move(columns));
+    if (!last.empty()) table.last_row_ = numbers_of(last);
+    return table;
 }
 
 void CsvTable::append(std::span<const double> row) {
@@ -70,6 +87,11 @@ void CsvTable::append(std::span<const double> row) {
 
 void CsvTable::flush() {
     if (std::fflush(file_.get()) != 0) fail(path_);
+}
+
+void CsvTable::sync() {
+    flush();
+    if (::fsync(::fileno(file_.get())) != 0) fail(path_);
 }
 
 } // namespace treacle

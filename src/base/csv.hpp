@@ -26,8 +26,12 @@ public:
     // One number per column, else std::invalid_argument. Throws SimulationError when the disk is full.
     void append(std::span<const double> row);
     void flush();
+    // Flushes, and waits until the disk has the rows. Throws as append().
+    void sync();
 
     const std::vector<std::string>& columns() const { return columns_; }
+    // Last row that resume() kept; empty when there was none.
+    const std::vector<double>& last_row() const { return last_row_; }
 
 private:
     struct Close {
@@ -39,6 +43,7 @@ private:
     std::vector<std::string> columns_;
     std::unique_ptr<std::FILE, Close> file_;
     std::string line_;
+    std::vector<double> last_row_;
 };
 
 } // namespace treacle

@@ -132,8 +132,8 @@ Node& find_or_make(Node& node, const std::string& word, const std::string& place
 
 } // namespace
 
-void Document::set(const std::string& assignment) {
-    const std::string place = "--set " + assignment;
+void Document::set(const std::string& assignment, const std::string& origin) {
+    const std::string place = origin.empty() ? "--set " + assignment : origin;
     try {
         const auto equals = assignment.find('=');
         const auto path = assignment.substr(0, equals);

@@ -21,8 +21,8 @@ public:
     ~Document();
 
     // Applies "a.b.c=value" before parsing; an item of a list is named by its number or its `name`.
-    // Missing blocks are made. What does not fit is reported by parse(), at the place "--set a.b.c=value".
-    void set(const std::string& assignment);
+    // Missing blocks are made. What does not fit is reported by parse(), at `origin`, or at "--set a.b.c=value".
+    void set(const std::string& assignment, const std::string& origin = "");
 
     const DocumentTree& tree() const { return *tree_; }
 

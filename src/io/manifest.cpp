@@ -1,13 +1,16 @@
 #include "io/manifest.hpp"
 
+#include "base/file.hpp"
 #include "build_info.hpp"
 #include "mpi/native.hpp"
 
 #include <hdf5.h>
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <cstdio>
 #include <ctime>
+#include <fstream>
 #include <set>
 #include <unistd.h>
 
@@ -93,6 +96,21 @@ void write_manifest(const Comm& comm, const std::filesystem::path& path, const M
         if (const auto* entries = std::get_if<Value::Object>(&manifest.extra.data()))
             for (const auto& [key, value] : *entries) out.set(key, value);
         write_json(path, out);
+    });
+}
+
+void add_resumption(const Comm& comm, const std::filesystem::path& path, const Resumption& resumption) {
+    comm.guard_root([&] {
+        std::ifstream file(path);
+        auto manifest = nlohmann::ordered_json::parse(file, nullptr, false);
+        if (!manifest.is_object()) manifest = {{"program", "treacle"}};
+        manifest["input hash"] = text_hash(resumption.input_text);
+        auto& all = manifest["resumed"];
+        if (!all.is_array()) all = nlohmann::ordered_json::array();
+        all.push_back({{"started", time_now()}, {"step", resumption.step}, {"ranks", comm.size()},
+                       {"version", build_info().version}, {"command", resumption.command},
+                       {"changes", resumption.changes}});
+        write_file_atomically(path, manifest.dump(2) + "\n");
     });
 }
 

@@ -39,6 +39,18 @@ struct Manifest {
 // and hash of the input. Throws SimulationError.
 void write_manifest(const Comm& comm, const std::filesystem::path& path, const Manifest& manifest);
 
+// A run that goes on from a checkpoint.
+struct Resumption {
+    std::vector<std::string> command;
+    std::int64_t step = 0;            // of the checkpoint
+    std::string input_text;           // the scene in effect from here on
+    std::vector<std::string> changes; // of the scene: "time.end=20 s"
+};
+
+// Collective: adds to the list "resumed" of manifest.json when, on how many ranks, from which step and with what changes,
+// and brings "input hash" up to date. A manifest that is missing or damaged is begun anew. Throws SimulationError.
+void add_resumption(const Comm& comm, const std::filesystem::path& path, const Resumption& resumption);
+
 // Collective: rank 0 writes the object, e.g. summary.json. Throws SimulationError on every rank.
 void write_summary(const Comm& comm, const std::filesystem::path& path, const Value& summary);
 

@@ -35,16 +35,29 @@ void check_writable(const std::filesystem::path& path) {
                "choose another folder with --out");
 }
 
-void prepare(const RunFolder& folder, ExistingFiles existing) {
+// A lock that a killed run left behind is no result.
+bool is_used(const std::filesystem::path& root) {
+    if (!std::filesystem::exists(root)) return false;
+    for (const auto& item : std::filesystem::directory_iterator(root))
+        if (item.path().filename() != FolderLock::file_name) return true;
+    return false;
+}
+
+void refuse_used(const std::filesystem::path& root, ExistingFiles existing) {
+    if (existing == ExistingFiles::overwrite || !is_used(root)) return;
+    refuse(root, "the output folder exists and is not empty", "a run does not mix its files with those of another",
+           "choose another folder with --out, or replace the files of the run in it with --overwrite");
+}
+
+void prepare(RunFolder& folder, ExistingFiles existing) {
     check_writable(folder.root);
     for (const auto& part : {folder.frames(), folder.checkpoints()})
         if (std::filesystem::exists(part) && !std::filesystem::is_directory(part))
             refuse(part, "this is a file", "a run makes a folder of this name", "move it away");
-    const bool used = std::filesystem::exists(folder.root) && !std::filesystem::is_empty(folder.root);
-    if (used && existing == ExistingFiles::refuse)
-        refuse(folder.root, "the output folder exists and is not empty",
-               "a run does not mix its files with those of another",
-               "choose another folder with --out, or replace the files of the run in it with --overwrite");
+    refuse_used(folder.root, existing);
+    std::filesystem::create_directories(folder.root);
+    folder.lock = std::make_shared<const FolderLock>(folder.root);
+    refuse_used(folder.root, existing); // another run may have begun and ended since
     for (const auto& file : files_of_run(folder)) std::filesystem::remove(file);
     std::filesystem::create_directories(folder.frames());
     std::filesystem::create_directories(folder.checkpoints());
@@ -65,7 +78,7 @@ std::vector<std::filesystem::path> files_of_run(const RunFolder& folder) {
 }
 
 RunFolder prepare_run_folder(const Comm& comm, const std::filesystem::path& path, ExistingFiles existing) {
-    const RunFolder folder{path.lexically_normal()};
+    RunFolder folder{path.lexically_normal()};
     comm.guard_root([&] {
         try {
             prepare(folder, existing);
@@ -77,14 +90,15 @@ RunFolder prepare_run_folder(const Comm& comm, const std::filesystem::path& path
     return folder;
 }
 
-RunFolder open_run_folder(const Comm& comm, const std::filesystem::path& path) {
-    const RunFolder folder{path.lexically_normal()};
+RunFolder open_run_folder(const Comm& comm, const std::filesystem::path& path, Access access) {
+    RunFolder folder{path.lexically_normal()};
     comm.guard_root([&] {
         if (!std::filesystem::is_directory(folder.root))
             refuse(path, "there is no such folder", "", "give the folder that a run wrote");
         if (!std::filesystem::exists(folder.effective_scene()))
             refuse(path, "this is not the folder of a run", "it holds no effective.yaml",
                    "give the folder that a run wrote");
+        if (access == Access::write) folder.lock = std::make_shared<const FolderLock>(folder.root);
     });
     return folder;
 }

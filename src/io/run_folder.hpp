@@ -1,7 +1,9 @@
 #pragma once
+#include "io/folder_lock.hpp"
 #include "mpi/comm.hpp"
 
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -10,9 +12,14 @@ namespace treacle::io {
 // What to do with a folder that is not empty.
 enum class ExistingFiles { refuse, overwrite };
 
+// What a folder of results is opened for.
+enum class Access { read, write };
+
 // Where the results of a run are.
 struct RunFolder {
     std::filesystem::path root;
+    // Of rank 0, for writing: keeps other runs out as long as this or a copy of it lives.
+    std::shared_ptr<const FolderLock> lock{};
 
     std::filesystem::path effective_scene() const { return root / "effective.yaml"; }
     std::filesystem::path manifest() const { return root / "manifest.json"; }
@@ -28,13 +35,13 @@ struct RunFolder {
 };
 
 // Collective: makes the folder with frames/ and checkpoints/ in it. Throws InputError on every rank when the
-// path is a file, when the folder is not empty and existing files are refused, or when it cannot be made;
-// nothing is changed then. Overwriting removes the files that a run makes, by name, and no other file.
+// path is a file, when the folder is not empty and existing files are refused, when another program writes into it, or
+// when it cannot be made; nothing is changed then. Overwriting removes the files that a run makes, by name, and no other file.
 RunFolder prepare_run_folder(const Comm& comm, const std::filesystem::path& path, ExistingFiles existing);
 
-// Collective: the folder of a run to look at or to go on with. Throws InputError on every rank when it is
-// missing or holds no effective.yaml.
-RunFolder open_run_folder(const Comm& comm, const std::filesystem::path& path);
+// Collective: the folder of a run to look at or, with Access::write, to go on with. Throws InputError on every rank when
+// it is missing or holds no effective.yaml, and for writing when another program writes into it.
+RunFolder open_run_folder(const Comm& comm, const std::filesystem::path& path, Access access = Access::read);
 
 // The files that overwriting would remove, sorted; on this rank alone.
 std::vector<std::filesystem::path> files_of_run(const RunFolder& folder);

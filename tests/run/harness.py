@@ -2,8 +2,10 @@
 import json
 import os
 import shutil
+import signal
 import subprocess
 import tempfile
+import time
 import unittest
 
 import h5py
@@ -35,6 +37,53 @@ def overrides(values):
     return [word for key, value in values.items() for word in ("--set", f"{key}={value}")]
 
 
+def stat_of(pid):
+    """Name, state and parent of a process, None when it is gone."""
+    try:
+        with open(f"/proc/{pid}/stat") as file:
+            text = file.read()
+    except OSError:
+        return None
+    name = text[text.index("(") + 1:text.rindex(")")]
+    state, parent = text[text.rindex(")") + 2:].split()[:2]
+    return name, state, int(parent)
+
+
+def processes_of(pid):
+    """A process and all that it has started, children last."""
+    parents = {}
+    for entry in filter(str.isdigit, os.listdir("/proc")):
+        found = stat_of(entry)
+        if found:
+            parents.setdefault(found[2], []).append(int(entry))
+    found = [pid]
+    for one in found:
+        found += parents.get(one, [])
+    return found
+
+
+def ranks_of(process):
+    """Processes of the program that a launcher, or nothing, has started."""
+    name = os.path.basename(Program.path)
+    return [pid for pid in processes_of(process.pid) if (stat_of(pid) or ("",))[0] == name]
+
+
+def kill_all(process):
+    """SIGKILL for the launcher and all ranks; returns when none of them runs any more."""
+    pids = processes_of(process.pid)
+    for pid in pids:
+        try:
+            os.kill(pid, signal.SIGKILL)
+        except ProcessLookupError:
+            pass
+    process.communicate()
+    end = time.monotonic() + 60
+    while any((stat_of(pid) or ("", "Z"))[1] not in "ZX" for pid in pids):
+        if time.monotonic() > end:
+            raise TimeoutError(f"{pids} are still there")
+        time.sleep(0.01)
+
+
 class Workplace(unittest.TestCase):
     """A folder of its own for each test; commands run in it."""
 
@@ -50,6 +99,20 @@ class Workplace(unittest.TestCase):
                               cwd=self.folder)
         self.assertEqual(done.returncode, code, f"{arguments} on {ranks} ranks: {done.stdout}\n{done.stderr}")
         return done
+
+    def start(self, *arguments, ranks=1, **options):
+        """The process of a command, its output in one pipe."""
+        return subprocess.Popen(command_line(arguments, ranks), cwd=self.folder, stdout=subprocess.PIPE,
+                                stderr=subprocess.STDOUT, text=True, **options)
+
+    def wait_for_frames(self, process, run, count=3):
+        end = time.monotonic() + 200
+        while time.monotonic() < end and process.poll() is None:
+            folder = self.path(run, "frames")
+            if os.path.isdir(folder) and len([n for n in os.listdir(folder) if n.startswith("frame_0")]) >= count:
+                return
+            time.sleep(0.02)
+        self.fail("the run did not get under way: " + process.communicate(timeout=60)[0])
 
     def run_scene(self, scene, out, ranks, values, code=0, extra=()):
         return self.treacle("run", scene, "--out", out, *overrides(values), *extra, ranks=ranks, code=code)

@@ -3,14 +3,13 @@
 
 usage: stop_test.py PROGRAM MPIEXEC RANKS
 """
+import json
 import os
 import signal
-import subprocess
 import sys
-import time
 
 import harness
-from harness import SCENES, TIGHT, Workplace, command_line, overrides
+from harness import SCENES, TIGHT, Workplace, overrides, ranks_of
 
 DAM = os.path.join(SCENES, "dam.yaml")
 RANKS = 1
@@ -29,19 +28,10 @@ class Stop(Workplace):
             self.run_scene(DAM, "straight", RANKS, LONG)
             Stop.straight = self.frame("straight")
 
-    def start(self):
-        arguments = ["run", DAM, "--out", "run", *overrides(LONG)]
-        return subprocess.Popen(command_line(arguments, RANKS), cwd=self.folder, stdout=subprocess.PIPE,
-                                stderr=subprocess.STDOUT, text=True)
-
-    def wait_for_the_first_frames(self, process):
-        end = time.monotonic() + 60
-        while time.monotonic() < end and process.poll() is None:
-            folder = self.path("run", "frames")
-            if os.path.isdir(folder) and len([n for n in os.listdir(folder) if n.startswith("frame_0")]) >= 3:
-                return
-            time.sleep(0.02)
-        self.fail("the run did not get under way: " + process.communicate(timeout=60)[0])
+    def under_way(self, **options):
+        process = self.start("run", DAM, "--out", "run", *overrides(LONG), ranks=RANKS, **options)
+        self.wait_for_frames(process, "run")
+        return process
 
     def expect_stopped(self, process, words):
         out = process.communicate(timeout=120)[0]
@@ -58,14 +48,33 @@ class Stop(Workplace):
         self.assertLessEqual(self.largest_move(self.straight, self.frame("run")), SAME_RANKS)
 
     def test_by_a_signal(self):
-        process = self.start()
-        self.wait_for_the_first_frames(process)
+        process = self.under_way()
         process.send_signal(signal.SIGUSR1)
         self.expect_stopped(process, "a signal")
 
+    def test_by_a_lost_connection(self):
+        process = self.under_way()
+        for pid in ranks_of(process):
+            os.kill(pid, signal.SIGHUP)
+        self.expect_stopped(process, "a signal")
+
+    def test_a_lost_connection_does_not_stop_what_ignores_it(self):
+        process = self.under_way(preexec_fn=lambda: signal.signal(signal.SIGHUP, signal.SIG_IGN))
+        for pid in ranks_of(process):
+            os.kill(pid, signal.SIGHUP)
+        out = process.communicate(timeout=120)[0]
+        self.assertEqual(process.returncode, 0, out)
+
+    def test_lost_output_does_not_stop_it(self):
+        process = self.under_way()
+        process.stdout.close()
+        self.assertEqual(process.wait(timeout=120), 0)
+        self.assertEqual(list(self.steps("run")["step"]), list(range(1, 201)))
+        with open(self.path("run", "summary.json")) as file:
+            self.assertEqual(json.load(file)["ended"], "finished")
+
     def test_by_a_file(self):
-        process = self.start()
-        self.wait_for_the_first_frames(process)
+        process = self.under_way()
         open(self.path("run", "STOP"), "w").close()
         self.expect_stopped(process, "STOP")
 

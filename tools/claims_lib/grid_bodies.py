@@ -38,7 +38,7 @@ def wall_corrected(viscosity, tube):
     return stokes / in_tube((1 if tube else 1.9033 / 2.1050) * 2 * RADIUS / WIDTH)
 
 
-def fall(context, folder, viscosity, cells, *, tube=False, coupling="strong", solve="together"):
+def fall(context, folder, viscosity, cells, *, tube=False, coupling="strong", solve="together", ranks=2):
     """Velocity of the ball after its start, or the fastest one where the coupling lets it reach the floor [m/s], with steps
     that its velocity at the end asks for, not its start. In the box of the tube, since that of scene.yaml is so short that its
     surface lets the ball sink 7 % faster."""
@@ -48,7 +48,7 @@ def fall(context, folder, viscosity, cells, *, tube=False, coupling="strong", so
                     folder / f"{viscosity:g}_{cells}_{'tube' if tube else 'box'}_{coupling}",
                     set={"liquids.syrup.viscosity": viscosity, "domain.spacing": RADIUS / cells, "time.step": STEP,
                          "time.end": end, "output.interval": 0, "method.grid.coupling": coupling,
-                         "method.grid.stokes.solve": solve, **({} if tube else BOX)}, timeout=4 * 3600)
+                         "method.grid.stokes.solve": solve, **({} if tube else BOX)}, ranks=ranks, timeout=4 * 3600)
     down = -run.bodies()["ball velocity z"]
     return float(down[-1] if coupling == "strong" else down.max())
 

@@ -54,7 +54,7 @@ class Solves:
 
 
 def particles_of(context):
-    return QUICK_PARTICLES if context.quick else PARTICLES
+    return context.pick(PARTICLES, QUICK_PARTICLES, 500)
 
 
 @contextlib.contextmanager

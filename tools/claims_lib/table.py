@@ -69,9 +69,14 @@ class Context:
     build: pathlib.Path
     scratch: pathlib.Path
     quick: bool = False
+    smallest: bool = False # of reproductions, quick too: as small as it runs, for tests
     peers: dict = dataclasses.field(default_factory=dict)
     commands: list = dataclasses.field(default_factory=list)
     kept: dict = dataclasses.field(default_factory=dict)
+
+    def pick(self, full, quick, smallest):
+        """What fits the size of the call."""
+        return smallest if self.smallest else quick if self.quick else full
 
     def once(self, key, measure):
         """What measure() returned, for rows that look at the same runs; measured once in a call of tools/claims."""

@@ -5,7 +5,8 @@ A module of this folder declares one with
     @entry("figure-3.9", "what it shows", quick=240)
     def figure(context, results): ...
 
-context is that of the claims, for run_scene and its like; with context.quick it ends within ten minutes on two cores.
+context is that of the claims, for run_scene and its like; with context.quick it ends within ten minutes on two cores, with
+context.smallest within seconds (context.pick chooses).
 """
 
 import contextlib
@@ -121,7 +122,7 @@ def reproduce(one, context, folder, ranks, out=sys.stdout):
     start = time.monotonic()
     results.say(f"{one.name}: {one.title}")
     one.run(context, results)
-    record = {"name": one.name, "quick": context.quick, "ranks": ranks, "commands": context.commands,
+    record = {"name": one.name, "quick": context.quick, "smallest": context.smallest, "ranks": ranks, "commands": context.commands,
               "seconds": round(time.monotonic() - start, 1)}
     (results.new("commands.json")).write_text(json.dumps(record, indent=2) + "\n")
     for path in results.files:

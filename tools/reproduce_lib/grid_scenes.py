@@ -38,7 +38,9 @@ def floating(frame, before, interval, spacing):
 @entry("figure-5.4", "A ball of syrup on a dragon, by the volume fractions", quick=540)
 def figure_5_4(context, results):
     settings = {"output.interval": 0.025, "output.fields": "[id, velocity]"}
-    settings |= {"domain.spacing": 0.02} if context.quick else {"domain.spacing": 0.005}
+    settings["domain.spacing"] = context.pick(0.005, 0.02, 0.03)
+    if context.smallest:
+        settings["time.end"] = 0.05
     rows, pictures = [], []
     for fractions, theirs in FRACTIONS.items():
         run = run_scene(context, scene(context, "dragon_ball"), context.scratch / fractions, ranks=results.ranks,
@@ -71,7 +73,9 @@ PILE_UP = {
 def figure_5_6(context, results):
     from .costs import FRAME
 
-    settings = {"output.interval": 0.1, CORRECTION + "slack": 0, "domain.spacing": 0.025 if context.quick else 0.01}
+    settings = {"output.interval": 0.1, CORRECTION + "slack": 0, "domain.spacing": context.pick(0.01, 0.025, 0.05)}
+    if context.smallest:
+        settings["time.end"] = 0.02
     rows, curves = [], []
     with results.figure("figure_5.6", columns=2) as axes:
         for name, (method, theirs) in PILE_UP.items():
@@ -98,6 +102,8 @@ REACHES = {"none": "no", "distance": "no; with 50 iterations yes, less than by d
 @entry("figure-5.8", "Plates press liquid through their holes, by the correction of places", quick=480)
 def figure_5_8(context, results):
     settings = {"domain.spacing": grid_plates.COARSE if context.quick else 0.01}
+    if context.smallest: # coarser plates would have no holes
+        settings["time.end"] = 0.005
     rows, curves, pictures = [], [], []
     with results.figure("figure_5.8") as axes:
         for method, theirs in REACHES.items():

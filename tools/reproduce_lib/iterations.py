@@ -57,10 +57,10 @@ def mean(rows):
 
 @entry("figure-3.8", "Iterations of MGCG on the dissertation's grids over two runs, by lambda", quick=120)
 def figure_3_8(context, results):
-    end = 0.3 if context.quick else 1.2
+    end = context.pick(1.2, 0.3, 0.02)
     scenes = {"stirrer": context.root / "inputs/stirrer/scene.yaml",  # liquid with bodies that are moved through it
               "dam break": context.root / "inputs/dam_break/scene.yaml"}
-    spacing = {"stirrer": 0.005, "dam break": 0.02} if context.quick else {"stirrer": 0.0015, "dam break": 0.0075}
+    spacing = {"stirrer": context.pick(0.0015, 0.005, 0.01), "dam break": context.pick(0.0075, 0.02, 0.04)}
     rows, means = [], {}
     for scene, path in scenes.items():
         for share in SHARES:
@@ -97,7 +97,7 @@ STOP = {KEY + "stop": "residual", KEY + "residual": 1e-4}
 
 @entry("figure-3.12", "Iterations over a double dam break, with cubes that the water carries and without", quick=180)
 def figure_3_12(context, results):
-    spacing, end = (0.02, 0.8) if context.quick else (0.0075, 2.0)
+    spacing, end = context.pick((0.0075, 2.0), (0.02, 0.8), (0.04, 0.02))
     solvers, scenes = ("multilevel", "multilevel_grids"), {"with cubes": cubes(), "without": ""}
     rows, lines = [], []
     for name, bodies in scenes.items():

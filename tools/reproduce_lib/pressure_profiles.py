@@ -22,12 +22,12 @@ PROFILE = {
 DISSERTATION_TIMES = {"multilevel_grids": 1.0, "CG": 4.0, "IISPH": 12.0}
 OVER_A_RUN = {"IISPH": 7.5, "CG": 2.3, "multilevel": 1.0}  # likewise, in a run of a million particles
 # The dissertation's sizes, and ours with --quick.
-SIZES, QUICK_SIZES = (123_500, 1_000_000, 3_400_000), (15_000, 60_000, 124_000)
+SIZES, QUICK_SIZES, SMALLEST_SIZES = (123_500, 1_000_000, 3_400_000), (15_000, 60_000, 124_000), (1_000, 2_000)
 
 
 def time_to_error(context, results):
     """Iterations and seconds of a step to a density error, warm from step to step as in a run."""
-    particles, errors = (13_000, (1e-2, 1e-3, 1e-4, 1e-5)) if context.quick else (1_000_000, (1e-2, 1e-3, 1e-4, 1e-5))
+    particles, errors = context.pick(1_000_000, 13_000, 500), context.pick(*2 * [(1e-2, 1e-3, 1e-4, 1e-5)], (DENSITY_ERROR,))
     step, rows = 8.32e-3, []
     for name, settings in PROFILE.items():
         for error in errors:
@@ -43,9 +43,9 @@ def time_to_error(context, results):
 
 def over_time(context, results):
     """Seconds of each step's pressure solve; with ISPH, also without the construction of the system."""
-    end = 0.2 if context.quick else 1.0
+    end = context.pick(1.0, 0.2, 0.01)
     rows = []
-    with dam_break(context, 2.08e-3, particles=13_000 if context.quick else 1_000_000, end=end) as (_, folder, scene):
+    with dam_break(context, 2.08e-3, particles=context.pick(1_000_000, 13_000, 500), end=end) as (_, folder, scene):
         for name in OVER_A_RUN:
             steps = run_scene(context, scene, folder / name, ranks=results.ranks, timeout=24 * 3600,
                               set={**PROFILE[name], KEY + "density_error": DENSITY_ERROR}).steps()
@@ -57,7 +57,7 @@ def over_time(context, results):
 
 def residuals(context, results):
     rows = []
-    for size in QUICK_SIZES if context.quick else SIZES:
+    for size in context.pick(SIZES, QUICK_SIZES, SMALLEST_SIZES):
         report = pressure_bench(context, size, ["multilevel", "multilevel_grids", "none"], [1e-6], ranks=results.ranks)
         for solve in report["solves"]:
             name = {"none": "CG"}.get(solve["preconditioner"], solve["preconditioner"])
@@ -136,8 +136,8 @@ DIVERGED = 1e3                                    # residuals beyond are not dra
 
 @entry("figure-3.6", "Convergence of the V-cycle by itself and of MGCG on the dissertation's grids, by lambda", quick=10)
 def figure_3_6(context, results):
-    size, sweeps, rows = (15_000 if context.quick else 300_000), 40, []
-    for share in (0.125, 0.25, 0.5, 1.0, 2.0, 4.0):
+    size, sweeps, rows = context.pick(300_000, 15_000, 1_000), 40, []
+    for share in context.pick(*2 * [(0.125, 0.25, 0.5, 1.0, 2.0, 4.0)], (0.125, 1.0)):
         report = pressure_bench(context, size, ["multilevel_grids"], [1e-6], ranks=results.ranks, sweeps=sweeps,
                                 overrides={FACTOR: share * BEST_FACTOR})
         for kind, history in (("V-cycle", report["preconditioners"][0]["sweeps"]), ("MGCG", report["solves"][0]["history"])):

@@ -49,22 +49,22 @@ def scene_of(title, size, shape, spacing, body=None):
 
 def ball_drop(context):
     return scene_of("A ball of water falls", "[0.9, 0.9, 0.9]", "sphere: {centre: [0.45, 0.45, 0.45], radius: 0.26}",
-                    32e-3 if context.quick else FINE)
+                    context.pick(FINE, 32e-3, 60e-3))
 
 
 def column(context):
     return scene_of("A column of water falls apart", "[0.9, 0.9, 1.2]", "box: {min: [0, 0, 0], max: [0.35, 0.35, 0.9]}",
-                    32e-3 if context.quick else FINE)
+                    context.pick(FINE, 32e-3, 60e-3))
 
 
 def dam_with_post(context):
     return scene_of("Dam break around a post on the floor", "[1.2, 0.55, 1]", "box: {min: [0, 0, 0], max: [0.5, 0.55, 0.6]}",
-                    30e-3 if context.quick else FINE_SOLIDS, "box: {min: [0.8, 0.2, -0.05], max: [0.95, 0.35, 0.3]}")
+                    context.pick(FINE_SOLIDS, 30e-3, 60e-3), "box: {min: [0.8, 0.2, -0.05], max: [0.95, 0.35, 0.3]}")
 
 
 def drop_on_ball(context):
     return scene_of("Water falls on a ball in the air", "[0.9, 0.9, 0.9]",
-                    "box: {min: [0.325, 0.325, 0.55], max: [0.575, 0.575, 0.85]}", 25e-3 if context.quick else FINE_SOLIDS,
+                    "box: {min: [0.325, 0.325, 0.55], max: [0.575, 0.575, 0.85]}", context.pick(FINE_SOLIDS, 25e-3, 50e-3),
                     "sphere: {centre: [0.45, 0.45, 0.4], radius: 0.13}")
 
 

@@ -46,8 +46,11 @@ def run_case(context, results, case):
     settings = {"liquids.bunny.viscosity": case.viscosity, "time.rule": "fixed", "time.step": case.step, "output.interval": 0,
                 **case.settings}
     if context.quick:
-        settings |= {"time.end": case.quick * case.step, "liquids.bunny.velocity": "[0, 0, -1.5]",
+        steps = context.pick(None, case.quick, min(case.quick, 2))
+        settings |= {"time.end": steps * case.step, "liquids.bunny.velocity": "[0, 0, -1.5]",
                      "liquids.bunny.shapes.0.mesh.translation": "[0.25, 0.2, 0.125]"}
+    if context.smallest:
+        settings["domain.spacing"] = 0.01
     name = f"{case.figure}-{case.method}".replace(" ", "_").replace(",", "")
     run = run_scene(context, context.root / SCENE, context.scratch / name, ranks=results.ranks, set=settings,
                     arguments=["--overwrite"], expect=None, timeout=48 * 3600)

@@ -52,6 +52,23 @@ TEST_F(CsvTest, ResumingDropsLaterAndCutOffRowsAndGoesOn) {
     EXPECT_EQ(content(), "step,time [s]\n0,0\n1,0.1\n2,0.2\n3,0.35\n");
 }
 
+TEST_F(CsvTest, ResumingKnowsTheLastRowThatItKept) {
+    write("step,time [s]\n0,0\n1,nan\n2,0.2\n");
+    const auto table = CsvTable::resume(path_, columns_, 1);
+    ASSERT_EQ(table.last_row().size(), 2u);
+    EXPECT_EQ(table.last_row()[0], 1);
+    EXPECT_NE(table.last_row()[1], table.last_row()[1]);
+    EXPECT_TRUE(CsvTable::resume(path_, columns_, -1).last_row().empty());
+}
+
+TEST_F(CsvTest, RowsAreInTheFileOnceTheyAreSynced) {
+    auto table = CsvTable::create(path_, columns_);
+    table.append(std::vector{0.0, 0.5});
+    EXPECT_EQ(content(), "step,time [s]\n"); // in memory
+    table.sync();
+    EXPECT_EQ(content(), "step,time [s]\n0,0.5\n");
+}
+
 TEST_F(CsvTest, ResumingWithoutAFileStartsOne) {
     CsvTable::resume(path_, columns_, 7);
     EXPECT_EQ(content(), "step,time [s]\n");

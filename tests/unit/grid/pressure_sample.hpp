@@ -22,6 +22,7 @@ struct PressureSample {
     rigid::BodiesSetup bodies;
     double density = 1000;
     double surface_tension = 0;
+    double curvature = 0; // of the surface [1/m]; 0: found from the shares of liquid
     PressureOptions options;
     Coupling coupling = Coupling::strong;
 };
@@ -56,9 +57,14 @@ public:
                 share(at) = 0.5 - d + 0.5 * d * std::fabs(d);
             });
             curvature.find(grid, halo, share);
+            curvature_ = curvature.at_centres();
+        }
+        if (sample_.curvature > 0) {
+            curvature_ = Array<double>("given_curvature", static_cast<std::size_t>(halo.window().size()));
+            Kokkos::deep_copy(curvature_, sample_.curvature);
         }
         pressure.build({grid, halo, distance, fractions, shares, bodies, sample_.density, sample_.surface_tension, nullptr,
-                        nullptr, nullptr, &curvature.at_centres()});
+                        nullptr, {}, nullptr, &curvature_});
     }
     PressureReport project(double dt) { return pressure.project(velocity, bodies, dt); }
 
@@ -130,6 +136,7 @@ public:
     FaceShares shares;
     FaceField velocity;
     Curvature curvature;
+    Array<double> curvature_;
     Pressure pressure;
 
 private:

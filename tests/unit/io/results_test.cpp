@@ -121,6 +121,52 @@ TEST(RunFolder, OpeningWantsTheFolderOfARun) {
     EXPECT_EQ(open_run_folder(world(), folder).steps(), folder.path() / "steps.csv");
 }
 
+TEST(RunFolder, WhileOneIsWrittenOthersAreRefusedOnEveryRankAndChangeNothing) {
+    const TemporaryFolder folder(world());
+    {
+        const auto run = prepare_run_folder(world(), folder, ExistingFiles::refuse);
+        on_root([&] { touch(run.effective_scene()); });
+        for (const auto& text : {error_of([&] { prepare_run_folder(world(), folder, ExistingFiles::overwrite); }),
+                                 error_of([&] { open_run_folder(world(), folder, Access::write); })}) {
+            EXPECT_NE(text.find("a run is writing into this folder"), std::string::npos) << text;
+            EXPECT_NE(text.find("process "), std::string::npos) << text;
+        }
+        EXPECT_NO_THROW(open_run_folder(world(), folder)); // to look at it
+        world().barrier();
+        EXPECT_TRUE(std::filesystem::exists(run.effective_scene()));
+    }
+    world().barrier();
+    EXPECT_FALSE(std::filesystem::exists(folder.path() / FolderLock::file_name));
+    EXPECT_NO_THROW(open_run_folder(world(), folder, Access::write));
+}
+
+TEST(RunFolder, ALockThatAKilledRunLeftBehindKeepsNobodyOut) {
+    const TemporaryFolder folder(world());
+    on_root([&] { touch(folder.path() / FolderLock::file_name); });
+    EXPECT_NO_THROW(prepare_run_folder(world(), folder, ExistingFiles::refuse));
+}
+
+TEST(Manifest, TellsOfEachTimeThatTheRunWentOn) {
+    const TemporaryFolder folder(world());
+    const auto path = folder.path() / "manifest.json";
+    Manifest manifest;
+    manifest.input_text = "a: 1\n";
+    write_manifest(world(), path, manifest);
+    add_resumption(world(), path, {{"treacle", "resume"}, 12, "a: 1\n", {}});
+    add_resumption(world(), path, {{"treacle", "resume", "--until"}, 30, "a: 2\n", {"time.end=2"}});
+    world().barrier();
+    const auto json = content(path);
+    for (const auto& part : {"\"step\": 12", "\"step\": 30", "time.end=2", "--until"})
+        EXPECT_NE(json.find(part), std::string::npos) << json;
+    EXPECT_NE(json.find("\"input hash\": \"" + text_hash("a: 2\n") + "\""), std::string::npos) << json;
+    EXPECT_EQ(json.find(text_hash("a: 1\n")), std::string::npos) << json;
+    EXPECT_LT(json.find("\"started\""), json.find("\"resumed\"")); // of the beginning
+    on_root([&] { touch(path); });
+    add_resumption(world(), path, {{"treacle"}, 40, "a: 2\n", {}});
+    world().barrier();
+    EXPECT_NE(content(path).find("\"step\": 40"), std::string::npos);
+}
+
 TEST(Manifest, NamesWhatTheResultIsMadeWith) {
     const TemporaryFolder folder(world());
     Manifest manifest;
