@@ -11,6 +11,7 @@ namespace treacle::grid {
 
 namespace {
 constexpr int count = 19;
+constexpr double least_solid = 1e-9; // share of a face's cube
 
 struct SumLoop {
     using value_type = double[];
@@ -134,26 +135,40 @@ void MomentumBalance::connect(const Comm& comm, const Scene& scene, const rigid:
     std::vector<char> rests(static_cast<std::size_t>(places), 0);
     std::ptrdiff_t stride[3] = {1, 1, 1};
     for (int k = 1; k < 3; ++k) stride[k] = stride[k - 1] * (window.hi[k - 1] - window.lo[k - 1]);
+    // Solids count at the faces that particles of a cell read: those of the cells around it.
+    const CellBox around = grown(owned, 1, scene.grid.dimensions);
+    const int deep = scene.grid.dimensions == 3 ? 1 : 0;
+    const auto each_around = [&](std::ptrdiff_t i, std::ptrdiff_t along, const auto& use) {
+        for (int z = -deep; z <= deep; ++z) {
+            for (int y = -1; y <= 1; ++y) {
+                for (int x = -1; x <= 1; ++x) {
+                    const auto j = static_cast<std::size_t>(i + x * stride[0] + y * stride[1] + z * stride[2]);
+                    if (liquid(j) != 0) use(static_cast<int>(j));
+                    if (liquid(j - static_cast<std::size_t>(along)) != 0) use(static_cast<int>(j) - static_cast<int>(along));
+                }
+            }
+        }
+    };
     for (int a = 0; a < scene.grid.dimensions; ++a) {
         const auto& of = scene.shares[static_cast<std::size_t>(a)];
         const auto fluid = on_host(scene.fluid.axis[a]);
         const auto first = on_host(of.first), body = on_host(of.body);
         const auto share = on_host(of.share);
-        for (int k = 0; k < owned.size(); ++k) {
+        for (int k = 0; k < (owned.empty() ? 0 : static_cast<int>(around.size())); ++k) {
             int c[3];
-            owned.cell(k, c);
-            const int i = window.index(c[0], c[1], c[2]);
-            if (liquid(static_cast<std::size_t>(i)) == 0) continue;
-            for (int side = 0; side < 2; ++side) {
-                const int face = i + side * static_cast<int>(stride[a]), next = side == 0 ? i - static_cast<int>(stride[a]) : face;
-                if (liquid(static_cast<std::size_t>(next)) != 0) trees.unite(i, next);
-                double solid = 1 - fluid(static_cast<std::size_t>(face));
-                for (int e = first(static_cast<std::size_t>(face)); e < first(static_cast<std::size_t>(face) + 1); ++e) {
-                    solid -= share(static_cast<std::size_t>(e));
-                    if (share(static_cast<std::size_t>(e)) > 0) trees.unite(i, places + body(static_cast<std::size_t>(e)));
-                }
-                if (solid > 1e-9) rests[static_cast<std::size_t>(i)] = 1;
+            around.cell(k, c);
+            const auto i = static_cast<std::size_t>(window.index(c[0], c[1], c[2]));
+            const auto below = i - static_cast<std::size_t>(stride[a]);
+            if (liquid(i) != 0 && liquid(below) != 0) trees.unite(static_cast<int>(i), static_cast<int>(below));
+            double solid = 1 - fluid(i);
+            if (!(solid > least_solid)) continue;
+            for (int e = first(i); e < first(i + 1); ++e) {
+                solid -= share(static_cast<std::size_t>(e));
+                if (!(share(static_cast<std::size_t>(e)) > 0)) continue;
+                const int at = places + body(static_cast<std::size_t>(e));
+                each_around(static_cast<std::ptrdiff_t>(i), stride[a], [&](int cell) { trees.unite(cell, at); });
             }
+            if (solid > least_solid) each_around(static_cast<std::ptrdiff_t>(i), stride[a], [&](int cell) { rests[static_cast<std::size_t>(cell)] = 1; });
         }
     }
     const double before = double(comm.exclusive_sum(static_cast<std::int64_t>(places)));
