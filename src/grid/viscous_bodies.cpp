@@ -218,6 +218,8 @@ void ViscousBodies::sum_slip(const ViscousFaces& faces, const CellBox& owned) {
     const auto u = on_host(surface_.u);
     Array<double>::HostMirror traction[6];
     for (int k = 0; k < 6; ++k) traction[k] = on_host(faces.traction[k]);
+    Array<double>::HostMirror bend[3];
+    for (int k = 0; k < faces.dimensions; ++k) bend[k] = on_host(faces.wall_bend[k]);
     for (int n = 0; n < owned.size(); ++n) {
         const int at = first(n);
         if (first(n + 1) == at) continue;
@@ -228,6 +230,7 @@ void ViscousBodies::sum_slip(const ViscousFaces& faces, const CellBox& owned) {
             for (int b = 0; b < faces.dimensions; ++b) {
                 const double k = traction[ViscousFaces::component(a, b)](i);
                 add_stiffness(body(at), u.data() + 6 * (at + a), body(at), u.data() + 6 * (at + b), k);
+                for (std::size_t l = 0; l < 6; ++l) held_[6 * static_cast<std::size_t>(body(at)) + l] -= k * bend[b](i) * u(6 * static_cast<std::size_t>(at + a) + l);
             }
         }
     }
