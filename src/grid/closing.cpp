@@ -24,6 +24,8 @@ struct ClosingLoop {
     Array<int> number, occupied;
     BodyMotion motion;
     double full, dt; // particles in a cell; [s]
+    bool slips;
+    Array<double> length, offset[3][2]; // as PressureCoupling has them
 
     KOKKOS_INLINE_FUNCTION int particles(const int c[3]) const {
         const int at = cells.window.index(c[0], c[1], c[2]);
@@ -55,7 +57,9 @@ struct ClosingLoop {
         double x[3], v[3];
         grid.face(a, f, x);
         const int all = grid.dimensions == 2 ? 3 : 7;
-        motion.velocity(number(FineNodes::per_cell * static_cast<int>(face) + (all & ~(1 << a))), x, v, false);
+        const int solid = number(FineNodes::per_cell * static_cast<int>(face) + (all & ~(1 << a)));
+        for (int k = 0; k < 2 && slips && solid >= 0 && length(6 + solid) > 0; ++k) x[(a + 1 + k) % 3] += grid.dx * offset[a][k](face);
+        motion.velocity(solid, x, v, false);
         return (side == 0 ? 1 : -1) * (1 - open) * v[a];
     }
     KOKKOS_INLINE_FUNCTION void operator()(int n, int& found) const {
@@ -130,7 +134,10 @@ bool Closing::find(const Comm& comm, const Scene& scene, double dt) {
     Kokkos::deep_copy(factor_, 1.0);
     ClosingLoop loop{scene.grid, owned, scene.faces, scene.cells, scene.fractions.cell_fluid, scene.distance, surface_, inflow_, factor_,
                      scene.velocity, scene.solids.number(), occupied_, scene.solids.motion(),
-                     std::pow(particles_per_axis, scene.grid.dimensions), dt};
+                     std::pow(particles_per_axis, scene.grid.dimensions), dt, scene.slip.closed != nullptr, scene.slip.length, {}};
+    for (int a = 0; a < scene.grid.dimensions && loop.slips; ++a) {
+        for (int k = 0; k < 2; ++k) loop.offset[a][k] = scene.slip.closed->offset(a, k);
+    }
     bool any = false;
     for (int sweep = 0; sweep < most_sweeps; ++sweep) {
         int found = 0;

@@ -1,4 +1,5 @@
 #pragma once
+#include "grid/pressure_coupling.hpp"
 #include "grid/pressure_faces.hpp"
 #include "grid/solids.hpp"
 #include "kokkos/cells.hpp"
@@ -23,6 +24,7 @@ public:
         const PressureFaces& faces;      // with the distances below
         const FaceField& velocity;       // current around the owned faces, continued beyond the surface
         const Array<double>& distance;   // [window] of centres from the surface [m]; that of closing cells becomes negative
+        SlipAreas slip;                  // of bodies that liquid slides along
     };
     // Collective: no cell closes yet.
     void clear(CellHalo& halo, const CellList& cells);

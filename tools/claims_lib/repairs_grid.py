@@ -35,7 +35,7 @@ liquids:
     viscosity: {viscosity}
     shapes: [{{box: {{min: [-0.2, -0.15], max: [0.2, 0.15], rotation_angle: -{degrees} deg, translation: {middle}}}}}]
 bodies:
-  - {{name: ramp, {kind}, slip: free_slip, shape: {{plane: {{point: {place}, normal: {normal}}}}}}}
+  - {{name: ramp, slip: free_slip, {ramp}}}
 method: {{kind: grid}}
 time: {{end: 0.25}}
 output: {{interval: 0}}
@@ -122,9 +122,12 @@ def ramps(context):
         normal, along = (math.sin(angle), math.cos(angle)), (math.cos(angle), -math.sin(angle))
         at = (0.6, 1.2 + 0.02 * place)
         middle = [x + 0.15 * n for x, n in zip(at, normal)]
-        moves = "kind: static" if kind == "static" else f"kind: kinematic, velocity: {[0.5 * part for part in along]}"
-        steps, _ = run_text(context, RAMP.format(viscosity=viscosity, degrees=degrees, place=list(at), middle=middle, kind=moves,
-                                                 normal=list(normal)), "ramp", ranks)
+        ramp = f"kind: static, shape: {{plane: {{point: {list(at)}, normal: {list(normal)}}}}}"
+        if kind == "kinematic":  # carried along its own surface
+            below = [x - 0.15 * n + 0.06 * part for x, n, part in zip(at, normal, along)]
+            ramp = (f"kind: kinematic, velocity: {[0.5 * part for part in along]}, shape: {{box: {{min: [-0.55, -0.15], max: [0.55, 0.15], "
+                    f"rotation_angle: -{degrees} deg, translation: {below}}}}}")
+        steps, _ = run_text(context, RAMP.format(viscosity=viscosity, degrees=degrees, middle=middle, ramp=ramp), "ramp", ranks)
         speed = sum(steps[f"momentum {axis}"][-1] * part for axis, part in zip("xy", along)) / steps["mass"][-1]
         error = speed / (9.81 * math.sin(angle) * steps["time"][-1]) - 1
         worst = max(worst, abs(error))
