@@ -64,7 +64,7 @@ std::string edges(const Vec3& min, const Vec3& max, int dimensions) {
 }
 
 std::string side_text(const scene::Face& face) {
-    if (face.kind == scene::FaceKind::open) return "open";
+    if (face.kind == scene::FaceKind::open) return face.outflow ? "open, liquid may leave" : "open";
     if (face.kind == scene::FaceKind::periodic) return "periodic";
     if (face.slip == scene::Slip::slip_length) return "wall with a slip length of " + short_number(face.slip_length) + " m";
     return face.slip == scene::Slip::no_slip ? "no-slip wall" : "free-slip wall";

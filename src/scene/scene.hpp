@@ -22,13 +22,14 @@ struct Face {
     Slip slip = Slip::free_slip;
     double slip_length = 0; // [m]
     double skin_friction = 0; // c_f
+    bool outflow = false;     // open: liquid may leave; else what does is lost
     std::string where;
 
     void declare(Declaration& d);
     // Where it was written does not count.
     bool operator==(const Face& other) const {
         return kind == other.kind && slip == other.slip && slip_length == other.slip_length &&
-               skin_friction == other.skin_friction;
+               skin_friction == other.skin_friction && outflow == other.outflow;
     }
 };
 
