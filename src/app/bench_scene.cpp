@@ -21,7 +21,7 @@ Input bench_scene(std::int64_t particles, int sections, const std::vector<std::s
                              "  spacing: " +
                              format_number(1 / edge) +
                              "\n"
-                             "  boundaries: {z_max: open}\n"
+                             "  boundaries: {z_max: {kind: open, outflow: true}}\n"
                              "liquids:\n"
                              "  - name: water\n"
                              "    density: 1000\n"

@@ -68,7 +68,7 @@ std::string edges(const Vec3& min, const Vec3& max, int dimensions) {
 }
 
 std::string side_text(const scene::Face& face) {
-    if (face.kind == scene::FaceKind::open) return "open";
+    if (face.kind == scene::FaceKind::open) return face.outflow ? "open, liquid may leave" : "open";
     if (face.kind == scene::FaceKind::periodic) return "periodic";
     std::string out = face.slip == scene::Slip::no_slip ? "no-slip wall" : "free-slip wall";
     if (face.slip == scene::Slip::slip_length) out = "wall with a slip length of " + short_number(face.slip_length) + " m";

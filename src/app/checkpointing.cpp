@@ -7,7 +7,7 @@
 namespace treacle::app {
 
 namespace {
-constexpr const char* cause_names[loss_causes] = {"lost_outflow", "lost_leak", "lost_non_finite"};
+constexpr const char* cause_names[loss_causes] = {"lost_outflow", "lost_leak", "lost_non_finite", "lost_open_side"};
 
 void add_store(io::CheckpointWriter& writer, const std::string& prefix, const ParticleStore& store) {
     for (const auto& field : store.fields()) {

@@ -146,15 +146,25 @@ flow::InletSetup make_inlet(const Input& input, const scene::Inlet& inlet, const
 }
 } // namespace
 
+// A box that reaches an open side goes on beyond it: it takes what leaves there.
+flow::OutletSetup make_outlet(const scene::Outlet& outlet, const scene::Domain& domain) {
+    flow::OutletSetup out{outlet.shape == scene::OutletShape::box, outlet.min, outlet.max, outlet.point, unit(outlet.normal)};
+    constexpr double far = std::numeric_limits<double>::max();
+    for (std::size_t k = 0; k < 3; ++k) {
+        const auto is_open = [&](std::size_t side) { return domain.faces[side].kind == scene::FaceKind::open; };
+        if (is_open(2 * k) && out.min[k] <= domain.min[k]) out.min[k] = -far;
+        if (is_open(2 * k + 1) && out.max[k] >= domain.max[k]) out.max[k] = far;
+    }
+    return out;
+}
+
 flow::InflowSetup make_inflow(const Input& input) {
     flow::InflowSetup out;
     if (input.scene.inlets.empty() && input.scene.outlets.empty()) return out;
     const auto pouring = pouring_of(input);
     for (const auto& inlet : input.scene.inlets) out.inlets.push_back(make_inlet(input, inlet, pouring));
     for (const auto& outlet : input.scene.outlets) {
-        const Vec3 normal = unit(outlet.normal);
-        out.outlets.push_back(
-            {outlet.shape == scene::OutletShape::box, outlet.min, outlet.max, outlet.point, normal});
+        out.outlets.push_back(make_outlet(outlet, input.scene.domain));
     }
     out.first_id = pouring.first_id;
     return out;

@@ -21,7 +21,7 @@ std::vector<std::string> step_columns(const Input& input, const Simulation& simu
         columns.push_back(std::string("angular momentum ") + axis + " [" + mass + " m2/s]");
     }
     for (const auto* name : {"kinetic energy", "potential energy"}) columns.push_back(std::string(name) + " [" + energy + "]");
-    columns.insert(columns.end(), {"max speed [m/s]", "lost by leak", "lost as non-finite"});
+    columns.insert(columns.end(), {"max speed [m/s]", "lost by leak", "lost as non-finite", "lost through open sides"});
     for (const auto& phase : simulation.phases()) columns.push_back(phase + " [s]");
     return columns;
 }

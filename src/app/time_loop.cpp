@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <numeric>
 #include <sys/resource.h>
 
 namespace treacle::app {
@@ -17,12 +18,11 @@ constexpr double same_time = 1e-10;
 
 double with_tolerance(double time) { return time * (1 + same_time) + 1e-300; }
 
-constexpr const char* cause_words[loss_causes] = {"flowed out", "went through a wall",
-                                                       "were no longer finite"};
+constexpr const char* cause_words[loss_causes] = {"flowed out", "went through a wall", "were no longer finite",
+                                                  "left through an open side"};
 
 std::int64_t lost_against_limit(const Progress& progress) {
-    return progress.lost[static_cast<std::size_t>(LossCause::leak) - 1] +
-           progress.lost[static_cast<std::size_t>(LossCause::non_finite) - 1];
+    return std::accumulate(progress.lost.begin() + 1, progress.lost.end(), std::int64_t{0}); // all but what flowed out
 }
 
 // A step, or the least step, that the scene asks for and a limit forbids.
@@ -92,6 +92,7 @@ void TimeLoop::check_losses(const StepFigures& report, Outputs& outputs) {
     outputs.write_lost(progress_, report);
     const double limit = setup_.input.scene.lost_limit * double(progress_.initial_particles + solver_->emitted());
     if (double(lost_against_limit(progress_)) <= limit) return;
+    const auto through_sides = progress_.lost[static_cast<std::size_t>(LossCause::open_side) - 1];
     std::string causes;
     for (std::size_t k = 1; k < loss_causes; ++k) {
         if (progress_.lost[k] == 0) continue;
@@ -101,7 +102,9 @@ void TimeLoop::check_losses(const StepFigures& report, Outputs& outputs) {
                            std::to_string(lost_against_limit(progress_)) + " particles are lost: " + causes,
                            "lost_limit allows " + format_number(limit) + "; the culprits are in " +
                                setup_.folder.lost_particles().string(),
-                           "take a smaller time step, or raise lost_limit"});
+                           through_sides > 0 ? "where liquid may leave, write for the side {kind: open, outflow: true}; else take a "
+                                               "smaller time step, or raise lost_limit"
+                                             : "take a smaller time step, or raise lost_limit"});
 }
 
 // Tables first: after a crash the checkpoint's step and all before it stand in them.

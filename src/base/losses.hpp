@@ -4,8 +4,9 @@
 namespace treacle {
 
 // Why a particle is no longer there.
-enum class LossCause : int { none = 0, outflow = 1, leak = 2, non_finite = 3 };
-inline constexpr int loss_causes = 3;
+// outflow: taken out by an outlet or a side that lets liquid go, no loss; open_side: left through another open side.
+enum class LossCause : int { none = 0, outflow = 1, leak = 2, non_finite = 3, open_side = 4 };
+inline constexpr int loss_causes = 4;
 
 struct LostParticle {
     std::int64_t id;

@@ -1,5 +1,6 @@
 #include "grid/advection.hpp"
 
+#include "flow/sides.hpp"
 #include "grid/small_matrix.hpp"
 
 namespace treacle::grid {
@@ -8,7 +9,7 @@ DomainSides make_domain_sides(const MacGrid& grid, const scene::Domain& domain) 
     DomainSides out{periodic_box(grid), {}, grid.dimensions};
     for (std::size_t k = 0; k < 3; ++k) {
         if (out.period[k] == 0) out.lo[k] = domain.min[k], out.hi[k] = domain.max[k];
-        for (std::size_t s = 2 * k; s < 2 * k + 2; ++s) out.open[s] = domain.faces[s].kind == scene::FaceKind::open ? 1 : 0;
+        for (std::size_t s = 2 * k; s < 2 * k + 2; ++s) out.open[s] = flow::beyond(domain.faces[s]);
     }
     return out;
 }
@@ -45,6 +46,7 @@ KOKKOS_INLINE_FUNCTION LossCause loss_of(const Advection& how, double leak_depth
     for (int k = 0; k < 3; ++k) {
         if (!math::isfinite(x[k]) || !math::isfinite(u[k])) return LossCause::non_finite;
     }
+    if (how.outlets.take(x)) return LossCause::outflow;
     for (int k = 0; k < how.domain.dimensions; ++k) {
         if (how.domain.period[k] > 0) {
             // Farther than one period in one step: a step gone wrong.
@@ -53,11 +55,10 @@ KOKKOS_INLINE_FUNCTION LossCause loss_of(const Advection& how, double leak_depth
         }
         const double beyond[2] = {how.domain.lo[k] - x[k], x[k] - how.domain.hi[k]};
         for (int s = 0; s < 2; ++s) {
-            if (how.domain.open[2 * k + s] && beyond[s] > 0) return LossCause::outflow;
+            if (how.domain.open[2 * k + s] && beyond[s] > 0) return LossCause(how.domain.open[2 * k + s]);
             if (!how.domain.open[2 * k + s] && beyond[s] > leak_depth) return LossCause::leak;
         }
     }
-    if (how.outlets.take(x)) return LossCause::outflow;
     return distance < -leak_depth ? LossCause::leak : LossCause::none;
 }
 } // namespace

@@ -15,7 +15,7 @@ struct AdvectionOptions {
 
 // The sides of the domain, for kernels.
 struct DomainSides : PeriodicBox {
-    int open[6]; // 1: particles may leave through the face x_min, x_max, y_min, ...
+    int open[6]; // flow::beyond() of the sides x_min, x_max, y_min, ...
     int dimensions;
 };
 DomainSides make_domain_sides(const MacGrid& grid, const scene::Domain& domain);

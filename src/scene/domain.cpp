@@ -61,6 +61,11 @@ void Face::declare(Declaration& d) {
     d.choice<FaceKind>("kind", kind,
                        {{"wall", FaceKind::wall}, {"open", FaceKind::open}, {"periodic", FaceKind::periodic}},
                        "Whether liquid stops here, leaves, or enters again at the opposite side.");
+    d.boolean("outflow", outflow,
+              "Whether liquid may leave through an open side, as through an outlet. Otherwise what leaves counts as lost "
+              "(lost_limit), but for what goes through the part of the side that a box of `outlets` reaches.");
+    d.check(kind == FaceKind::open || !outflow, "outflow",
+            {"has no effect", "the side is not open", "remove it or write kind: open"});
     d.choice<Slip>(
         "slip", slip,
         {{"free_slip", Slip::free_slip}, {"no_slip", Slip::no_slip}, {"slip_length", Slip::slip_length}},

@@ -190,7 +190,8 @@ void Scene::declare(Declaration& d) {
                                         "there would be nothing to measure", "give the name of one of them"});
     }
     d.number("lost_limit", lost_limit, unit::none, range_between(0, 1),
-             "Share of the particles that may be lost before the run ends with exit code 3.");
+             "Share of the particles that may be lost, through walls, open sides or as values that are not finite, before "
+             "the run ends with exit code 3.");
 }
 
 } // namespace treacle::scene

@@ -24,13 +24,14 @@ struct Face {
     double skin_friction = 0; // c_f
     Vec3 velocity{0, 0, 0};   // [m/s] of the wall, along itself
     int axis = 0;             // across it
+    bool outflow = false;     // open: liquid may leave; else what does is lost
     std::string where;
 
     void declare(Declaration& d);
     // Where it was written does not count.
     bool operator==(const Face& other) const {
         return kind == other.kind && slip == other.slip && slip_length == other.slip_length &&
-               skin_friction == other.skin_friction && velocity == other.velocity;
+               skin_friction == other.skin_friction && velocity == other.velocity && outflow == other.outflow;
     }
 };
 

@@ -2,6 +2,7 @@
 
 #include "base/error.hpp"
 #include "base/text.hpp"
+#include "flow/sides.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -37,8 +38,8 @@ DomainBox make_domain_box(const scene::Domain& domain, double leak_depth) {
             box.period[k] = std::round((domain.max[u] - domain.min[u]) / box.quantum) * box.quantum;
             box.hi[k] = box.lo[k] + box.period[k];
         }
-        box.open[2 * k] = domain.faces[2 * u].kind == scene::FaceKind::open;
-        box.open[2 * k + 1] = domain.faces[2 * u + 1].kind == scene::FaceKind::open;
+        box.open[2 * k] = flow::beyond(domain.faces[2 * u]);
+        box.open[2 * k + 1] = flow::beyond(domain.faces[2 * u + 1]);
     }
     return box;
 }

@@ -1,5 +1,6 @@
 #include "sph/inflow.hpp"
 
+#include "base/losses.hpp"
 #include <algorithm>
 #include <cmath>
 
@@ -127,12 +128,12 @@ struct Drain {
     DomainBox domain;
     flow::Outlets outlets;
 
-    KOKKOS_INLINE_FUNCTION bool beyond_open_side(const double x[3]) const {
+    KOKKOS_INLINE_FUNCTION bool lets_go(int side) const { return domain.open[side] == static_cast<int>(LossCause::outflow); }
+    KOKKOS_INLINE_FUNCTION bool beyond_such_a_side(const double x[3]) const {
         bool out = false;
         for (int k = 0; k < domain.dimensions; ++k) {
             if (domain.period[k] > 0) continue;
-            out = out || (domain.open[2 * k] && x[k] < domain.lo[k]) ||
-                  (domain.open[2 * k + 1] && x[k] > domain.hi[k]);
+            out = out || (lets_go(2 * k) && x[k] < domain.lo[k]) || (lets_go(2 * k + 1) && x[k] > domain.hi[k]);
         }
         return out;
     }
@@ -141,7 +142,7 @@ struct Drain {
         const double x[3] = {positions(i, 0), positions(i, 1), positions(i, 2)};
         const double sum = x[0] + x[1] + x[2];
         if (sum - sum != 0) return false;
-        return beyond_open_side(x) || outlets.take(x);
+        return beyond_such_a_side(x) || outlets.take(x);
     }
 };
 } // namespace

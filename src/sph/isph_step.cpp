@@ -475,11 +475,10 @@ void IsphStep::collect(StepReport& report) {
     }
     const std::size_t n = sums.size();
     const double lost_before = double(report.lost.size()) + double(report.lost_by_cause[0]);
-    for (const auto count : {report.roles.poisson, report.roles.dirichlet, report.roles.separated,
-                             report.anchored, report.stopped, report.lost_by_cause[0], report.lost_by_cause[1],
-                             report.lost_by_cause[2]}) {
+    for (const auto count : {report.roles.poisson, report.roles.dirichlet, report.roles.separated, report.anchored, report.stopped}) {
         sums.push_back(double(count));
     }
+    for (const auto count : report.lost_by_cause) sums.push_back(double(count));
     sums.push_back(report.mean_compression);
     sums.push_back(double(liquid_.store.owned()) + lost_before);
     comm_.sum(std::span(sums));
@@ -493,8 +492,8 @@ void IsphStep::collect(StepReport& report) {
     report.roles = {count(0), count(1), count(2)};
     report.anchored = count(3);
     report.stopped = count(4);
-    for (std::size_t k = 0; k < 3; ++k) report.lost_by_cause[k] = count(5 + k);
-    report.mean_compression = sums[n + 8] / std::max(1.0, sums[n + 9]);
+    for (std::size_t k = 0; k < loss_causes; ++k) report.lost_by_cause[k] = count(5 + k);
+    report.mean_compression = sums[n + 5 + loss_causes] / std::max(1.0, sums[n + 6 + loss_causes]);
 }
 
 double IsphStep::stable_step(double cfl) const {

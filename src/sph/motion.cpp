@@ -18,10 +18,10 @@ KOKKOS_INLINE_FUNCTION LossCause loss_of(const DomainBox& domain, const Vectors&
         }
         const double below = domain.lo[k] - x(i, k), above = x(i, k) - domain.hi[k];
         if (below > (domain.open[2 * k] ? 0 : domain.leak_depth)) {
-            return domain.open[2 * k] ? LossCause::outflow : LossCause::leak;
+            return domain.open[2 * k] ? LossCause(domain.open[2 * k]) : LossCause::leak;
         }
         if (above > (domain.open[2 * k + 1] ? 0 : domain.leak_depth)) {
-            return domain.open[2 * k + 1] ? LossCause::outflow : LossCause::leak;
+            return domain.open[2 * k + 1] ? LossCause(domain.open[2 * k + 1]) : LossCause::leak;
         }
     }
     return LossCause::none;

@@ -37,6 +37,25 @@ class Failure(Workplace):
         self.assertIn("lost 640", done.stdout)
         self.assertEqual(self.steps("run")["lost by leak"][-1], 640)
 
+    def test_what_leaves_through_an_open_side_is_lost(self):
+        leaving = {"liquids.water.velocity": "[4, 0, 0]", "domain.boundaries.x_max": "open", "lost_limit": "0.1", "time.end": "0.1"}
+        for kind in ["sph", "grid"]:
+            with self.subTest(kind):
+                self.fail_with("particles are lost", "left through an open side", "outflow: true",
+                               values={**leaving, "method.kind": kind}, out=kind)
+                with open(self.path(kind, "lost_particles.csv")) as file:
+                    self.assertEqual({row["cause"] for row in csv.DictReader(file)}, {"4"})
+
+    def test_what_may_leave_or_meets_an_outlet_is_not_lost(self):
+        leaving = {"liquids.water.velocity": "[4, 0, 0]", "time.end": "0.1", "lost_limit": "0"}
+        # The box ends at the open side: what flies beyond it within a step is the outlet's.
+        outlet = {"domain.boundaries.x_max": "open", "outlets": "[{box: {min: [0.39, 0, 0], max: [0.4, 0.16, 0.24]}}]"}
+        for kind in ["sph", "grid"]:
+            for name, values in [("side", {"domain.boundaries.x_max": "{kind: open, outflow: true}"}), ("outlet", outlet)]:
+                with self.subTest(kind=kind, to=name):
+                    self.run_scene(DAM, kind + name, RANKS, {**leaving, **values, "method.kind": kind, "bodies": "[]"})
+                    self.assertGreater(self.steps(kind + name)["flowed out"][-1], 100)
+
     def test_an_unconverged_solve_is_named(self):
         self.fail_with("pressure solve", "after 1 iterations", "method.pressure.preconditioner",
                        values={"method.pressure.stop": "residual", "method.pressure.residual": "1e-14",

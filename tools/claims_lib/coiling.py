@@ -51,7 +51,7 @@ domain:
   min: [0, 0, 0]
   max: [0.32, 0.32, {top}]
   spacing: {spacing}
-  boundaries: {{z_min: {{slip: no_slip}}, x_min: open, x_max: open, y_min: open, y_max: open, z_max: open}}
+  boundaries: {{z_min: {{slip: no_slip}}, x_min: {{kind: open, outflow: true}}, x_max: {{kind: open, outflow: true}}, y_min: {{kind: open, outflow: true}}, y_max: {{kind: open, outflow: true}}, z_max: open}}
 liquids: [{{name: syrup, density: {density}, viscosity: {viscosity}}}]
 inlets:
   - disc: {{centre: [0.16, 0.16, {height}], direction: [0.02, 0.01, -1], radius: {radius}}}

@@ -24,7 +24,7 @@ title: Dam break to compare pressure solvers on
 domain:
   max: [{length}, {edge}, {height}]
   spacing: {spacing}
-  boundaries: {{z_max: open}}
+  boundaries: {{z_max: {{kind: open, outflow: true}}}}
 liquids:
   - name: water
     density: 1000

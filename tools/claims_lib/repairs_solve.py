@@ -17,7 +17,7 @@ domain:
   min: [-16 mm, -4 mm]
   max: [16 mm, 128 mm]
   spacing: 2 mm
-  boundaries: {{x_min: open, x_max: open, y_min: open, y_max: open}}
+  boundaries: {{x_min: {{kind: open, outflow: true}}, x_max: {{kind: open, outflow: true}}, y_min: {{kind: open, outflow: true}}, y_max: {{kind: open, outflow: true}}}}
 liquids: [{{name: syrup, density: 1000, viscosity: {viscosity}}}]
 inlets:
   - {{disc: {{centre: [0, 0.12], direction: [0, -1], radius: 10 mm}}, velocity: {speed} m/s}}

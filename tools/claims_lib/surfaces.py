@@ -43,7 +43,7 @@ title: A cube of water falls a little
 domain:
   max: [0.9, 0.9, 0.9]
   spacing: $spacing
-  boundaries: {z_max: open}
+  boundaries: {z_max: {kind: open, outflow: true}}
 liquids:
   - name: water
     density: 1000

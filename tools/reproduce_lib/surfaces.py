@@ -15,7 +15,7 @@ title: {title}
 domain:
   max: {size}
   spacing: $spacing
-  boundaries: {{z_max: open}}
+  boundaries: {{z_max: {{kind: open, outflow: true}}}}
 liquids:
   - name: water
     density: 1000

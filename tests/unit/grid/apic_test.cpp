@@ -248,6 +248,7 @@ TEST_P(TransferCase, ChordsTurnParticlesAndTheirGradientsExactly) {
 TEST_P(TransferCase, WallsPushParticlesBackAndOpenSidesLetThemGo) {
     auto domain = test::make_domain(dimensions, {1, 1, 1}, dx);
     domain.faces[1].kind = scene::FaceKind::open;
+    domain.faces[1].outflow = true;
     domain.faces[2].kind = domain.faces[3].kind = scene::FaceKind::periodic;
     Liquid tank(Comm::world(), domain);
     Seeding seeding;
@@ -291,6 +292,18 @@ TEST_P(TransferCase, WallsPushParticlesBackAndOpenSidesLetThemGo) {
     }
     EXPECT_TRUE(remove_departed(tank.particles).empty()); // what flows out is not lost
     EXPECT_EQ(tank.decomposition.comm().sum(std::int64_t(tank.particles.store.owned()) + due), all);
+    // An open side that lets nothing go loses them, but for what an outlet takes.
+    tank.settle();
+    domain.faces[1].outflow = false;
+    due = 0;
+    const auto still_there = on_host(tank.particles.position());
+    for (std::size_t i = 0; i < std::size_t(tank.particles.store.owned()); ++i) due += still_there(i, 0) + 0.5 * dx > 1 ? 1 : 0;
+    due = tank.decomposition.comm().sum(due);
+    EXPECT_GT(due, 0);
+    EXPECT_EQ(go({0.5, 0, 0}), std::pair(due, std::int64_t(0)));
+    const auto lost = remove_departed(tank.particles);
+    EXPECT_EQ(tank.decomposition.comm().sum(std::int64_t(lost.size())), due);
+    for (const auto& particle : lost) EXPECT_EQ(particle.cause, LossCause::open_side);
     // A velocity that is not a number loses the particle, not the run.
     tank.settle();
     const auto left = tank.particles.store.owned();

@@ -64,6 +64,8 @@ TEST(BadScene, SidesAreConsistent) {
                            "scene.yaml:6: domain.boundaries.x_min.slip_length = 1 mm: has no effect"));
     EXPECT_TRUE(is_problem(sides("x_min: {kind: open, slip: no_slip}"),
                            "scene.yaml:6: domain.boundaries.x_min.slip = no_slip: has no effect"));
+    EXPECT_TRUE(is_problem(sides("x_min: {outflow: true}"),
+                           "scene.yaml:6: domain.boundaries.x_min.outflow = true: has no effect; the side is not open"));
     EXPECT_TRUE(is_problem("schema_version: 1\n"
                            "domain: {dimensions: 2, max: [4, 3], spacing: 0.1, boundaries: {z_min: open}}\n"
                            "liquids: [{shapes: [{sphere: {centre: [0, 0], radius: 1}}]}]\n",

@@ -38,9 +38,12 @@ TEST(SceneInput, SidesAreWordsOrBlocks) {
     const auto scene =
         read(domain("  max: [1, 1, 1]\n  spacing: 0.1\n"
                     "  boundaries:\n    x_min: periodic\n    x_max: periodic\n    z_max: open\n"
+                    "    z_min: {kind: open, outflow: true}\n"
                     "    y_min: {slip: slip_length, slip_length: 2 mm}\n"));
     EXPECT_EQ(scene.domain.faces[0].kind, FaceKind::periodic);
     EXPECT_EQ(scene.domain.faces[5].kind, FaceKind::open);
+    EXPECT_FALSE(scene.domain.faces[5].outflow);
+    EXPECT_TRUE(scene.domain.faces[4].outflow);
     EXPECT_EQ(scene.domain.faces[2].kind, FaceKind::wall);
     EXPECT_EQ(scene.domain.faces[2].slip, Slip::slip_length);
     EXPECT_EQ(scene.domain.faces[2].slip_length, 0.002);

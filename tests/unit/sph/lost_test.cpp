@@ -13,6 +13,7 @@ Sample scattered() {
     auto domain = make_domain(3, {0, 0, 0}, {24 * spacing, 24 * spacing, 24 * spacing},
                               {.periodic = {false, true, false}});
     domain.faces[1].kind = scene::FaceKind::open;
+    domain.faces[1].outflow = true;
     Sample sample{make_setup(domain), {}, {}};
     for (int i = 0; i < 6; ++i) {
         for (int j = 0; j < 4; ++j) {
@@ -65,7 +66,7 @@ TEST(LostParticles, AreTakenOutAndCountedByCause) {
                                                      {id_of(not_a_number), LossCause::non_finite},
                                                      {id_of(infinite), LossCause::non_finite}};
     EXPECT_EQ(outcome.lost, expected); // what flows out is no loss
-    EXPECT_EQ(outcome.report.lost_by_cause, (std::array<std::int64_t, loss_causes>{1, 2, 2}));
+    EXPECT_EQ(outcome.report.lost_by_cause, (std::array<std::int64_t, loss_causes>{1, 2, 2, 0}));
     EXPECT_EQ(outcome.left.size(), liquid.size() - 5);
     for (const auto& [id, cause] : expected) EXPECT_EQ(outcome.left.count(id), 0u);
     EXPECT_EQ(outcome.left.count(id_of(out)), 0u);
@@ -73,6 +74,23 @@ TEST(LostParticles, AreTakenOutAndCountedByCause) {
     const auto& y = outcome.left.at(id_of(around)).x[1];
     EXPECT_GE(y, box.lo[1]);
     EXPECT_LT(y, box.hi[1]);
+}
+
+TEST(LostParticles, WhatLeavesThroughAnOpenSideThatLetsNothingGoIsLost) {
+    auto sample = scattered();
+    auto domain = make_domain(3, {0, 0, 0}, {24 * spacing, 24 * spacing, 24 * spacing}, {.periodic = {false, true, false}});
+    domain.faces[1].kind = scene::FaceKind::open;
+    sample.setup = make_setup(domain);
+    sample.liquid[95].u = sample.liquid[94].u = {4 * spacing / dt, 0, 0};
+    auto outcome = advance(sample);
+    EXPECT_EQ(outcome.report.lost_by_cause, (std::array<std::int64_t, loss_causes>{0, 0, 0, 2}));
+    EXPECT_EQ(outcome.lost, (std::map<std::int64_t, LossCause>{{id_of(94), LossCause::open_side}, {id_of(95), LossCause::open_side}}));
+    EXPECT_EQ(outcome.left.size(), sample.liquid.size() - 2);
+    // An outlet in front of it takes them.
+    sample.setup.inflow.outlets = {{.box = false, .point = {24 * spacing, 0, 0}, .normal = {-1, 0, 0}}};
+    outcome = advance(sample);
+    EXPECT_EQ(outcome.report.lost_by_cause, (std::array<std::int64_t, loss_causes>{2, 0, 0, 0}));
+    EXPECT_TRUE(outcome.lost.empty());
 }
 
 TEST(LostParticles, ReportsSayWhereTheyWere) {
