@@ -346,9 +346,9 @@ std::vector<double> solid_scales(const Input& input, const Geometry& geometry) {
     const sph::ScaleSetup setup{wall, geometry.offset + wall.spacing / 2};
     for (std::size_t b = 0; b < geometry.bodies.size(); ++b) {
         const auto& region = geometry.bodies[b];
-        out.push_back(moves(input.scene.bodies[b])
-                          ? sph::solid_scale(setup, region, scene::sample_surface(region, body_sampling(geometry, b)).positions)
-                          : 1.0);
+        auto sampling = body_sampling(geometry, b);
+        if (moves(input.scene.bodies[b])) sampling.clip = {}; // with its images, where it is as long as a period
+        out.push_back(moves(input.scene.bodies[b]) ? sph::solid_scale(setup, region, scene::sample_surface(region, sampling).positions) : 1.0);
     }
     return out;
 }

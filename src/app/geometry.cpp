@@ -83,6 +83,7 @@ Geometry build_geometry(const Input& input) {
     Geometry out;
     out.notes = input.notes;
     out.lattice = {particle_spacing(input), domain.min, domain.max, domain.dimensions};
+    if (!input.on_grid()) out.offset = solid_offset(input);
     for (const auto& liquid : input.scene.liquids) {
         auto& regions = out.liquids.emplace_back();
         for (const auto& shape : liquid.shapes) {
@@ -96,7 +97,7 @@ Geometry build_geometry(const Input& input) {
         out.originals.push_back(place_shape(body.shape, domain, "bodies." + body.name, out.notes));
         out.spans.push_back(spanned_axes(body, out.originals.back(), domain));
         const bool spans = std::ranges::any_of(out.spans.back(), [](bool along) { return along; });
-        if (spans) out.bodies.emplace_back(with_images(body.shape, out.spans.back(), domain), domain.dimensions);
+        if (spans) out.bodies.emplace_back(with_images(body.shape, out.spans.back(), domain, out.offset), domain.dimensions);
         else out.bodies.push_back(out.originals.back());
         out.moving.push_back(moves(body) ? 1 : 0);
     }
@@ -104,13 +105,13 @@ Geometry build_geometry(const Input& input) {
     for (std::size_t k = 0; k < 6; ++k) out.walls.sides[k] = side_of(domain.faces[k]);
     if (domain.dimensions == 2) out.walls.sides[4] = out.walls.sides[5] = scene::Side::open;
     if (input.on_grid()) return out;
-    out.offset = solid_offset(input);
     out.walls.outset = out.offset;
     return out;
 }
 
 scene::SurfaceSampling body_sampling(const Geometry& geometry, std::size_t body) {
-    scene::SurfaceSampling sampling{geometry.lattice.spacing, geometry.offset, {}};
+    const auto& lattice = geometry.lattice;
+    scene::SurfaceSampling sampling{periodic_spacing(lattice.spacing, geometry.spans[body], lattice.min, lattice.max), geometry.offset, {}};
     const bool whole = geometry.moving[body] != 0 && geometry.bodies[body].closed();
     for (std::size_t k = 0; k < 3; ++k) {
         if (whole && !geometry.spans[body][k]) continue;

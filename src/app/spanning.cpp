@@ -44,15 +44,22 @@ Axes spanned_axes(const scene::Body& body, const scene::SolidRegion& region, con
     return out;
 }
 
-scene::Shape with_images(scene::Shape shape, const Axes& spans, const scene::Domain& domain) {
+scene::Shape with_images(scene::Shape shape, const Axes& spans, const scene::Domain& domain, double inset) {
     for (std::size_t k = 0; k < 3; ++k) {
         if (!spans[k]) continue;
-        const double period = domain.max[k] - domain.min[k];
-        if (shape.kind == scene::ShapeKind::cylinder) shape.height += 2 * period;
-        shape.min[k] -= period;
-        shape.max[k] += period;
+        const double more = domain.max[k] - domain.min[k] + inset;
+        if (shape.kind == scene::ShapeKind::cylinder) shape.height += 2 * more;
+        shape.min[k] -= more;
+        shape.max[k] += more;
     }
     return shape;
+}
+
+double periodic_spacing(double d, const Axes& spans, const Vec3& min, const Vec3& max) {
+    for (std::size_t k = 0; k < 3; ++k) {
+        if (spans[k]) return (max[k] - min[k]) / std::max(1.0, std::round((max[k] - min[k]) / d));
+    }
+    return d;
 }
 
 } // namespace treacle::app

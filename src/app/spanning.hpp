@@ -13,8 +13,12 @@ using Axes = std::array<bool, 3>;
 // Along which axes; `region` is the body as the scene has it.
 Axes spanned_axes(const scene::Body& body, const scene::SolidRegion& region, const scene::Domain& domain);
 
-// The shape of a body that spans these axes, with what its images add.
-scene::Shape with_images(scene::Shape shape, const Axes& spans, const scene::Domain& domain);
+// The shape of a body that spans these axes, with what its images add. A layer of samples `inset` [m] below its surface is three
+// periods long, so that steps of a whole part of the period (periodic_spacing) go on through its ends.
+scene::Shape with_images(scene::Shape shape, const Axes& spans, const scene::Domain& domain, double inset);
+
+// The spacing nearest to d [m] that the first of these periods holds whole; d where there is none.
+double periodic_spacing(double d, const Axes& spans, const Vec3& min, const Vec3& max);
 
 // Whether the body's motion may turn it out of an axis.
 bool may_turn(const scene::Body& body, std::size_t axis, int dimensions);

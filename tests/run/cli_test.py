@@ -82,7 +82,7 @@ BAD_SCENES = {
     "outward_wall": ["boundaries.y_max.velocity = [1, 0.5]", "must be 0 along y", "kinematic body"],
     "moving_open_side": ["boundaries.y_max.velocity", "the side is open and no wall"],
     "moving_periodic_side": ["boundaries.x_min.velocity", "the side is periodic and no wall"],
-    "short_period": ["the period of 0.04 m in x is not above two support radii, 0.04 m", "lengthen the domain"],
+    "short_period": ["the period of 0.05 m in x is not above two support radii, 0.05 m", "lengthen the domain"],
     "lid_beyond_period": ["bodies.lid moves and is 0.200001 m long in x, more than the period of 0.2 m", "as long as the period"],
     "turning_lid": ["bodies.lid may turn", "locked"],
     "inlet_without_flow": ["inlets.spout.flow_rate", "must be > 0"],

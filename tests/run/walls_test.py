@@ -15,7 +15,7 @@ from harness import SCENES, TIGHT, TIGHT_ON_GRID, Workplace
 SPEED, HEIGHT, LENGTH, VISCOSITY = 0.1, 0.2, 0.2, 100
 DRAG = VISCOSITY * SPEED / HEIGHT * LENGTH
 # Of a linear profile over 20 spacings.
-METHODS = {"grid": (TIGHT_ON_GRID, 0.01, 0.01), "sph": (TIGHT, 0.02, 0.03)}
+METHODS = {"grid": (TIGHT_ON_GRID, 0.015, 0.01), "sph": (TIGHT, 0.02, 0.03)}
 
 
 class Walls(Workplace):
