@@ -119,7 +119,7 @@ def largest_stable(context, scene, folder, settings, ranks=RANKS):
     """The largest step that is stable and whose next smaller one is too, as a Trial or None; and all trials. A step may
     pass by luck: splashes are chaotic."""
     trials = []
-    for step in scene.steps()[context.pick(0, 0, -2):]:
+    for step in scene.steps()[context.pick(0, 0, -1):]:
         trials.append(try_step(context, scene, folder, step, settings, ranks))
         if len(trials) > 1 and trials[-1].stable and trials[-2].stable:
             return trials[-2], trials

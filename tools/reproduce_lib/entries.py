@@ -99,11 +99,12 @@ class Results:
 
     def pictures(self, name, rows):
         """NAME.png of pictures side by side. rows: lists of equal length of (title, path of a PNG)."""
+        import numpy
         from matplotlib import image
 
         cells = [cell for row in rows for cell in row]
         with self.figure(name, columns=len(rows[0]), rows=len(rows), size=(4.8, 3)) as axes:
-            for one, (title, path) in zip(axes.flat, cells):
+            for one, (title, path) in zip(numpy.ravel(axes), cells):
                 one.set_axis_off()
                 one.set_title(title, fontsize=8)
                 one.imshow(image.imread(path))
