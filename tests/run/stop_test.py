@@ -7,6 +7,7 @@ import json
 import os
 import signal
 import sys
+import unittest
 
 import harness
 from harness import SCENES, TIGHT, Workplace, overrides, ranks_of
@@ -58,6 +59,7 @@ class Stop(Workplace):
             os.kill(pid, signal.SIGHUP)
         self.expect_stopped(process, "a signal")
 
+    @unittest.skipIf(len(sys.argv) > 3 and sys.argv[3] != "1", "what mpiexec ignores its ranks do not")
     def test_a_lost_connection_does_not_stop_what_ignores_it(self):
         process = self.under_way(preexec_fn=lambda: signal.signal(signal.SIGHUP, signal.SIG_IGN))
         for pid in ranks_of(process):
@@ -65,6 +67,7 @@ class Stop(Workplace):
         out = process.communicate(timeout=120)[0]
         self.assertEqual(process.returncode, 0, out)
 
+    @unittest.skipIf(len(sys.argv) > 3 and sys.argv[3] != "1", "mpiexec itself breaks down without its output")
     def test_lost_output_does_not_stop_it(self):
         process = self.under_way()
         process.stdout.close()
