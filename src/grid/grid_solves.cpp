@@ -10,16 +10,6 @@ namespace {
 constexpr double least_wet = 1e-3;   // share of a face's cube from which its velocity is that of liquid
 constexpr int most_closings = 4;     // times that gaps that close are solved for
 
-// `to` takes the velocities of the faces that the viscous solve has none for.
-void take_idle_faces(const ViscousFaces& places, const FaceField& from, const FaceField& to) {
-    for (int a = 0; a < places.dimensions; ++a) {
-        const auto role = places.role[a];
-        const auto u = from.axis[a], v = to.axis[a];
-        Kokkos::parallel_for("treacle::take_idle_faces", static_cast<int>(places.window.size()), KOKKOS_LAMBDA(int i) {
-            if (role(i) == idle_face) v(i) = u(i);
-        });
-    }
-}
 } // namespace
 
 void GridStep::project(StepReport& report, double dt, Pressure::Surface surface) {
@@ -191,42 +181,31 @@ bool GridStep::solves_together(double dt) const {
     return setup_.options.second_projection && largest_viscosity() * dt > setup_.density * grid_.dx * grid_.dx;
 }
 
-// (P), (U), (K)
+// (P), (U)
 void GridStep::together(StepReport& report, double dt) {
     auto scene = viscous_scene();
     const auto pressed = pressure_.describe(pressure_scene());
     scene.pressed = &pressed;
     auto& problem = viscosity_.problem();
-    const auto build_pressure = [&](bool goes_on) {
+    {
+        const auto phase = timers_.scope("pressure");
         problem.find_places(scene, bodies_, dt);
         close_held_faces(problem.places(), fractions_.open, open_);
         find_inflow(open_);
         auto closed = pressure_scene();
         closed.open = &open_;
-        pressure_.build(closed, goes_on);
-    };
-    {
-        const auto phase = timers_.scope("pressure");
-        build_pressure(false);
+        pressure_.build(closed);
         project(report, dt, Pressure::Surface::tense);
     }
     const auto phase = timers_.scope("viscosity");
     leave_solids(dt);
-    keep_start(report);
-    for (int pass = 0;; ++pass) {
-        if (pass > 0) build_pressure(true);
-        follow_walls();
-        problem.build(scene, velocity_, bodies_, dt);
-        report.stokes = stokes_.solve({pressure_, problem, scene, dt}, velocity_, bodies_);
-        gather_faces(grid_, cells_halo_, velocity_);
-        for (std::size_t k = 0; k < report.loads.size(); ++k) report.loads[k] += report.stokes.loads[k];
-        report.viscous_loads = report.stokes.viscous_loads;
-        report.viscosity.unknowns = problem.global_faces();
-        if (pass == 0) continue_velocity({false, {}, viscous_spread(dt)});
-        if (pass == most_closings || !gaps_change(pass == 0)) return;
-        if (pass == 0) take_idle_faces(problem.places(), velocity_, open_velocity_);
-        go_back(report);
-    }
+    follow_walls();
+    problem.build(scene, velocity_, bodies_, dt);
+    report.stokes = stokes_.solve({pressure_, problem, scene, dt}, velocity_, bodies_);
+    gather_faces(grid_, cells_halo_, velocity_);
+    for (std::size_t k = 0; k < report.loads.size(); ++k) report.loads[k] += report.stokes.loads[k];
+    report.viscous_loads = report.stokes.viscous_loads;
+    report.viscosity.unknowns = problem.global_faces();
 }
 
 // Velocities beyond the liquid's own faces, as far as particles may come in a step.
