@@ -140,7 +140,7 @@ void add_resume(CLI::App& program, Chosen& chosen, const Words& arguments) {
     app.callback([words, arguments, &chosen] {
         chosen.make = [words, arguments]() -> Command {
             ResumeRequest request{words->folder, {}, read_wall_limit(words->wall_limit), arguments};
-            for (const auto& change : words->changes) request.changes.push_back({change});
+            for (const auto& change : words->changes) request.changes.push_back({change, "--set " + change});
             if (!words->until.empty()) request.changes.push_back({"time.end=" + words->until, "--until " + words->until});
             return [request](const Comm& comm) { return resume_run(comm, request); };
         };
