@@ -9,7 +9,6 @@ namespace treacle::grid {
 namespace {
 constexpr double least_wet = 1e-3;   // share of a face's cube from which its velocity is that of liquid
 constexpr int most_closings = 4;     // times that gaps that close are solved for
-
 } // namespace
 
 void GridStep::project(StepReport& report, double dt, Pressure::Surface surface) {

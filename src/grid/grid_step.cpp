@@ -181,7 +181,7 @@ void GridStep::find_surface() {
 // (S), (D)
 void GridStep::find_strains(double dt) {
     strains_.find({grid_, cells_halo_, velocity_, mass_, fractions_, solids_, before_, dt});
-    closing_.clear(cells_halo_, cells_);
+    closing_.clear(cells_halo_);
     if (contracts()) contraction_.find(setup_.options.contraction, {grid_, cells_halo_, cells_, distance_, fractions_}, dt);
     find_inflow(fractions_.open);
 }
@@ -363,7 +363,8 @@ std::size_t GridStep::bytes() const {
     numbers += level_set_.distance().span() + 2 * solids_.distance().span();
     return 8 * numbers + particles_.store.bytes() + pressure_.bytes() + viscosity_.bytes() + rheology_.bytes() +
            tensions_.bytes() + curvature_.bytes() + contraction_.bytes() + resting_.bytes() + gripping_.bytes() +
-           resting_pressures_.bytes() + wall_pressures_.bytes();
+           resting_pressures_.bytes() + wall_pressures_.bytes() + strains_.bytes() + closing_.bytes() +
+           closed_centres_.bytes() + balance_.bytes() + wall_momentum_.bytes();
 }
 
 } // namespace treacle::grid
