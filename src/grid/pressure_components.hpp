@@ -25,6 +25,8 @@ public:
         double value;
     };
     const std::vector<Weight>& lifted() const { return lifted_; }
+    // [rows] number of the closed part that a row belongs to, or -1; empty without closed parts.
+    std::span<const int> closed_rows() const { return closed() > 0 ? std::span<const int>(all_parts_) : std::span<const int>(); }
     int closed() const { return static_cast<int>(labels_.size()); } // parts, over all ranks
 
 private:
