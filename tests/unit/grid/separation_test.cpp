@@ -17,21 +17,21 @@ double fallen(StepSample sample, double time) {
 }
 
 StepSample upper_half(int dimensions, double viscosity) {
-    auto sample = sample_of(dimensions == 3 ? 12 : 20, dimensions);
+    auto sample = sample_of(dimensions == 3 ? 10 : 20, dimensions);
     const auto down = static_cast<std::size_t>(dimensions - 1);
     sample.setup.viscosity = viscosity;
     sample.liquid = [down](const Vec3& x) { return 0.5 - x[down]; };
     return sample;
 }
 
+// What is stiff is drawn out from the wall in a step before it is off it.
 TEST(Separation, LetsTheUpperHalfOfABoxFall) {
-    for (const int dimensions : {2, 3}) {
-        // What is stiff is drawn out from the wall in a step before it is off it.
-        for (const double viscosity : {0.0, 0.1, 1.0}) {
-            EXPECT_NEAR(fallen(upper_half(dimensions, viscosity), 0.2), 1, viscosity < 1 ? 0.01 : 0.03) << dimensions << " " << viscosity;
-        }
+    for (const double viscosity : {0.0, 0.1, 1.0}) {
+        EXPECT_NEAR(fallen(upper_half(2, viscosity), 0.2), 1, viscosity < 1 ? 0.01 : 0.03) << viscosity;
     }
 }
+
+TEST(Separation, LetsTheUpperHalfOfARoomFall) { EXPECT_NEAR(fallen(upper_half(3, 0), 0.1), 1, 0.02); }
 
 TEST(Separation, LiquidAdheresWhereItIsAskedTo) {
     auto sample = upper_half(2, 0);
