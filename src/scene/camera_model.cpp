@@ -189,12 +189,13 @@ CameraPose in_moved_world(const CameraPose& pose, const Matrix3& rotation, const
     return {product(pose.rotation, rotation), apply(pose.rotation, translation) + pose.translation};
 }
 
-CameraModel::CameraModel(std::string name, const Lens& lens, const CameraPose& pose)
+CameraModel::CameraModel(std::string name, const Lens& lens, const CameraPose& pose, Folds folds)
     : name_(std::move(name)), lens_(lens), pose_(pose) {
     check_lens(name_, lens_);
     check_pose(name_, pose_);
     pose_.rotation = orthonormal(pose_.rotation);
     max_radius_ = find_max_radius(lens_);
+    if (folds == Folds::allow) return;
     for (const double x : {-0.5, lens_.width - 0.5}) {
         for (const double y : {-0.5, lens_.height - 0.5}) {
             const double r = max_radius_ > 0 ? radius_of(ray({x, y})) : 1;
@@ -205,6 +206,10 @@ CameraModel::CameraModel(std::string name, const Lens& lens, const CameraPose& p
                    "calibrate with the board near the corners too, or with fewer coefficients");
         }
     }
+}
+
+CameraModel CameraModel::for_size(int width, int height) const {
+    return {name_, resized(lens_, width, height), pose_};
 }
 
 Vec3 CameraModel::to_camera(const Vec3& world) const { return apply(pose_.rotation, world) + pose_.translation; }

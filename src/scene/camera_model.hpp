@@ -57,19 +57,24 @@ struct PixelPoint {
     double depth = 0;    // [m] along z of camera axes; below near_plane: not seen, x and y are meaningless
 };
 
+enum class Folds { refuse, allow };
+
 // A lens in a pose.
 class CameraModel {
 public:
     CameraModel() = default;
     // InputError for a lens without pixels or focal length, with values that are not finite, or whose distortion folds
-    // the picture over within its own corners; for a rotation that is none.
-    CameraModel(std::string name, const Lens& lens, const CameraPose& pose);
+    // the picture over within its own corners, unless `allow`; for a rotation that is none.
+    CameraModel(std::string name, const Lens& lens, const CameraPose& pose, Folds folds = Folds::refuse);
 
     const std::string& name() const { return name_; }
     const Lens& lens() const { return lens_; }
     const CameraPose& pose() const { return pose_; }
 
     static constexpr double near_plane = 1e-4; // [m]
+
+    // The same camera for pictures resized to width x height; InputError as resized().
+    CameraModel for_size(int width, int height) const;
 
     Vec3 to_camera(const Vec3& world) const;  // [m]
     Vec3 to_world(const Vec3& camera) const;  // [m]
