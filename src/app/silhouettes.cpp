@@ -10,7 +10,10 @@
 #include "video/silhouettes.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdio>
+#include <malloc.h>
 #include <nlohmann/json.hpp>
 #include <optional>
 
@@ -38,7 +41,18 @@ std::string mask_name(std::int64_t index) {
     return "mask_" + number + ".png";
 }
 
-std::string rounded(double value, double unit) { return format_number(std::round(value / unit) * unit); }
+std::string digits(double value, int after_point) {
+    std::array<char, 64> text{};
+    std::snprintf(text.data(), text.size(), "%.*f", after_point, value);
+    return text.data();
+}
+
+// A frame takes arrays of some 10 MB: those that are free stay with the program, which would otherwise spend a third of its
+// time on getting them from the system anew.
+void keep_memory() {
+    mallopt(M_MMAP_THRESHOLD, 1 << 30);
+    mallopt(M_TRIM_THRESHOLD, 1 << 30);
+}
 
 // A film of the frames with the contours drawn in, at the frames' stamps. Stamps that start late or are odd are kept.
 class Overlay {
@@ -90,17 +104,19 @@ void require_motion(const video::ClipInfo& info, const Totals& totals, const std
 void tell(Log& log, const video::ClipInfo& info, const Totals& totals, const std::vector<std::string>& notes,
           const std::optional<video::MotionStart>& start) {
     for (const auto& note : notes) log.line(note);
-    if (info.stamps.front() != 0) log.line("the first time stamp is " + rounded(info.stamps.front(), 1e-6) + " s");
+    if (info.stamps.front() != 0) log.line("the first time stamp is " + digits(info.stamps.front(), 6) + " s");
     if (info.variable_rate()) log.line("the rate is variable: times are the frames' own");
     if (totals.largest_shift > 0.3)
-        log.warn("the camera has moved: frames are shifted by up to " + rounded(totals.largest_shift, 0.01) + " px (frame " +
+        log.warn("the camera has moved: frames are shifted by up to " + digits(totals.largest_shift, 2) + " px (frame " +
                  std::to_string(totals.shifted) + ") and were registered onto the first");
     if (totals.area > 0 && totals.faint > 0.02 * totals.area)
-        log.warn(rounded(100 * totals.faint / totals.area, 0.1) + " % of the liquid is faint: a reflection in the floor or a wetted film may be among it; "
+        log.warn(digits(100 * totals.faint / totals.area, 1) + " % of the liquid is faint: a reflection in the floor or a wetted film may be among it; "
                  "exclude it by a polygon (exclusions)");
     if (start)
-        log.line("first moving frame: " + std::to_string(start->frame) + ", at " + rounded(start->time, 1e-6) + " s +- " +
-                 rounded(start->uncertainty, 1e-6) + " s");
+        log.line("first moving frame: " + std::to_string(start->frame) + ", at " + digits(start->time, 6) + " s +- " +
+                 digits(start->uncertainty, 6) + " s");
+    if (start && start->frame <= totals.frames.front().index + 1)
+        log.warn("the liquid moves from the first frames on: it may have started before them");
 }
 
 nlohmann::ordered_json summary_of(const video::ClipInfo& info, const Totals& totals, const std::vector<std::string>& notes,
@@ -119,6 +135,7 @@ nlohmann::ordered_json summary_of(const video::ClipInfo& info, const Totals& tot
 }
 
 void work(const SilhouettesRequest& request) {
+    keep_memory();
     Log log(Voice::speaks);
     const auto settings = video::read_silhouette_settings(request.settings, request.changes);
     const auto source = video::open_frames(request.source);

@@ -1,5 +1,6 @@
 #include "app/video_commands.hpp"
 
+#include "app/check_video.hpp"
 #include "app/silhouettes.hpp"
 
 #include <CLI/CLI.hpp>
@@ -92,8 +93,27 @@ void add_silhouettes(CLI::App& program, const ChooseCommand& choose) {
         });
     });
 }
+
+void add_check_video(CLI::App& program, const ChooseCommand& choose) {
+    struct CheckWords : ClipWords {
+        std::string json;
+    };
+    auto words = std::make_shared<CheckWords>();
+    auto& app = *program.add_subcommand("check-video", "What a clip is like and what is wrong with it, before anything is run: stamps, rotation, exposure, "
+                                                       "camera motion, contrast. Exit code 2 where it cannot be used.");
+    add_clip(app, *words, true);
+    app.add_option("--json", words->json, "Write the figures into this file")->type_name("FILE");
+    app.callback([words, choose] {
+        choose([words]() -> Command {
+            return [request = CheckVideoRequest{words->source(), words->json}](const Comm& comm) { return check_video(comm, request); };
+        });
+    });
+}
 } // namespace
 
-void add_video_commands(CLI::App& program, const ChooseCommand& choose) { add_silhouettes(program, choose); }
+void add_video_commands(CLI::App& program, const ChooseCommand& choose) {
+    add_check_video(program, choose);
+    add_silhouettes(program, choose);
+}
 
 } // namespace treacle::app

@@ -3,6 +3,7 @@
 #include "base/error.hpp"
 #include "base/text.hpp"
 #include "video/picture_sequence.hpp"
+#include "video/usable_clip.hpp"
 #include "video/video_file.hpp"
 
 #include <algorithm>
@@ -86,22 +87,25 @@ private:
     ClipInfo info_;
 };
 
-void refuse_unusable(const ClipInfo& info) {
-    if (info.fields == FieldOrder::interlaced)
-        throw InputError({info.file, "is interlaced", "its odd and even rows are of different times",
-                          "film progressive, or convert it with `ffmpeg -i IN -vf bwdif=mode=send_field -c:v libx264 -crf 12 OUT.mp4`"});
-    if (info.transfer == Transfer::pq || info.transfer == Transfer::hlg)
-        throw InputError({info.file, std::string("is HDR video (") + (info.transfer == Transfer::pq ? "PQ" : "HLG") + ", " + std::to_string(info.bits) + " bit)",
-                          "its levels are not those of a standard picture",
-                          "film with HDR off, or convert it with `ffmpeg -i IN -vf zscale=t=linear:npl=100,zscale=t=bt709:m=bt709:r=tv,format=yuv420p OUT.mp4`"});
-    if (std::abs(info.pixel_aspect - 1) > 1e-3)
-        throw InputError({info.file, "has pixels that are not square (" + format_number(std::round(1e4 * info.pixel_aspect) / 1e4) + " wide to 1 high)",
-                          "a camera calibrated on square ones would not fit",
-                          "convert it with `ffmpeg -i IN -vf scale=iw*sar:ih,setsar=1 OUT.mp4`"});
-    if (info.orientation.mirrored())
-        throw InputError({info.file, "is mirrored by its display matrix", "front cameras do so", "film with the back camera, or convert it with `ffmpeg -i IN OUT`"});
-}
 } // namespace
+
+std::vector<Diagnostic> reasons_against(const ClipInfo& info) {
+    std::vector<Diagnostic> found;
+    if (info.fields == FieldOrder::interlaced)
+        found.push_back({info.file, "is interlaced", "its odd and even rows are of different times",
+                         "film progressive, or convert it with `ffmpeg -i IN -vf bwdif=mode=send_field -c:v libx264 -crf 12 OUT.mp4`"});
+    if (info.transfer == Transfer::pq || info.transfer == Transfer::hlg)
+        found.push_back({info.file, std::string("is HDR video (") + (info.transfer == Transfer::pq ? "PQ" : "HLG") + ", " + std::to_string(info.bits) + " bit)",
+                         "its levels are not those of a standard picture",
+                         "film with HDR off, or convert it with `ffmpeg -i IN -vf zscale=t=linear:npl=100,zscale=t=bt709:m=bt709:r=tv,format=yuv420p OUT.mp4`"});
+    if (std::abs(info.pixel_aspect - 1) > 1e-3)
+        found.push_back({info.file, "has pixels that are not square (" + format_number(std::round(1e4 * info.pixel_aspect) / 1e4) + " wide to 1 high)",
+                         "a camera calibrated on square ones would not fit",
+                         "convert it with `ffmpeg -i IN -vf scale=iw*sar:ih,setsar=1 OUT.mp4`"});
+    if (info.orientation.mirrored())
+        found.push_back({info.file, "is mirrored by its display matrix", "front cameras do so", "film with the back camera, or convert it with `ffmpeg -i IN OUT`"});
+    return found;
+}
 
 std::unique_ptr<FrameSource> open_any_frames(const SourceRequest& request) {
     const auto& clip = request.clip;
@@ -113,7 +117,8 @@ std::unique_ptr<FrameSource> open_any_frames(const SourceRequest& request) {
 
 std::unique_ptr<FrameSource> open_frames(const SourceRequest& request) {
     auto source = open_any_frames(request);
-    refuse_unusable(source->info());
+    auto reasons = reasons_against(source->info());
+    if (!reasons.empty()) throw InputError(std::move(reasons));
     return source;
 }
 

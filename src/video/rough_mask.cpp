@@ -84,12 +84,12 @@ RoughMask RoughMasks::make(const Image& frame, const Mask& before, const std::st
     default: break;
     }
     if (!settings_.brightness) return {background_->classify(frame), 1, background_->shadows()};
-    // Without a silhouette to leave out, the first look finds one.
     auto matched = match_brightness(frame, background_->mean(), before);
     auto mask = background_->classify(matched.image);
-    matched = match_brightness(frame, background_->mean(), mask);
-    mask = background_->classify(matched.image);
-    return {std::move(mask), matched.gain, background_->shadows()};
+    // The liquid may have covered what the frame before left free.
+    auto again = match_brightness(frame, background_->mean(), mask);
+    if (std::abs(again.gain - matched.gain) > 2e-3) mask = background_->classify(again.image);
+    return {std::move(mask), again.gain, background_->shadows()};
 }
 
 RoughMask RoughMasks::by_level(const Image& frame) {

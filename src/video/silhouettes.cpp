@@ -33,8 +33,8 @@ std::size_t perimeter_of(const Mask& mask) {
     return edges;
 }
 
-std::string percent(double share) { return format_number(std::round(1000 * share) / 10) + " %"; }
-std::string rounded(double value, double unit) { return format_number(std::round(value / unit) * unit); }
+std::string tenths(double value) { return format_number(std::round(10 * value) / 10); }
+std::string percent(double share) { return tenths(100 * share) + " %"; }
 } // namespace
 
 struct SilhouetteMaker::State {
@@ -77,7 +77,7 @@ struct SilhouetteMaker::State {
         if (shift.changed > settings.max_changed || moved > settings.max_shift)
             throw InputError({name_of(frame.index), "the camera moves: " + (shift.changed > settings.max_changed
                                   ? percent(shift.changed) + " of the background has changed"
-                                  : "the background is shifted by " + rounded(moved, 0.1) + " px"),
+                                  : "the background is shifted by " + tenths(moved) + " px"),
                               "silhouettes need a camera that stands still",
                               "film from a stand, cut the clip there, or raise max_changed or max_shift"});
         largest_shift = std::max(largest_shift, moved);
@@ -201,7 +201,7 @@ struct SilhouetteMaker::State {
                 for (int x = 0; x < grey.cols; ++x) ++histogram[grey.at<std::uint8_t>(y, x)];
         }
         rough.set_level(histogram);
-        notes.push_back("grey level " + rounded(rough.level(), 0.1) + " of 255 parts liquid and background, by Otsu's method");
+        notes.push_back("grey level " + tenths(rough.level()) + " of 255 parts liquid and background, by Otsu's method");
     }
 
     void find_mixing(const std::vector<TimedFrame>& seen) {
