@@ -3,6 +3,7 @@
 #include "app/bench.hpp"
 #include "app/bench_pressure.hpp"
 #include "app/bench_viscosity.hpp"
+#include "app/calibrate.hpp"
 #include "app/check.hpp"
 #include "app/export_frames.hpp"
 #include "app/info.hpp"
@@ -369,6 +370,35 @@ void add_bench(CLI::App& program, Chosen& chosen) {
     });
 }
 
+void add_calibrate(CLI::App& program, Chosen& chosen) {
+    auto request = std::make_shared<CalibrateRequest>();
+    auto& app = *program.add_subcommand("calibrate", "The lens of a camera from pictures of a chessboard or a grid of circles.");
+    app.add_option("pictures", request->pictures, "Pictures of the board, or folders with them")->type_name("PICTURE...");
+    app.add_option("--board", request->board,
+                   "9x6 (default): a chessboard by its inner corners; circles:4x11: an asymmetric grid of circles")
+        ->type_name("SIZE");
+    app.add_option("--square", request->square, "Side of a square, or distance of neighbouring rows of circles, as in 25mm")
+        ->type_name("LENGTH");
+    app.add_option("--coefficients", request->coefficients,
+                   "Of the distortion: 0, 4 (k1 k2 p1 p2), 5 (and k3, default) or 8 (and k4 k5 k6)")
+        ->check(CLI::IsMember({0, 4, 5, 8}))
+        ->type_name("NUMBER");
+    app.add_option("--window", request->window,
+                   "Half of the side of the window in which corners are refined (default: 0.4 of the smallest square, 2 to 11)")
+        ->check(CLI::Range(1, 100))
+        ->type_name("PIXELS");
+    app.add_option("--outliers", request->outliers, "A picture is left out when its error exceeds the median by this factor (default 3)")
+        ->check(CLI::Range(1.0, 1e9))
+        ->type_name("FACTOR");
+    app.add_option("--name", request->camera_name, "Of the camera (default main)")->type_name("NAME");
+    app.add_option("--out", request->out, "The camera's file: .yaml (default camera.yaml), .json or .xml")->type_name("FILE");
+    app.callback([request, &chosen] {
+        chosen.make = [request]() -> Command {
+            return [request](const Comm& comm) { return calibrate_camera(comm, *request); };
+        };
+    });
+}
+
 void add_commands(CLI::App& program, Chosen& chosen, const Words& arguments) {
     add_run(program, chosen, arguments);
     add_resume(program, chosen, arguments);
@@ -378,6 +408,7 @@ void add_commands(CLI::App& program, Chosen& chosen, const Words& arguments) {
     add_export(program, chosen);
     add_render(program, chosen);
     add_video_commands(program, [&chosen](std::function<Command()> make) { chosen.make = std::move(make); });
+    add_calibrate(program, chosen);
     add_bench(program, chosen);
 }
 
