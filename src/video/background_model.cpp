@@ -1,6 +1,6 @@
 #include "video/background_model.hpp"
 
-#include "video/matrix.hpp"
+#include "video/pixels.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -24,7 +24,7 @@ struct BackgroundModel::State {
 
     Mask by_mixture(const Image& frame) {
         cv::Mat labels;
-        mixture->apply(matrix_of(frame), labels, 0);
+        mixture->apply(pixels_of(frame), labels, 0);
         shadows = std::size_t(cv::countNonZero(labels == mog_shadow));
         return mask_of(labels == 255);
     }
@@ -66,7 +66,7 @@ BackgroundModel::BackgroundModel(BackgroundModel&&) noexcept = default;
 
 void BackgroundModel::learn(const Image& frame, int of_frames) {
     auto& s = *state_;
-    const cv::Mat rgb = matrix_of(frame);
+    const cv::Mat rgb = pixels_of(frame);
     if (s.learnt == 0) {
         s.sum = cv::Mat::zeros(rgb.size(), CV_32FC3);
         s.squares = cv::Mat::zeros(rgb.size(), CV_32FC3);

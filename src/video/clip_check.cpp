@@ -5,7 +5,7 @@
 #include "video/brightness.hpp"
 #include "video/contour_refinement.hpp"
 #include "video/empty_scene.hpp"
-#include "video/matrix.hpp"
+#include "video/pixels.hpp"
 #include "video/mask_cleaning.hpp"
 #include "video/usable_clip.hpp"
 
@@ -26,7 +26,7 @@ std::string text_of(double value, int digits) {
 
 cv::Mat blocks_of(const Image& image) {
     cv::Mat grey, small;
-    cv::cvtColor(matrix_of(image), grey, cv::COLOR_RGB2GRAY);
+    cv::cvtColor(pixels_of(image), grey, cv::COLOR_RGB2GRAY);
     cv::resize(grey, small, {}, 0.25, 0.25, cv::INTER_AREA);
     small.convertTo(small, CV_32F);
     return small;
@@ -118,8 +118,8 @@ struct Survey {
     // Of what differs most from the first frame.
     void measure_contour() {
         cv::Mat grey, grey_first;
-        cv::cvtColor(matrix_of(most), grey, cv::COLOR_RGB2GRAY);
-        cv::cvtColor(matrix_of(first), grey_first, cv::COLOR_RGB2GRAY);
+        cv::cvtColor(pixels_of(most), grey, cv::COLOR_RGB2GRAY);
+        cv::cvtColor(pixels_of(first), grey_first, cv::COLOR_RGB2GRAY);
         cv::Mat difference;
         cv::absdiff(grey, grey_first, difference);
         auto mask = mask_of(difference > std::max(10.0, 5 * check.noise));

@@ -1,7 +1,7 @@
 #include "video/contour_refinement.hpp"
 
 #include "video/film_look.hpp"
-#include "video/matrix.hpp"
+#include "video/pixels.hpp"
 
 #include <algorithm>
 #include <array>
@@ -241,12 +241,12 @@ struct Solved {
 
 Solved iterate(const Image& frame, const std::vector<float>& background, const Mask& rough, const cv::Rect& box, MixingSpace mixing,
                double width, int rounds) {
-    const cv::Mat light = to_light(matrix_of(frame)(box), mixing);
+    const cv::Mat light = to_light(pixels_of(frame)(box), mixing);
     const cv::Mat empty = background.empty() ? cv::Mat(box.size(), CV_32FC3, cv::Scalar::all(1))
                                              : mean_to_light(background, frame.width, box, mixing);
-    const cv::Mat excluded = matrix_of(rough)(box) == mask_excluded;
+    const cv::Mat excluded = pixels_of(rough)(box) == mask_excluded;
     Solved solved;
-    solved.liquid = matrix_of(rough)(box) == mask_liquid;
+    solved.liquid = pixels_of(rough)(box) == mask_liquid;
     solved.empty = empty;
     solved.width = width > 0 ? width : first_width;
     for (int round = 0; round < rounds; ++round) {
@@ -292,10 +292,10 @@ void measure_contrast(const Solved& solved, RefinedContour& refined) {
 RefinedContour refine_contour(const Image& frame, const std::vector<float>& background, const Mask& rough, MixingSpace mixing,
                               double edge_width) {
     RefinedContour refined{rough, 0, 0, 0};
-    const auto box = box_of(matrix_of(rough) == mask_liquid, 48);
+    const auto box = box_of(pixels_of(rough) == mask_liquid, 48);
     if (box.empty()) return refined;
     const auto solved = iterate(frame, background, rough, box, mixing, edge_width, edge_width > 0 ? 2 : 3);
-    cv::Mat out = matrix_of(refined.mask)(box);
+    cv::Mat out = pixels_of(refined.mask)(box);
     out.setTo(mask_background, out == mask_liquid);
     out.setTo(mask_liquid, solved.liquid);
     refined.edge_width = width_of(solved.shares);
@@ -305,7 +305,7 @@ RefinedContour refine_contour(const Image& frame, const std::vector<float>& back
 
 Unevenness measure_unevenness(const Image& frame, const std::vector<float>& background, const Mask& rough) {
     Unevenness found;
-    const auto box = box_of(matrix_of(rough) == mask_liquid, 48);
+    const auto box = box_of(pixels_of(rough) == mask_liquid, 48);
     if (box.empty()) return found;
     for (const auto mixing : {MixingSpace::light, MixingSpace::code}) {
         const auto solved = iterate(frame, background, rough, box, mixing, 0, 3);

@@ -3,7 +3,7 @@
 #include "base/error.hpp"
 #include "base/text.hpp"
 #include "video/brightness.hpp"
-#include "video/matrix.hpp"
+#include "video/pixels.hpp"
 #include "video/picture_sequence.hpp"
 
 #include <algorithm>
@@ -25,7 +25,7 @@ Image load_picture(const std::filesystem::path& path) {
     if (read.empty()) throw InputError({path.string(), "is no picture that can be read", "empty.picture names it", "PNG and JPEG are usual"});
     cv::Mat rgb;
     cv::cvtColor(read, rgb, cv::COLOR_BGR2RGB);
-    return image_of(rgb);
+    return rgb_image_of(rgb);
 }
 
 std::vector<float> floats(const Image& image) { return {image.pixels.begin(), image.pixels.end()}; }
@@ -113,7 +113,7 @@ std::int64_t find_first_change(FrameSource& source, const Registration& registra
     std::int64_t candidate = -1;
     const auto blocks = [](const Image& image) {
         cv::Mat grey, small;
-        cv::cvtColor(matrix_of(image), grey, cv::COLOR_RGB2GRAY);
+        cv::cvtColor(pixels_of(image), grey, cv::COLOR_RGB2GRAY);
         cv::resize(grey, small, {}, 0.25, 0.25, cv::INTER_AREA);
         small.convertTo(small, CV_32F);
         return small;

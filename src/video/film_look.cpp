@@ -1,6 +1,6 @@
 #include "video/film_look.hpp"
 
-#include "video/matrix.hpp"
+#include "video/pixels.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -2,7 +2,7 @@
 
 #include "base/error.hpp"
 #include "base/file.hpp"
-#include "video/matrix.hpp"
+#include "video/pixels.hpp"
 #include "video/picture_sequence.hpp"
 
 #include <algorithm>
@@ -16,7 +16,7 @@ std::size_t Mask::area() const { return static_cast<std::size_t>(std::ranges::co
 
 void write_mask(const std::filesystem::path& path, const Mask& mask) {
     std::vector<std::uint8_t> bytes;
-    if (!cv::imencode(".png", matrix_of(mask), bytes))
+    if (!cv::imencode(".png", pixels_of(mask), bytes))
         throw SimulationError({path.string(), "cannot encode a PNG", "OpenCV lacks it", "install its image codecs"});
     write_file_atomically(path, std::string(bytes.begin(), bytes.end()));
 }
@@ -47,8 +47,8 @@ cv::Mat signed_distance(const cv::Mat& liquid) {
 ContourError compare_contours(const Mask& mask, const Mask& exact) {
     if (mask.width != exact.width || mask.height != exact.height)
         throw InputError({"masks", "of unlike sizes cannot be compared", "", "give masks of one camera"});
-    const cv::Mat a = matrix_of(mask) == mask_liquid, b = matrix_of(exact) == mask_liquid;
-    const cv::Mat excluded = (matrix_of(mask) == mask_excluded) | (matrix_of(exact) == mask_excluded);
+    const cv::Mat a = pixels_of(mask) == mask_liquid, b = pixels_of(exact) == mask_liquid;
+    const cv::Mat excluded = (pixels_of(mask) == mask_excluded) | (pixels_of(exact) == mask_excluded);
     cv::Mat ignored;
     cv::dilate(excluded, ignored, cv::Mat());
     const cv::Mat distance = signed_distance(b);

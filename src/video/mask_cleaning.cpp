@@ -2,7 +2,7 @@
 
 #include "base/error.hpp"
 #include "base/text.hpp"
-#include "video/matrix.hpp"
+#include "video/pixels.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -61,7 +61,7 @@ void drop_specks(cv::Mat& liquid, const SilhouetteSettings& settings, const Mask
     const int count = cv::connectedComponentsWithStats(liquid, labels, figures, centres, 8);
     std::vector<bool> touches(std::size_t(count), settings.keep == KeptParts::all || seeds.pixels.empty());
     if (settings.keep == KeptParts::connected && !seeds.pixels.empty()) {
-        const cv::Mat seed = matrix_of(seeds);
+        const cv::Mat seed = pixels_of(seeds);
         for (int y = 0; y < liquid.rows; ++y)
             for (int x = 0; x < liquid.cols; ++x)
                 if (seed.at<std::uint8_t>(y, x) == mask_liquid) touches[std::size_t(labels.at<int>(y, x))] = true;
@@ -90,7 +90,7 @@ InputError no_polygon(const std::string& text, const std::string& where) {
 
 CleaningReport clean_mask(Mask& mask, const SilhouetteSettings& settings, const Mask& seeds) {
     CleaningReport report;
-    cv::Mat whole = matrix_of(mask);
+    cv::Mat whole = pixels_of(mask);
     const cv::Mat excluded = whole == mask_excluded;
     cv::Mat liquid = whole == mask_liquid;
     morph(liquid, cv::MORPH_CLOSE, settings.closing);

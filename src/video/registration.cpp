@@ -1,6 +1,6 @@
 #include "video/registration.hpp"
 
-#include "video/matrix.hpp"
+#include "video/pixels.hpp"
 
 #include <algorithm>
 #include <array>
@@ -15,9 +15,11 @@ constexpr int cell = 16;              // points are spread: some of each cell of
 constexpr float min_gradient = 1.2F;     // [grey levels / px], above noise
 constexpr double least_information = 2e3; // sum of squared gradients in the weaker direction, for a few hundredths of a pixel
 
+constexpr double least_change = 8; // of a point, or what it changes by in one pixel [grey levels of 255]
+
 cv::Mat grey_of(const Image& image) {
     cv::Mat grey;
-    cv::cvtColor(matrix_of(image), grey, cv::COLOR_RGB2GRAY);
+    cv::cvtColor(pixels_of(image), grey, cv::COLOR_RGB2GRAY);
     grey.convertTo(grey, CV_32F);
     // Takes out noise that would bias gradients.
     cv::GaussianBlur(grey, grey, {5, 5}, 1.0, 1.0, cv::BORDER_REPLICATE);
@@ -115,10 +117,9 @@ FrameShift Registration::find(const Image& frame, const FrameShift& start) const
             if (seen[i] < 0) continue;
             ++counted;
             const double r = residuals[i] / cut;
-            if (std::abs(r) >= 1) {
-                ++outside;
-                continue;
-            }
+            const double steep = std::hypot(double(points_[i].gx), double(points_[i].gy));
+            if (std::abs(residuals[i]) > std::max(least_change, steep)) ++outside;
+            if (std::abs(r) >= 1) continue;
             const double weight = (1 - r * r) * (1 - r * r);
             const cv::Vec3d g(points_[i].gx, points_[i].gy, points_[i].gt);
             normal += weight * (g * g.t());
@@ -144,8 +145,8 @@ Image undo_shift(const Image& frame, const FrameShift& shift) {
     const double c = std::cos(shift.angle), s = std::sin(shift.angle);
     const cv::Matx23d map(c, -s, cx - c * cx + s * cy + shift.x, s, c, cy - s * cx - c * cy + shift.y);
     cv::Mat moved;
-    cv::warpAffine(matrix_of(frame), moved, map, {frame.width, frame.height}, cv::INTER_CUBIC | cv::WARP_INVERSE_MAP, cv::BORDER_REPLICATE);
-    return image_of(moved);
+    cv::warpAffine(pixels_of(frame), moved, map, {frame.width, frame.height}, cv::INTER_CUBIC | cv::WARP_INVERSE_MAP, cv::BORDER_REPLICATE);
+    return rgb_image_of(moved);
 }
 
 } // namespace treacle::video

@@ -1,7 +1,7 @@
 #include "video/rough_mask.hpp"
 
 #include "base/error.hpp"
-#include "video/matrix.hpp"
+#include "video/pixels.hpp"
 
 #include <algorithm>
 #include <array>
@@ -13,7 +13,7 @@ namespace treacle::video {
 namespace {
 cv::Mat grey_of(const Image& frame) {
     cv::Mat grey;
-    cv::cvtColor(matrix_of(frame), grey, cv::COLOR_RGB2GRAY);
+    cv::cvtColor(pixels_of(frame), grey, cv::COLOR_RGB2GRAY);
     return grey;
 }
 

@@ -4,7 +4,7 @@
 #include "base/text.hpp"
 #include "video/contour_refinement.hpp"
 #include "video/empty_scene.hpp"
-#include "video/matrix.hpp"
+#include "video/pixels.hpp"
 #include "video/rough_mask.hpp"
 
 #include <algorithm>
@@ -139,7 +139,7 @@ struct SilhouetteMaker::State {
     }
 
     static void measure(Silhouette& out) {
-        const cv::Mat mask = matrix_of(out.mask), liquid = mask == mask_liquid;
+        const cv::Mat mask = pixels_of(out.mask), liquid = mask == mask_liquid;
         const auto moments = cv::moments(liquid, true);
         out.area = std::size_t(std::llround(moments.m00));
         if (out.area > 0) {
@@ -196,7 +196,7 @@ struct SilhouetteMaker::State {
         std::vector<double> histogram(256, 0);
         for (const auto& frame : seen) {
             cv::Mat grey;
-            cv::cvtColor(matrix_of(frame.image), grey, cv::COLOR_RGB2GRAY);
+            cv::cvtColor(pixels_of(frame.image), grey, cv::COLOR_RGB2GRAY);
             for (int y = 0; y < grey.rows; ++y)
                 for (int x = 0; x < grey.cols; ++x) ++histogram[grey.at<std::uint8_t>(y, x)];
         }

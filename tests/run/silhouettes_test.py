@@ -44,15 +44,19 @@ def disc(radius, x=80, y=60):
     return numpy.hypot(X - x, Y - y) <= radius
 
 
-def film(folder, radii, seed=1, background=180, liquid=30):
-    """Frames of a disc, with texture and noise; the exact masks."""
+def texture(seed):
+    return numpy.kron(numpy.random.default_rng(seed).uniform(-25, 25, (SIZE[0] // 4, SIZE[1] // 4)), numpy.ones((4, 4)))
+
+
+def film(folder, radii, seed=1, background=180, liquid=30, gain=None):
+    """Frames of a disc before a texture, with noise and, if given, a gain for each; the exact masks."""
     os.makedirs(folder, exist_ok=True)
     random = numpy.random.default_rng(seed)
-    texture = numpy.kron(random.uniform(-25, 25, (SIZE[0] // 4, SIZE[1] // 4)), numpy.ones((4, 4)))
     masks = [disc(radius) if radius else numpy.zeros(SIZE, bool) for radius in radii]
     for k, mask in enumerate(masks):
-        light = numpy.where(mask, liquid, background + texture)[..., None] + random.normal(0, 1.5, SIZE + (3,))
-        write_png(os.path.join(folder, f"f_{k:03d}.png"), numpy.clip(light, 0, 255).astype(numpy.uint8))
+        light = numpy.where(mask, liquid, background + texture(seed)) * (gain[k] if gain else 1)
+        picture = light[..., None] + random.normal(0, 1.5, SIZE + (3,))
+        write_png(os.path.join(folder, f"f_{k:03d}.png"), numpy.clip(picture, 0, 255).astype(numpy.uint8))
     return masks
 
 
