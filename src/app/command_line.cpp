@@ -10,6 +10,7 @@
 #include "app/manual.hpp"
 #include "app/render.hpp"
 #include "app/run.hpp"
+#include "app/video_commands.hpp"
 #include "base/text.hpp"
 #include "base/units.hpp"
 #include "scene/materials.hpp"
@@ -436,6 +437,7 @@ void add_commands(CLI::App& program, Chosen& chosen, const Words& arguments) {
     add_info(program, chosen);
     add_export(program, chosen);
     add_render(program, chosen);
+    add_video_commands(program, [&chosen](std::function<Command()> make) { chosen.make = std::move(make); });
     add_calibrate(program, chosen);
     add_bench(program, chosen);
 }
