@@ -11,7 +11,7 @@ namespace treacle::video {
 
 namespace {
 
-constexpr std::size_t sizes_tried_on = 4; // pictures
+constexpr std::size_t sizes_tried_on = 5; // pictures, of which three must agree
 
 std::string rounded(double value) { return format_number(std::round(10 * value) / 10); }
 
@@ -32,44 +32,48 @@ BoardPicture look_at(const Photo& photo, const Board& board, const BoardSearch& 
     return out;
 }
 
-// The size that fits in most of the pictures looked at, with the number of these.
-std::optional<std::pair<Board, std::size_t>> common_size(const std::vector<Photo>& photos, const Board& board, OtherSizes sizes) {
-    std::map<std::pair<int, int>, std::size_t> votes;
-    for (const auto& photo : photos)
-        if (const auto other = find_other_size(photo, board, sizes)) ++votes[{other->columns, other->rows}];
-    const auto most = std::ranges::max_element(votes, {}, [](const auto& vote) { return vote.second; });
-    if (most == votes.end() || 2 * most->second <= photos.size()) return {};
-    Board other = board;
-    std::tie(other.columns, other.rows) = most->first;
-    return std::pair(other, most->second);
-}
-
 [[noreturn]] void refuse_size(const Board& board, const Board& other, std::size_t votes, std::size_t tried) {
     const bool squares = board.columns == other.columns + 1 && board.rows == other.rows + 1;
+    const bool turned = (other.columns + other.rows) % 2 == 0;
     throw InputError({"--board", "the pictures show a " + other.text() + ", not a " + board.text(),
-                      "seen in " + std::to_string(votes) + " of " + std::to_string(tried) + " pictures tried" +
+                      "seen in " + std::to_string(votes) + " of the first " + std::to_string(tried) + " pictures" +
                           (squares ? "; corners where four squares meet are counted, not squares" : ""),
-                      "write --board " + std::to_string(other.columns) + "x" + std::to_string(other.rows)});
+                      turned ? "take another board: this one looks the same turned by 180 degrees"
+                             : "write --board " + std::to_string(other.columns) + "x" + std::to_string(other.rows)});
 }
 
-void check_size(const std::vector<Photo>& found, const std::vector<Photo>& missed, const Board& board) {
+// Whether the board of most of the first pictures has the size given. Searches for a wrong one would take minutes.
+void check_size(const std::vector<std::filesystem::path>& paths, const Board& board) {
     if (board.kind != BoardKind::chessboard) return;
-    if (const auto larger = common_size(found, board, OtherSizes::larger))
-        refuse_size(board, larger->first, larger->second, found.size());
-    if (!found.empty()) return;
-    if (const auto other = common_size(missed, board, OtherSizes::all))
-        refuse_size(board, other->first, other->second, missed.size());
+    std::map<std::array<int, 2>, std::size_t> votes;
+    std::size_t tried = 0;
+    for (const auto& path : paths) {
+        if (tried == sizes_tried_on) break;
+        const auto read = read_photo(path);
+        const auto* photo = std::get_if<Photo>(&read);
+        if (!photo) continue;
+        ++tried;
+        if (const auto size = size_of_chessboard(*photo)) ++votes[*size];
+    }
+    const std::array<int, 2> given{std::max(board.columns, board.rows), std::min(board.columns, board.rows)};
+    for (const auto& [size, count] : votes) {
+        if (size == given || 2 * count <= tried || count < std::min<std::size_t>(3, tried)) continue;
+        Board other = board;
+        other.columns = size[0];
+        other.rows = size[1];
+        refuse_size(board, other, count, tried);
+    }
 }
 
 } // namespace
 
 std::vector<BoardPicture> find_boards(const std::vector<std::filesystem::path>& paths, const Board& board,
                                       const BoardPicturesOptions& options) {
+    check_size(paths, board);
     std::vector<BoardPicture> out;
-    std::vector<Photo> found, missed; // a few of each
     for (const auto& path : paths) {
         options.progress(double(out.size()) / double(paths.size()), path.filename().string());
-        auto read = read_photo(path);
+        const auto read = read_photo(path);
         if (const auto* unreadable = std::get_if<Unreadable>(&read)) {
             BoardPicture& picture = out.emplace_back();
             picture.name = path.filename().string();
@@ -78,10 +82,7 @@ std::vector<BoardPicture> find_boards(const std::vector<std::filesystem::path>& 
             continue;
         }
         out.push_back(look_at(std::get<Photo>(read), board, options.search));
-        auto& list = out.back().state == PictureState::no_board ? missed : found;
-        if (list.size() < sizes_tried_on) list.push_back(std::move(std::get<Photo>(read)));
     }
-    check_size(found, missed, board);
     return out;
 }
 
