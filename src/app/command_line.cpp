@@ -10,6 +10,7 @@
 #include "app/manual.hpp"
 #include "app/render.hpp"
 #include "app/run.hpp"
+#include "app/video_commands.hpp"
 #include "base/text.hpp"
 #include "base/units.hpp"
 #include "scene/materials.hpp"
@@ -141,7 +142,7 @@ void add_resume(CLI::App& program, Chosen& chosen, const Words& arguments) {
     app.callback([words, arguments, &chosen] {
         chosen.make = [words, arguments]() -> Command {
             ResumeRequest request{words->folder, {}, read_wall_limit(words->wall_limit), arguments};
-            for (const auto& change : words->changes) request.changes.push_back({change});
+            for (const auto& change : words->changes) request.changes.push_back({change, "--set " + change});
             if (!words->until.empty()) request.changes.push_back({"time.end=" + words->until, "--until " + words->until});
             return [request](const Comm& comm) { return resume_run(comm, request); };
         };
@@ -436,6 +437,7 @@ void add_commands(CLI::App& program, Chosen& chosen, const Words& arguments) {
     add_info(program, chosen);
     add_export(program, chosen);
     add_render(program, chosen);
+    add_video_commands(program, [&chosen](std::function<Command()> make) { chosen.make = std::move(make); });
     add_calibrate(program, chosen);
     add_bench(program, chosen);
 }

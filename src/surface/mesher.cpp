@@ -1,0 +1,149 @@
+#include "surface/mesher.hpp"
+
+#include "base/error.hpp"
+#include "kokkos/bounds.hpp"
+#include "surface/components.hpp"
+#include "surface/numbering.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace treacle::surface {
+
+namespace {
+// Layers of cells beside a rank's own that its smoothed vertices depend on: one a step, and one for normals.
+int layers_for(const Options& options) { return 2 * options.smoothing_passes + 1; }
+
+void check(const Options& options) {
+    const auto refuse = [](const std::string& problem, const std::string& cure) {
+        throw InputError({"surface", problem, "", cure});
+    };
+    if (!(options.spacing > 0)) refuse("the particles' spacing must be > 0", "");
+    if (!(options.lattice_step >= 0.25 && options.lattice_step <= 1)) refuse("the lattice's step must be 0.25 to 1 spacings", "0.5 is usual");
+    // A tile's neighbours hold what its nodes are summed over.
+    if (!(options.kernel_width >= 1 && 2 * options.kernel_width <= (tile_edge - 1) * options.lattice_step)) {
+        refuse("the kernel's width must be 1 spacing or more and its support within 7 cells of the lattice", "take a larger step");
+    }
+    if (options.smoothing_passes < 0 || options.smoothing_passes > 3) refuse("smoothing passes must be 0 to 3", "");
+    if (options.deconvolution_passes < 0 || options.deconvolution_passes > 20) refuse("deconvolution passes must be 0 to 20", "");
+}
+} // namespace
+
+Mesher::Mesher(const Comm& comm, const Domain& domain, const Options& options)
+    : comm_(comm), domain_(domain), options_(options),
+      base_((check(options), make_lattice(domain, options.lattice_step * options.spacing))) {
+    store_.add<Array3>("velocity", "m/s", FieldRole::state);
+    store_.add<Array<double>>("pressure", "Pa", FieldRole::state);
+    store_.add<Array<int>>("liquid", "", FieldRole::state);
+}
+
+Mesher::~Mesher() = default;
+
+void Mesher::take(const ParticleRows& particles) {
+    const auto n = static_cast<int>(particles.id.size());
+    store_.resize_owned(n);
+    const auto& x = store_.position();
+    const auto& id = store_.id();
+    const auto& u = store_.get<Array3>(2);
+    const auto& p = store_.get<Array<double>>(3);
+    const auto& l = store_.get<Array<int>>(4);
+    const auto hx = Kokkos::create_mirror_view(x), hu = Kokkos::create_mirror_view(u);
+    const auto hid = Kokkos::create_mirror_view(id);
+    const auto hp = Kokkos::create_mirror_view(p);
+    const auto hl = Kokkos::create_mirror_view(l);
+    bool finite = true;
+    for (int i = 0; i < n; ++i) {
+        const auto row = static_cast<std::size_t>(i);
+        for (int k = 0; k < 3; ++k) {
+            const auto at = 3 * row + static_cast<std::size_t>(k);
+            hx(i, k) = k < domain_.dimensions ? particles.position[at] : 0;
+            hu(i, k) = particles.velocity.empty() ? 0 : particles.velocity[at];
+            finite = finite && std::isfinite(particles.position[at]);
+        }
+        hid(i) = particles.id[row];
+        hp(i) = particles.pressure.empty() ? 0 : particles.pressure[row];
+        hl(i) = particles.liquid.empty() ? 0 : static_cast<int>(particles.liquid[row]);
+    }
+    Kokkos::deep_copy(x, hx);
+    Kokkos::deep_copy(u, hu);
+    Kokkos::deep_copy(id, hid);
+    Kokkos::deep_copy(p, hp);
+    Kokkos::deep_copy(l, hl);
+    if (comm_.any(!finite)) throw InputError({"surface", "a particle's position is not finite", "the run has diverged", "take an earlier frame"});
+    sources_ = {2, 3, 4};
+}
+
+// Tiles to ranks by particles, particles to their ranks, sorted, with those of the neighbouring tiles as ghosts.
+void Mesher::distribute() {
+    const auto x = store_.position();
+    int none = 0;
+    const auto bounds = reduce_bounds("treacle::surface_bounds", 0, store_.owned(), none,
+                                      KOKKOS_LAMBDA(int i, Bounds& around, int&) { around.include(x(i, 0), x(i, 1), x(i, 2)); });
+    double ends[6];
+    for (int k = 0; k < 3; ++k) {
+        ends[k] = -bounds.lo[k];
+        ends[3 + k] = bounds.hi[k];
+    }
+    comm_.max(std::span<double>(ends));
+    const double lo[3] = {-ends[0], -ends[1], -ends[2]};
+    lattice_ = base_;
+    cover(lattice_, domain_, lo, ends + 3);
+    const auto& grid = lattice_.grid;
+    decomposition_ = std::make_unique<Decomposition>(comm_, grid);
+    if (comm_.size() > 1) {
+        const auto mine = bounds.cells(grid);
+        std::vector<double> weight(static_cast<std::size_t>(mine.size()), 0);
+        const auto host = on_host(x);
+        for (int i = 0; i < store_.owned(); ++i) {
+            int c[3];
+            grid.locate(host(i, 0), host(i, 1), host(i, 2), c);
+            weight[static_cast<std::size_t>(mine.index(c[0], c[1], c[2]))] += 1;
+        }
+        std::vector<int> cells;
+        std::vector<double> weights;
+        for (std::size_t t = 0; t < weight.size(); ++t) {
+            if (weight[t] == 0) continue;
+            int c[3];
+            mine.cell(static_cast<int>(t), c);
+            cells.insert(cells.end(), c, c + 3);
+            weights.push_back(weight[t]);
+        }
+        decomposition_->recut(cells, weights);
+    }
+    migration_.to_owner(store_, *decomposition_);
+    sort_.sort(store_, grid, decomposition_->box(), cells_);
+    halo_.connect(*decomposition_);
+    halo_.rebuild(store_, cells_);
+    halo_.gather(store_, {2, 3, 4});
+}
+
+const Mesh& Mesher::build(const ParticleRows& particles, const Solids& solids) {
+    take(particles);
+    const auto total = comm_.sum(static_cast<std::int64_t>(store_.owned()));
+    summary_ = {};
+    summary_.particles = total;
+    mesh_ = {};
+    mesh_.dimensions = domain_.dimensions;
+    if (total == 0) return mesh_;
+    distribute();
+    const CellBox box = decomposition_->box();
+    const CellBox window = box.empty() ? CellBox{} : grown(box, 1, lattice_.dimensions);
+    const Solids* cut = solids.bodies.empty() ? nullptr : &solids;
+    const double support = 2 * options_.kernel_width * options_.spacing;
+    const auto& points = points_.build(store_, lattice_, window, support, cut);
+    function_.build(*decomposition_, lattice_, points, options_, cut);
+    triangulation_.build(lattice_, box, function_, layers_for(options_));
+    auto& patch = triangulation_.patch();
+    smoothing_.smooth(patch, options_.smoothing_passes);
+    const auto normals = smoothing_.normals(patch);
+    attributes_.interpolate(patch, store_, sources_, lattice_, points, options_);
+
+    const auto host = to_host(patch);
+    const VertexOwners owners(*decomposition_, lattice_);
+    const auto kept = find_components(comm_, host, owners, options_.spacing, options_.min_volume, summary_);
+    number_mesh(comm_, host, kept, owners, {normals, attributes_.velocity(), attributes_.pressure(), attributes_.liquid()}, mesh_);
+    summary_.area = comm_.sum(area_of(mesh_));
+    return mesh_;
+}
+
+} // namespace treacle::surface

@@ -1,0 +1,49 @@
+#pragma once
+#include "kokkos/particle_store.hpp"
+#include "surface/lattice.hpp"
+#include "surface/solids.hpp"
+
+namespace treacle::surface {
+
+// What the implicit function is summed over: the particles of this rank and its neighbours, and their mirror images
+// behind walls and in solids. Sorted into bins of two lattice cells, bin by bin of each tile; within a bin by id and
+// image, so that sums have the same order on any number of ranks.
+struct Points {
+    CellBox window;          // tiles
+    Array<int> tile;         // [tiles of window] number among the tiles that hold points, -1: none
+    Array<int> begin;        // [tiles with points * bins + 1] first point of each bin
+    Array<double> place[3];  // [points] position in lattice steps from the grid's first node
+    Array<int> row;          // [points] row of the particle in its store
+    Array<int> original;     // [points] 0: an image
+    int count = 0;
+    int tiles = 0;           // that hold points
+};
+
+// Builds the points. Kept between frames for its arrays.
+class PointBuilder {
+public:
+    // `window`: this rank's tiles and a layer around them. `support`: of the kernel [m]. `support_cells`: the same in
+    // lattice cells, along each axis.
+    const Points& build(const ParticleStore& store, const Lattice& lattice, const CellBox& window, double support,
+                        const Solids* solids);
+
+    // Kernels (public for nvcc).
+    void take_particles(const ParticleStore& store);
+    void mirror_in_solids(const Solids& solids, double support, const Lattice& lattice, const CellBox& window);
+    void mirror_at_walls(const Lattice& lattice, double support, int axis);
+    void sort_into_bins(const Lattice& lattice, const CellBox& window);
+    void order_bins();
+
+private:
+    void reserve_points(int n);
+
+    Points points_;
+    int n_ = 0;
+    Array<double> x_[3];
+    Array<int> source_{"treacle::surface_source", 0}, bin_{"treacle::surface_bin", 0}, slot_{"treacle::surface_slot", 0},
+        order_{"treacle::surface_order", 0}, counts_{"treacle::surface_images", 0};
+    Array<std::int64_t> id_{"treacle::surface_id", 0}, image_{"treacle::surface_image", 0};
+    int bins_ = 0;
+};
+
+} // namespace treacle::surface
