@@ -2,6 +2,7 @@
 
 #include "base/error.hpp"
 #include "base/text.hpp"
+#include "video/frame_source.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -12,6 +13,48 @@ namespace treacle::video {
 namespace {
 
 constexpr std::size_t sizes_tried_on = 5; // pictures, of which three must agree
+constexpr std::int64_t frames_looked_at = 120, frames_kept = 50; // of a video
+constexpr double least_motion = 0.03; // of the board between frames that are kept, over the picture's width
+
+Photo photo_of(const TimedFrame& frame, const std::string& clip) {
+    Photo photo{clip + " frame " + std::to_string(frame.index), frame.image.width, frame.image.height, {}};
+    photo.grey.reserve(frame.image.pixels.size() / 3);
+    for (std::size_t i = 0; i + 2 < frame.image.pixels.size(); i += 3) {
+        const auto* p = frame.image.pixels.data() + i;
+        photo.grey.push_back(std::uint8_t((299 * p[0] + 587 * p[1] + 114 * p[2] + 500) / 1000)); // ITU-R BT.601
+    }
+    return photo;
+}
+
+// Frames of a video, evenly picked, until `visit` returns false.
+void visit_frames(const std::filesystem::path& path, std::int64_t wanted, const std::function<bool(const Photo&, double)>& visit) {
+    SourceRequest request;
+    request.clip = path;
+    request.allow_damage = true;
+    const auto source = open_frames(request);
+    const auto count = std::int64_t(source->info().stamps.size());
+    const auto stride = std::max<std::int64_t>(1, count / wanted);
+    TimedFrame frame;
+    for (std::int64_t i = 0; source->read(frame); ++i)
+        if (i % stride == 0 && !visit(photo_of(frame, path.filename().string()), double(i) / double(std::max<std::int64_t>(count, 1)))) return;
+}
+
+std::vector<Photo> first_photos(const std::vector<std::filesystem::path>& paths, std::size_t count) {
+    std::vector<Photo> out;
+    for (const auto& path : paths) {
+        if (out.size() == count) break;
+        if (is_video(path)) {
+            visit_frames(path, std::int64_t(2 * count), [&](const Photo& photo, double) {
+                out.push_back(photo);
+                return out.size() < count;
+            });
+            continue;
+        }
+        auto read = read_photo(path);
+        if (auto* photo = std::get_if<Photo>(&read)) out.push_back(std::move(*photo));
+    }
+    return out;
+}
 
 std::string rounded(double value) { return format_number(std::round(10 * value) / 10); }
 
@@ -46,15 +89,10 @@ BoardPicture look_at(const Photo& photo, const Board& board, const BoardSearch& 
 void check_size(const std::vector<std::filesystem::path>& paths, const Board& board) {
     if (board.kind != BoardKind::chessboard) return;
     std::map<std::array<int, 2>, std::size_t> votes;
-    std::size_t tried = 0;
-    for (const auto& path : paths) {
-        if (tried == sizes_tried_on) break;
-        const auto read = read_photo(path);
-        const auto* photo = std::get_if<Photo>(&read);
-        if (!photo) continue;
-        ++tried;
-        if (const auto size = size_of_chessboard(*photo)) ++votes[*size];
-    }
+    const auto photos = first_photos(paths, sizes_tried_on);
+    const std::size_t tried = photos.size();
+    for (const auto& photo : photos)
+        if (const auto size = size_of_chessboard(photo)) ++votes[*size];
     const std::array<int, 2> given{std::max(board.columns, board.rows), std::min(board.columns, board.rows)};
     for (const auto& [size, count] : votes) {
         if (size == given || 2 * count <= tried || count < std::min<std::size_t>(3, tried)) continue;
@@ -65,6 +103,38 @@ void check_size(const std::vector<std::filesystem::path>& paths, const Board& bo
     }
 }
 
+// Mean distance of the points of two views.
+double motion(const BoardView& a, const BoardView& b) {
+    double sum = 0;
+    for (std::size_t i = 0; i < a.points.size(); ++i)
+        sum += std::hypot(a.points[i][0] - b.points[i][0], a.points[i][1] - b.points[i][1]);
+    return sum / double(a.points.size());
+}
+
+// Frames in which the board is seen elsewhere than in those before, and which of two at one place is the sharper.
+void add_video(const std::filesystem::path& path, const Board& board, const BoardPicturesOptions& options, std::vector<BoardPicture>& out) {
+    const std::size_t first = out.size();
+    std::size_t seen = 0, looked = 0;
+    visit_frames(path, frames_looked_at, [&](const Photo& photo, double fraction) {
+        options.progress(fraction, photo.name);
+        ++looked;
+        auto picture = look_at(photo, board, options.search);
+        if (picture.state == PictureState::no_board) return true;
+        ++seen;
+        for (std::size_t i = first; i < out.size(); ++i) {
+            if (motion(out[i].view, picture.view) > least_motion * photo.width) continue;
+            if (picture.view.edge_width < out[i].view.edge_width) out[i] = picture;
+            return true;
+        }
+        out.push_back(picture);
+        return out.size() - first < std::size_t(frames_kept);
+    });
+    if (seen > 0) return;
+    BoardPicture& none = out.emplace_back();
+    none.name = path.filename().string();
+    none.reason = "no " + board.text() + " was found in " + std::to_string(looked) + " frames";
+}
+
 } // namespace
 
 std::vector<BoardPicture> find_boards(const std::vector<std::filesystem::path>& paths, const Board& board,
@@ -73,6 +143,10 @@ std::vector<BoardPicture> find_boards(const std::vector<std::filesystem::path>& 
     std::vector<BoardPicture> out;
     for (const auto& path : paths) {
         options.progress(double(out.size()) / double(paths.size()), path.filename().string());
+        if (is_video(path)) {
+            add_video(path, board, options, out);
+            continue;
+        }
         const auto read = read_photo(path);
         if (const auto* unreadable = std::get_if<Unreadable>(&read)) {
             BoardPicture& picture = out.emplace_back();
