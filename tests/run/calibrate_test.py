@@ -13,6 +13,7 @@ sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."
 
 import harness  # noqa: E402
 from claims_lib import lens as optics  # noqa: E402
+from claims_lib import seeing_cameras as boards  # noqa: E402
 from harness import Workplace  # noqa: E402
 
 LENS = optics.Lens(320, 240, (280.0, 282.0, 163.0, 117.0, -0.2, 0.05, 0.001, -0.001, 0, 0, 0, 0))
@@ -112,6 +113,48 @@ class Cameras(Workplace):
         refined = optics.read_camera(self.pathlib("refined.yaml"))
         seen = optics.project(LENS, optics.rotation(refined["rotation_vector"]), refined["translation_vector"], POINTS)
         self.assertLess(abs(seen - optics.project(LENS, turn, shift, POINTS)).max(), 0.5)
+
+    def test_board_in_the_scene_gives_the_pose_and_a_level_the_vertical(self):
+        lens = boards.BOARD_LENS
+        random = numpy.random.default_rng(3)
+        turn, shift = boards.board_pose(lens, random, (1, 1))
+        optics.write_png(self.pathlib("board.png"), boards.draw_board(lens.corner_rays(), turn, shift, random, 1))
+        self.write("lens.yaml", boards.POSE_LENS.format(lens.width, lens.height, *lens.values[:4], ", ".join(map(repr, lens.values[4:]))))
+        # Scene: rows of the board along x, columns along -z, so that the board's z looks along y; 2 mm in front of the place.
+        origin, thickness = numpy.array([0.01, 0.02, 0.03]), 0.002
+        axes = numpy.array([[1, 0, 0], [0, 0, -1], [0, 1, 0]])  # of the board, rows
+        place = "1 2 3 cm; 1 0 0; 0 0 -1; 2 mm"
+        size = f"{boards.COLUMNS}x{boards.ROWS}"
+        # The vertical: a level on the planes y = 2 cm and x = 5 cm, tilted by 0.02 about y.
+        on_walls = numpy.array([[x, 0.02, 0.01 - 0.02 * x] for x in (0, 0.03, 0.06)] + [[0.05, y, 0.01 - 0.001] for y in (0.01, 0.03)])
+
+        def to_camera(points):
+            on_board = (points - origin) @ axes.T + [0, 0, thickness]
+            return optics.project(lens, turn, shift, on_board)
+
+        rows = [f"{u:.4f}, {v:.4f}, " + ("y = 2 cm" if k < 3 else "x = 5 cm") for k, (u, v) in enumerate(to_camera(on_walls))]
+        self.write("level.csv", "u, v, plane\n" + "\n".join(rows) + "\n")
+        done = self.treacle("calibrate", "--camera", "lens.yaml", "--pose-picture", "board.png", "--board", size, "--square", f"{boards.SQUARE} m",
+                            "--board-in-scene", place, "--level", "level.csv", "--out", "posed.json")
+        self.assertTrue(os.path.exists(self.path("posed_board.png")))
+        self.treacle("calibrate", "--camera", "posed.json", "--points", self.points_of(to_camera, origin), "--out", "same.yaml")
+        up = [float(word) for word in re.search(r"vertical from the level: (.*) \+-", done.stdout)[1].split(",")]
+        self.assertLess(abs(numpy.array(up) - [0.02, 0, 1]).max(), 0.002)
+        self.assertIn("deg from that of the scene", done.stdout)
+
+    def points_of(self, to_camera, origin):
+        """Points whose pixels are the true ones: the pose of the board must agree with theirs to 0.1 pixel."""
+        points = origin + POINTS * [0.5, 0.2, -0.5]
+        rows = [", ".join(f"{value:.6f}" for value in (*point, *pixel)) for point, pixel in zip(points, to_camera(points))]
+        self.write("true.csv", "x, y, z, u, v\n" + "\n".join(rows) + "\n")
+        import json
+
+        with open(self.path("posed.json")) as file:
+            posed = json.load(file)
+        turn, shift = optics.rotation(posed["rotation_vector"]["data"]), numpy.array(posed["translation_vector"]["data"])
+        moved = optics.project(boards.BOARD_LENS, turn, shift, points) - to_camera(points)
+        self.assertLess(abs(moved).max(), 0.3)
+        return "true.csv"
 
     def refused(self, *arguments, ranks=1):
         before = set(os.listdir(self.folder))

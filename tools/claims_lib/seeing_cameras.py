@@ -12,10 +12,10 @@ from .table import Figure, Unmeasured
 
 # ---- rendered boards ----
 
-COLUMNS, ROWS, SQUARE = 9, 6, 0.025  # inner corners, [m]
+COLUMNS, ROWS, SQUARE = 15, 10, 0.014  # inner corners, [m]
 BOARD_LENS = optics.Lens(1280, 720, (1105.0, 1102.0, 652.0, 349.0, -0.17, 0.09, 0.0006, -0.0009, -0.02, 0, 0, 0))
 FITTED = 9  # parameters: fx fy cx cy k1 k2 p1 p2 k3
-BOARDS, NOISE, RIM = 24, 1.5, 1.25  # pictures; [grey levels] of a contrast of 180; [squares] of paper around the corners
+BOARDS, NOISE, RIM = 30, 1.5, 1.25  # pictures; [grey levels] of a contrast of 180; [squares] of paper around the corners
 
 
 def board_pose(lens, random, target):
@@ -27,7 +27,7 @@ def board_pose(lens, random, target):
         angle = random.uniform(0, 2 * numpy.pi)
         tilt = random.uniform(0.2, 0.75)
         turn = optics.rotation([tilt * numpy.cos(angle), tilt * numpy.sin(angle), 0]) @ optics.rotation([0, 0, random.uniform(-0.4, 0.4)])
-        depth = random.uniform(0.33, 0.6)
+        depth = random.uniform(0.3, 0.5)
         pixel = numpy.array([lens.width, lens.height]) / 2 * (1 + (numpy.array(target) - 1) * shrink)
         x, y = lens.rays(*(numpy.array([p]) for p in pixel))
         shift = depth * numpy.array([x[0], y[0], 1]) - turn @ middle
@@ -83,7 +83,7 @@ def calibrate_once(context, folder, seed, rays, boards=BOARDS, noise=NOISE):
     whole = (folder / "board_00.png").read_bytes()
     (folder / "board_zz.png").write_bytes(whole[:len(whole) * 2 // 3])
     out = folder / "camera.yaml"
-    done = treacle(context, "calibrate", folder, "--square", f"{SQUARE} m", "--out", out, ranks=0)
+    done = treacle(context, "calibrate", folder, "--board", f"{COLUMNS}x{ROWS}", "--square", f"{SQUARE} m", "--out", out, ranks=0)
     camera = optics.read_camera(out)
     found = optics.lens_of(camera)
     errors = numpy.array(found.values[:FITTED]) - numpy.array(BOARD_LENS.values[:FITTED])
@@ -97,7 +97,11 @@ def rendered_boards(context):
     repeats = context.pick(20, 4, 2)
     rays = BOARD_LENS.corner_rays()
     with scratch(context, "boards") as folder:
-        found = [calibrate_once(context, folder / str(seed), seed, rays) for seed in range(repeats)]
+        return boards_figure([calibrate_once(context, folder / str(seed), seed, rays) for seed in range(repeats)])
+
+
+def boards_figure(found):
+    repeats = len(found)
     scores = numpy.array([one["scores"] for one in found])
     inside = (abs(scores) <= 2).sum(axis=0)
     focal, distortion = max(one["focal"] for one in found), max(one["distortion"] for one in found)

@@ -109,6 +109,26 @@ TEST_F(Boards, AnotherSizeIsTold) {
     EXPECT_NE(alike.find("this one looks the same turned by 180 degrees"), std::string::npos) << alike;
 }
 
+TEST_F(Boards, CentresOfCirclesAreFound) {
+    cv::Mat picture(height, width, CV_8U, cv::Scalar(225));
+    auto board = read_board("circles:4x11");
+    board.spacing = 20;
+    check_board(board);
+    std::vector<cv::Point2d> centres;
+    for (const auto& p : board_points(board)) centres.emplace_back(180 + 1.8 * p[1] + 0.1 * p[0], 90 + 1.7 * p[0]);
+    for (const auto& c : centres) cv::circle(picture, cv::Point(int(16 * c.x), int(16 * c.y)), 16 * 9, 25, cv::FILLED, cv::LINE_AA, 4);
+    cv::GaussianBlur(picture, picture, {0, 0}, 0.8);
+    const auto found = look({write("circles.png", picture)}, "circles:4x11");
+    ASSERT_EQ(found[0].state, PictureState::used) << found[0].reason;
+    // The grid may be numbered from its other end.
+    const auto& p = found[0].view.points;
+    for (const auto& c : centres) {
+        double least = 1e9;
+        for (const auto& q : p) least = std::min(least, std::hypot(q[0] - c.x, q[1] - c.y));
+        EXPECT_LT(least, 0.15);
+    }
+}
+
 TEST_F(Boards, HeicIsRefusedWithACure) {
     std::ofstream file(folder_.path() / "IMG_0001.HEIC", std::ios::binary);
     const char head[] = "\0\0\0\x18" "ftypheic\0\0\0\0mif1heic";
