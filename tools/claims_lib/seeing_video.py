@@ -9,7 +9,7 @@ MEAN, DEVIATION, DRIFTING = 0.2, 0.5, 0.4 # [px]
 
 def contours(context, case, mean):
     size = "Quick" if context.quick else "Full"
-    report = run_gtest(context, "contour_accuracy", f"Films/ContourAccuracy.DISABLED_{size}/{case}")
+    report = run_gtest(context, "contour_accuracy_test", f"Films/ContourAccuracy.DISABLED_{size}/{case}")
     found = {key: float(value) for key, value in report.properties.items()}
     ok = report.ok and found["mean_px"] <= mean and found["deviation_px"] <= DEVIATION
     return Figure(f"worst of {found['frames']:.0f} frames: mean {found['mean_px']:.3f} px, s.d. {found['deviation_px']:.3f} px, "
@@ -65,12 +65,12 @@ def masks_pass(context):
 
 def add_rows(table):
     add_contours(table)
-    tests_row(table, "video times", "variable rate, first stamp not zero, stored out of order, slow motion", "times to 1 ms", "clip",
+    tests_row(table, "video times", "variable rate, first stamp not zero, stored out of order, slow motion", "times to 1 ms", "clip_test",
               "*VariableStamps*:*OutOfOrder*:*SlowMotion*")
-    tests_row(table, "video turned", "files turned by 0, 90, 180, 270 by their display matrix", "upright frames; the same masks", "clip", "*DisplayMatrix*:*QuarterTurn*")
-    tests_row(table, "video turned, masks", "silhouettes of files turned by 0, 90, 180, 270", "the same masks, bit for bit", "silhouettes", "*TurnedFiles*")
-    tests_row(table, "video methods", "methods, shadows, hands, drift of the camera, start of the motion", "as their tests say", "silhouettes",
+    tests_row(table, "video turned", "files turned by 0, 90, 180, 270 by their display matrix", "upright frames; the same masks", "clip_test", "*DisplayMatrix*:*QuarterTurn*")
+    tests_row(table, "video turned, masks", "silhouettes of files turned by 0, 90, 180, 270", "the same masks, bit for bit", "silhouettes_test", "*TurnedFiles*")
+    tests_row(table, "video methods", "methods, shadows, hands, drift of the camera, start of the motion", "as their tests say", "silhouettes_test",
               "Silhouettes.*:Cleaning.*:ContourError.*")
-    tests_row(table, "video bad input", "cut off, interlaced, HDR, HEIC, pixels not square, sizes that differ, gaps", "named, with a cure", "clip",
+    tests_row(table, "video bad input", "cut off, interlaced, HDR, HEIC, pixels not square, sizes that differ, gaps", "named, with a cure", "clip_test",
               "*WhatIsNoVideo*:*CutOff*:*PicturesOf*")
     table.row("masks unchanged", claim="masks that are ready pass through: those of ViRheometry", asked="no pixel differs")(masks_pass)
