@@ -1,9 +1,9 @@
 #include "app/calibrate.hpp"
 
+#include "app/calibrate_pose.hpp"
 #include "base/file.hpp"
 #include "base/log.hpp"
 #include "base/text.hpp"
-#include "base/units.hpp"
 #include "video/board_pictures.hpp"
 #include "video/camera_file.hpp"
 #include "video/coverage_picture.hpp"
@@ -12,21 +12,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <optional>
 
 namespace treacle::app {
 
 namespace {
 
 namespace fs = std::filesystem;
-
-double read_length(const std::string& option, const std::string& text) {
-    const auto read = read_quantity(text, unit::length);
-    if (const auto* complaint = std::get_if<Complaint>(&read))
-        throw InputError({option + " " + text, complaint->must, complaint->reason, complaint->cure});
-    const double length = std::get<double>(read);
-    if (!(length > 0)) throw InputError({option + " " + text, "must be > 0", "it is a length", "measure it with calipers"});
-    return length;
-}
 
 video::Board board_of(const CalibrateRequest& request) {
     auto board = video::read_board(request.board);
@@ -108,18 +100,16 @@ fs::path beside(const fs::path& path, const std::string& ending) { return path.p
 
 video::CameraRecord record_of(const video::Calibration& calibration, const std::string& name) {
     video::CameraRecord camera;
-    camera.name = name;
+    camera.name = name.empty() ? "main" : name;
     camera.lens = calibration.lens;
     camera.covariance = calibration.covariance;
     camera.rms = calibration.rms;
+    camera.where = "this calibration";
     return camera;
 }
 
-void calibrate_alone(const CalibrateRequest& request) {
-    Log log(Voice::speaks);
+video::Calibration calibrate_lens(const CalibrateRequest& request, Log& log) {
     const auto board = board_of(request);
-    if (request.pictures.empty())
-        throw InputError({"treacle calibrate", "no pictures are given", "", "give 10 to 20 pictures of the board, or a folder with them"});
     video::BoardPicturesOptions search;
     search.search.window = request.window;
     search.progress = [&](double fraction, const std::string& text) { log.progress(fraction, text); };
@@ -136,11 +126,42 @@ void calibrate_alone(const CalibrateRequest& request) {
              " times the median and " + format_number(options.outlier_floor) + " pixels");
     print_parameters(log, calibration);
     for (const auto& warning : calibration.warnings) log.warn(warning);
+    return calibration;
+}
+
+video::CameraRecord given_camera(const CalibrateRequest& request) {
+    const auto colon = request.camera.rfind(':');
+    const bool named = !fs::exists(request.camera) && colon != std::string::npos;
+    auto camera = named ? video::read_camera(request.camera.substr(0, colon), request.camera.substr(colon + 1)) : video::read_camera(request.camera, "");
+    if (!request.name.empty()) camera.name = request.name;
+    return camera;
+}
+
+void calibrate_alone(const CalibrateRequest& request) {
+    if (request.pictures.empty() == request.camera.empty())
+        throw InputError({"treacle calibrate", request.camera.empty() ? "no pictures and no camera are given" : "pictures and a camera are given",
+                          "the lens comes from one of them", "give 10 to 20 pictures of the board, or a folder with them, or --camera FILE"});
+    if (!request.camera.empty() && !asks_for_pose(request))
+        throw InputError({"treacle calibrate --camera", "nothing is asked for", "the lens is known", "add --points, --pose-picture, --contour, --level, --plumb or --overlay"});
+    Log log(Voice::speaks);
     const fs::path out = request.out;
-    video::write_cameras(out, {record_of(calibration, request.camera_name)});
-    write_file_atomically(beside(out, "_pictures.csv"), table_of(calibration));
-    video::write_png(beside(out, "_coverage.png"), video::draw_coverage(calibration));
-    log.line("camera: " + out.string() + ", " + beside(out, "_pictures.csv").string() + ", " + beside(out, "_coverage.png").string());
+    video::CameraRecord camera;
+    std::optional<video::Calibration> calibration;
+    if (request.camera.empty()) {
+        calibration = calibrate_lens(request, log);
+        camera = record_of(*calibration, request.name);
+    } else {
+        camera = given_camera(request);
+    }
+    find_pose(request, camera, log);
+    std::string files = out.string();
+    video::write_cameras(out, {camera});
+    if (calibration) {
+        write_file_atomically(beside(out, "_pictures.csv"), table_of(*calibration));
+        video::write_png(beside(out, "_coverage.png"), video::draw_coverage(*calibration));
+        files += ", " + beside(out, "_pictures.csv").string() + ", " + beside(out, "_coverage.png").string();
+    }
+    log.line("camera: " + files);
 }
 
 } // namespace

@@ -148,6 +148,7 @@ std::vector<CameraRecord> read_virheometry(const fs::path& path, const std::stri
     record.lens = lens_of(camera);
     record.pose = pose_of(camera);
     record.where = where;
+    record.any_size = true;
     return {record};
 }
 

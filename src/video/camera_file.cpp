@@ -243,8 +243,13 @@ void write_cameras(const fs::path& path, const std::vector<CameraRecord>& camera
     write_file_atomically(path, out.releaseAndGetString());
 }
 
-void check_picture_size(const CameraRecord& camera, int width, int height, const std::string& where) {
-    if (camera.lens.width == width && camera.lens.height == height) return;
+CameraRecord for_pictures(const CameraRecord& camera, int width, int height, const std::string& where) {
+    if (camera.lens.width == width && camera.lens.height == height) return camera;
+    if (camera.any_size && camera.lens.width * height == camera.lens.height * width) {
+        auto out = camera;
+        out.lens = scene::resized(camera.lens, width, height);
+        return out;
+    }
     const auto text = [](int w, int h) { return std::to_string(w) + " x " + std::to_string(h) + " pixels"; };
     const bool turned = camera.lens.width == height && camera.lens.height == width;
     refuse(where, "has " + text(width, height) + ", but the camera " + camera.name + " of " + camera.where + " was calibrated for " + text(camera.lens.width, camera.lens.height),

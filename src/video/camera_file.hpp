@@ -23,6 +23,7 @@ struct CameraRecord {
     std::optional<PoseCovariance> pose_covariance;
     double rms = 0; // [pixels] of the calibration; 0: not stated
     std::string where; // "camera.yaml, camera left"
+    bool any_size = false; // stated by its angle of view: holds for pictures of any size and this shape
 
     // InputError without a pose.
     scene::CameraModel model() const;
@@ -45,7 +46,8 @@ CameraRecord read_camera(const std::filesystem::path& path, const std::string& n
 // OpenCV's FileStorage in the format of the extension: .yaml, .yml, .json or .xml. Written as a whole.
 void write_cameras(const std::filesystem::path& path, const std::vector<CameraRecord>& cameras);
 
-// Pixels of pictures of `where` against those of the camera's calibration: InputError unless they are the same.
-void check_picture_size(const CameraRecord& camera, int width, int height, const std::string& where);
+// The camera for the pictures `where` of width x height pixels: itself, or, of `any_size`, resized. InputError when they
+// differ from those of the calibration.
+CameraRecord for_pictures(const CameraRecord& camera, int width, int height, const std::string& where);
 
 } // namespace treacle::video
