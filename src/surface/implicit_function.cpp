@@ -222,8 +222,10 @@ void ImplicitFunction::deconvolve(const Lattice& lattice, const Options& options
 }
 
 // Nodes beside full tiles are in the liquid, those beside empty tiles are not: surfaces end in tiles that have values.
-void ImplicitFunction::close_borders() {
+// Behind the faces at which the surface is cut there are no tiles.
+void ImplicitFunction::close_borders(const Lattice& lattice) {
     const auto field = field_;
+    const auto l = lattice;
     const auto own = own_slots_, tiles = tiles_;
     const int nodes = field.nodes(), dimensions = field.dimensions;
     Kokkos::parallel_for("treacle::close_borders", own_ * nodes, KOKKOS_LAMBDA(int item) {
@@ -243,7 +245,11 @@ void ImplicitFunction::close_borders() {
             for (int y = lo[1]; y <= hi[1]; ++y) {
                 for (int x = lo[0]; x <= hi[0]; ++x) {
                     const int t[3] = {c[0] + x, c[1] + y, c[2] + z};
-                    if (!field.window.contains(t)) continue;
+                    bool there = field.window.contains(t);
+                    for (int k = 0; k < dimensions; ++k) {
+                        there = there && tile_edge * (t[k] + 1) > l.lo[k] && tile_edge * t[k] <= l.hi[k];
+                    }
+                    if (!there) continue;
                     const int state = field.state(field.window.index(t[0], t[1], t[2]));
                     full = full || state == tile_full;
                     empty = empty || state == tile_empty;
@@ -356,7 +362,7 @@ void ImplicitFunction::build(const Decomposition& decomposition, const Lattice& 
         deconvolve(lattice, options);
     }
     if (solids != nullptr) cut_at_solids(lattice, *solids, options.spacing);
-    close_borders();
+    close_borders(lattice);
     halo_.gather(field_);
     if (solids != nullptr) {
         NodeField marks = field_;

@@ -21,7 +21,7 @@ public:
     void classify(const Lattice& lattice, const CellBox& box, const Points& points, double support);
     void sum_splines(const Lattice& lattice, const Points& points, const Options& options);
     void deconvolve(const Lattice& lattice, const Options& options);
-    void close_borders();
+    void close_borders(const Lattice& lattice);
 
 private:
     void settle_near_solids(const Lattice& lattice, const CellBox& box, const Solids& solids, double spacing);

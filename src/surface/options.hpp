@@ -20,7 +20,7 @@ struct Options {
     double lattice_step = 0.5;   // edge of the lattice's cells, in spacings
     double kernel_width = 1.25;  // h of the cubic B-spline, in spacings; its support radius is 2 h
     int deconvolution_passes = 2;
-    double interface_width = 1;  // of the smoothed indicator in the deconvolution, in spacings
+    double interface_width = 0.5; // of the smoothed indicator in the deconvolution, in spacings
     int smoothing_passes = 3;    // Taubin's, 0 to 3
     double min_volume = 0;       // closed surfaces that enclose less are dropped, in volumes of a particle
 };

@@ -5,7 +5,7 @@
 namespace treacle::surface {
 
 namespace {
-constexpr double lambda = 0.5, mu = -0.53;
+constexpr double lambda = 0.5, mu = -0.6;
 } // namespace
 
 // Triangles around each vertex, in their order.

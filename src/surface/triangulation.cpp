@@ -85,6 +85,7 @@ KOKKOS_INLINE_FUNCTION bool Triangulation::View::cell(const int tile[3], int ite
         if (k >= lattice.dimensions) continue;
         // Cells before a tile's own are only there where the surface is cut.
         if (local[k] < 0 && tile_edge * tile[k] != lattice.lo[k]) return false;
+        if (local[k] >= 0 && out[k] < lattice.lo[k]) return false; // of a periodic image
         if (out[k] < cells.lo[k] || out[k] >= cells.hi[k]) return false;
     }
     return true;
