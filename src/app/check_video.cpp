@@ -1,5 +1,6 @@
 #include "app/check_video.hpp"
 
+#include "app/keep_memory.hpp"
 #include "base/file.hpp"
 #include "base/log.hpp"
 #include "base/progress.hpp"
@@ -73,6 +74,7 @@ nlohmann::ordered_json json_of(const video::ClipInfo& info, const video::ClipChe
 }
 
 bool work(const CheckVideoRequest& request) {
+    keep_memory();
     Log log(Voice::speaks);
     auto source_request = request.source;
     source_request.allow_damage = true; // the check names it

@@ -126,7 +126,8 @@ const surface::Mesh& SceneSurface::build(std::size_t frame) {
     particles.velocity = reals("velocity");
     particles.pressure = reals("pressure");
     particles.liquid = integers("liquid");
-    return mesher_.build(particles, solids_at(rows.step));
+    solids_ = solids_at(rows.step);
+    return mesher_.build(particles, solids_);
 }
 
 } // namespace treacle::app

@@ -19,6 +19,8 @@ public:
     const surface::Mesh& build(std::size_t frame);
     const surface::Summary& summary() const { return mesher_.summary(); }
     double time() const { return time_; } // [s] of that frame
+    const surface::Solids& solids() const { return solids_; } // where they are at that time
+    bool solids_move() const { return !poses_.empty(); }
 
 private:
     surface::Solids solids_at(std::int64_t step) const;
@@ -30,6 +32,7 @@ private:
     std::vector<int> moving_;             // per body: column of its position in bodies.csv; -1: it stays
     std::vector<std::vector<double>> poses_; // rows of bodies.csv: step, then 6 numbers a moving body
     double time_ = 0;
+    surface::Solids solids_;
 };
 
 } // namespace treacle::app

@@ -1,5 +1,6 @@
 #include "app/silhouettes.hpp"
 
+#include "app/keep_memory.hpp"
 #include "base/csv.hpp"
 #include "base/file.hpp"
 #include "base/log.hpp"
@@ -13,7 +14,6 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
-#include <malloc.h>
 #include <nlohmann/json.hpp>
 #include <optional>
 
@@ -45,13 +45,6 @@ std::string digits(double value, int after_point) {
     std::array<char, 64> text{};
     std::snprintf(text.data(), text.size(), "%.*f", after_point, value);
     return text.data();
-}
-
-// A frame takes arrays of some 10 MB: those that are free stay with the program, which would otherwise spend a third of its
-// time on getting them from the system anew.
-void keep_memory() {
-    mallopt(M_MMAP_THRESHOLD, 1 << 30);
-    mallopt(M_TRIM_THRESHOLD, 1 << 30);
 }
 
 // A film of the frames with the contours drawn in, at the frames' stamps. Stamps that start late or are odd are kept.

@@ -68,6 +68,45 @@ cv::Mat larger(const cv::Mat& picture, const cv::Size& size) {
     return out;
 }
 
+// What a straight line through the weighted values near each pixel gives at that pixel: liquid is shaded, and its means stand
+// for places further in. Slopes that few pixels tell count less; none changes a value by more than 30 %.
+cv::Mat local_line(const cv::Mat& picture, const cv::Mat& weight, double reach, const cv::Mat& mean) {
+    const double s = reach / scale;
+    const int size = 2 * int(std::ceil(2.5 * s)) + 1;
+    const auto blurred = [&](const cv::Mat& values) {
+        cv::Mat out;
+        cv::GaussianBlur(values, out, {size, size}, s, s, cv::BORDER_CONSTANT);
+        return out;
+    };
+    cv::Mat x(weight.size(), CV_32F), y(weight.size(), CV_32F);
+    for (int j = 0; j < x.rows; ++j)
+        for (int i = 0; i < x.cols; ++i) {
+            x.at<float>(j, i) = float(i) - float(x.cols) / 2;
+            y.at<float>(j, i) = float(j) - float(x.rows) / 2;
+        }
+    const cv::Mat wx = weight.mul(x), wy = weight.mul(y);
+    const cv::Mat s0 = blurred(weight), sx = blurred(wx), sy = blurred(wy), sxx = blurred(wx.mul(x)), sxy = blurred(wx.mul(y)), syy = blurred(wy.mul(y));
+    const cv::Mat t0 = blurred(times(picture, weight)), tx = blurred(times(picture, wx)), ty = blurred(times(picture, wy));
+    cv::Mat line = mean.clone();
+    for (int j = 0; j < x.rows; ++j)
+        for (int i = 0; i < x.cols; ++i) {
+            const double n = double(s0.at<float>(j, i));
+            if (n < 1e-3) continue;
+            const double px = double(x.at<float>(j, i)), py = double(y.at<float>(j, i));
+            const double mx = double(sx.at<float>(j, i)) / n, my = double(sy.at<float>(j, i)) / n, ridge = 0.15 * s * s;
+            const double cxx = double(sxx.at<float>(j, i)) / n - mx * mx + ridge, cxy = double(sxy.at<float>(j, i)) / n - mx * my;
+            const double cyy = double(syy.at<float>(j, i)) / n - my * my + ridge, determinant = cxx * cyy - cxy * cxy;
+            if (!(determinant > 0)) continue;
+            for (int c = 0; c < 3; ++c) {
+                const double m = double(t0.at<cv::Vec3f>(j, i)[c]) / n;
+                const double fx = double(tx.at<cv::Vec3f>(j, i)[c]) / n - m * mx, fy = double(ty.at<cv::Vec3f>(j, i)[c]) / n - m * my;
+                const double gx = (cyy * fx - cxy * fy) / determinant, gy = (cxx * fy - cxy * fx) / determinant;
+                line.at<cv::Vec3f>(j, i)[c] = float(std::clamp(m + gx * (px - mx) + gy * (py - my), 0.7 * m, 1.3 * m));
+            }
+        }
+    return line;
+}
+
 // Weight of pixels by their distance from the contour: none within the blur.
 cv::Mat weights(const cv::Mat& inside, double blurred) {
     cv::Mat distance;
@@ -95,12 +134,15 @@ Levels local_levels(const cv::Mat& light, const cv::Mat& empty, const cv::Mat& l
     levels.light = light;
     const auto mean = [&](const cv::Mat& above, const cv::Mat& below) {
         cv::Mat ratio;
-        cv::divide(local_sum(smaller(above), reach), local_sum(smaller(below), reach) + cv::Scalar::all(1e-9), ratio);
-        return larger(ratio, light.size());
+        cv::divide(local_sum(above, reach), local_sum(below, reach) + cv::Scalar::all(1e-9), ratio);
+        return ratio;
     };
-    cv::Mat ones(light.size(), CV_32FC3, cv::Scalar::all(1));
-    levels.liquid = mean(times(light, inside), times(ones, inside));
-    levels.background = mean(times(light, outside), times(empty, outside)).mul(empty);
+    const cv::Mat ones(light.size(), CV_32FC3, cv::Scalar::all(1));
+    const cv::Mat weight = smaller(inside), weighted = smaller(times(light, inside)), all = smaller(times(ones, inside));
+    cv::Mat values;
+    cv::divide(weighted, all + cv::Scalar::all(1e-9), values);
+    levels.liquid = larger(local_line(values, weight, reach, mean(weighted, all)), light.size());
+    levels.background = larger(mean(smaller(times(light, outside)), smaller(times(empty, outside))), light.size()).mul(empty);
     return levels;
 }
 
@@ -239,7 +281,7 @@ struct Solved {
     double width = 0;
 };
 
-Solved iterate(const Image& frame, const std::vector<float>& background, const Mask& rough, const cv::Rect& box, MixingSpace mixing,
+Solved iterate(const Image& frame, const std::vector<float>& background, const SilhouetteMask& rough, const cv::Rect& box, MixingSpace mixing,
                double width, int rounds) {
     const cv::Mat light = to_light(pixels_of(frame)(box), mixing);
     const cv::Mat empty = background.empty() ? cv::Mat(box.size(), CV_32FC3, cv::Scalar::all(1))
@@ -289,7 +331,7 @@ void measure_contrast(const Solved& solved, RefinedContour& refined) {
 }
 } // namespace
 
-RefinedContour refine_contour(const Image& frame, const std::vector<float>& background, const Mask& rough, MixingSpace mixing,
+RefinedContour refine_contour(const Image& frame, const std::vector<float>& background, const SilhouetteMask& rough, MixingSpace mixing,
                               double edge_width) {
     RefinedContour refined{rough, 0, 0, 0};
     const auto box = box_of(pixels_of(rough) == mask_liquid, 48);
@@ -303,7 +345,7 @@ RefinedContour refine_contour(const Image& frame, const std::vector<float>& back
     return refined;
 }
 
-Unevenness measure_unevenness(const Image& frame, const std::vector<float>& background, const Mask& rough) {
+Unevenness measure_unevenness(const Image& frame, const std::vector<float>& background, const SilhouetteMask& rough) {
     Unevenness found;
     const auto box = box_of(pixels_of(rough) == mask_liquid, 48);
     if (box.empty()) return found;

@@ -19,10 +19,10 @@ constexpr std::int64_t looks = 6;           // frames that tell mixing and level
 
 struct Exclusion {
     FrameSpan span;
-    Mask mask;
+    SilhouetteMask mask;
 };
 
-std::size_t perimeter_of(const Mask& mask) {
+std::size_t perimeter_of(const SilhouetteMask& mask) {
     std::size_t edges = 0;
     for (int y = 0; y < mask.height; ++y)
         for (int x = 0; x < mask.width; ++x) {
@@ -42,7 +42,7 @@ struct SilhouetteMaker::State {
     SilhouetteSettings settings;
     std::int64_t count; // of frames
     std::vector<Exclusion> exclusions;
-    std::optional<Mask> region, start;
+    std::optional<SilhouetteMask> region, start;
     Registration registration;
     RoughMasks rough;
     MixingSpace mixing;
@@ -50,7 +50,7 @@ struct SilhouetteMaker::State {
     FrameShift shift;       // of the frame before
     double largest_shift = 0;
     double edge_width = 0;
-    Mask before, first;
+    SilhouetteMask before, first;
 
     State(FrameSource& frames, const SilhouetteSettings& wanted)
         : source(frames), settings(wanted), count(std::ssize(frames.info().stamps)), rough(wanted), mixing(wanted.mixing) {
@@ -84,7 +84,7 @@ struct SilhouetteMaker::State {
         frame.image = undo_shift(frame.image, shift);
     }
 
-    void exclude(Mask& mask, std::int64_t index) const {
+    void exclude(SilhouetteMask& mask, std::int64_t index) const {
         for (const auto& e : exclusions) {
             if (!e.span.holds(index, count)) continue;
             for (std::size_t i = 0; i < mask.pixels.size(); ++i)
@@ -96,9 +96,9 @@ struct SilhouetteMaker::State {
     }
 
     // Parts must touch the liquid of the frame before or its start.
-    Mask seeds() const {
+    SilhouetteMask seeds() const {
         if (!start) return before;
-        Mask both = *start;
+        SilhouetteMask both = *start;
         for (std::size_t i = 0; i < before.pixels.size(); ++i)
             if (before.pixels[i] == mask_liquid) both.pixels[i] = mask_liquid;
         return both;

@@ -17,7 +17,7 @@ namespace treacle::video {
 struct Silhouette {
     std::int64_t index = 0;
     double stamp = 0, time = 0;       // [s]
-    Mask mask;                        // in the pixels of the first frame
+    SilhouetteMask mask;                        // in the pixels of the first frame
     std::size_t area = 0;             // [px]
     int left = 0, top = 0, right = 0, bottom = 0; // box, both ends included; 0 -1 without liquid [px]
     double centre_x = 0, centre_y = 0; // centroid of pixel centres [px]
