@@ -88,10 +88,20 @@ struct Totals {
 
 void require_motion(const video::ClipInfo& info, const Totals& totals, const std::optional<video::MotionStart>& start) {
     if (start || totals.frames.size() < 2) return;
-    const bool any = std::ranges::any_of(totals.frames, [](const Silhouette& s) { return s.area > 0; });
-    throw InputError({info.file, any ? "nothing moves in it: the silhouette stays as it is" : "no liquid is found in it",
-                      any ? "a flow is needed" : "no part of a frame differs enough from the background",
-                      any ? "choose the clip with the experiment" : "try another method, or less of deviations, min_difference or min_area"});
+    const auto most = [&](auto&& figure) {
+        std::size_t largest = 0;
+        for (const auto& s : totals.frames) largest = std::max(largest, figure(s));
+        return largest;
+    };
+    if (most([](const Silhouette& s) { return s.area; }) > 0)
+        throw InputError({info.file, "nothing moves in it: the silhouette stays as it is", "a flow is needed", "choose the clip with the experiment"});
+    const auto shadow = most([](const Silhouette& s) { return s.shadow; });
+    if (shadow > 500)
+        throw InputError({info.file, "no liquid is found in it, but shadows of up to " + std::to_string(shadow) + " pixels",
+                          "what is darker than the background in the same colour, by less than shadow_ratio, counts as a shadow",
+                          "give --set shadow_ratio=1, or a value between the shadow's and the liquid's darkness"});
+    throw InputError({info.file, "no liquid is found in it", "no part of a frame differs enough from the background",
+                      "try another method, or less of deviations, min_difference or min_area"});
 }
 
 void tell(Log& log, const video::ClipInfo& info, const Totals& totals, const std::vector<std::string>& notes,

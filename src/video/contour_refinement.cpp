@@ -228,41 +228,60 @@ cv::Rect box_of(const cv::Mat& liquid, int margin) {
     return cv::Rect(box.x - margin, box.y - margin, box.width + 2 * margin, box.height + 2 * margin) & cv::Rect({0, 0}, liquid.size());
 }
 
-constexpr double bin = 0.5; // of profiles [px]
+constexpr double bin = 0.25; // of profiles, in blur widths
+constexpr double profile_reach = 3.2, even_reach = 2.6; // in blur widths
 
-// Mean share over the signed distance from the contour, from -reach to reach, liquid first.
-std::vector<double> profile_of(const cv::Mat& share, const cv::Mat& liquid, double reach) {
-    cv::Mat outside, inside;
-    cv::distanceTransform(liquid == 0, outside, cv::DIST_L2, cv::DIST_MASK_PRECISE);
-    cv::distanceTransform(liquid, inside, cv::DIST_L2, cv::DIST_MASK_PRECISE);
-    const auto half = int(reach / bin);
-    std::vector<double> sum(std::size_t(2 * half + 1), 0), count(sum.size(), 0);
-    for (int y = 0; y < share.rows; ++y)
-        for (int x = 0; x < share.cols; ++x) {
-            const double out = double(outside.at<float>(y, x)), in = double(inside.at<float>(y, x));
-            const auto k = int(std::lround((out > 0 ? out - 0.5 : 0.5 - in) / bin)) + half;
-            if (k < 0 || k > 2 * half) continue;
-            sum[std::size_t(k)] += double(share.at<float>(y, x));
-            ++count[std::size_t(k)];
+float sample(const cv::Mat& field, double x, double y) {
+    const int i = int(x), j = int(y);
+    const auto u = float(x - i), v = float(y - j);
+    const float *a = field.ptr<float>(j) + i, *b = field.ptr<float>(j + 1) + i;
+    return (1 - v) * ((1 - u) * a[0] + u * a[1]) + v * ((1 - u) * b[0] + u * b[1]);
+}
+
+// Mean share along the normals of the contour, through where it is 1/2 between two pixels; empty for a short contour.
+std::vector<double> profile_of(const cv::Mat& share, double width) {
+    cv::Mat smooth;
+    const double spread = std::max(0.8, 0.5 * width);
+    cv::GaussianBlur(share, smooth, {}, spread, spread, cv::BORDER_REPLICATE);
+    const int half = int(profile_reach / bin);
+    const double margin = profile_reach * width + 2;
+    std::vector<double> sum(std::size_t(2 * half + 1), 0);
+    std::size_t count = 0;
+    const auto cross = [&](int x, int y, int dx, int dy) {
+        const float here = share.at<float>(y, x), there = share.at<float>(y + dy, x + dx);
+        if ((here >= 0.5F) == (there >= 0.5F)) return;
+        const double part = double((here - 0.5F) / (here - there));
+        const double px = x + part * dx, py = y + part * dy;
+        if (px < margin || py < margin || px > share.cols - 1 - margin || py > share.rows - 1 - margin) return;
+        double nx = double(sample(smooth, px - 1, py) - sample(smooth, px + 1, py)), ny = double(sample(smooth, px, py - 1) - sample(smooth, px, py + 1));
+        const double length = std::hypot(nx, ny);
+        if (length < 1e-3 || std::abs(dx != 0 ? nx : ny) < 0.7 * length) return; // each point once, along its steeper axis
+        nx /= length, ny /= length;
+        for (int k = -half; k <= half; ++k)
+            sum[std::size_t(k + half)] += double(sample(share, px + k * bin * width * nx, py + k * bin * width * ny));
+        ++count;
+    };
+    for (int y = 0; y + 1 < share.rows; ++y)
+        for (int x = 0; x + 1 < share.cols; ++x) {
+            cross(x, y, 1, 0);
+            cross(x, y, 0, 1);
         }
-    // Distances of pixels take few values: bins without any get those of their neighbours.
-    for (std::size_t k = 0; k < sum.size(); ++k) sum[k] = count[k] > 0 ? sum[k] / count[k] : -1;
-    for (std::size_t k = 1; k + 1 < sum.size(); ++k)
-        if (sum[k] < 0) sum[k] = 0.5 * (sum[k - 1] + sum[k + 1]);
+    if (count < 100) return {};
+    for (auto& value : sum) value /= double(count);
     return sum;
 }
 
 // Root mean square of the even part of a profile about its best middle: 0 for any even blur, whatever its levels are.
-double even_part(const std::vector<double>& profile, double width) {
+double even_part(const std::vector<double>& profile) {
     const double middle = double(profile.size() - 1) / 2;
     const auto at = [&](double k) {
         const auto i = static_cast<std::size_t>(std::clamp(k, 0.0, double(profile.size() - 2)));
         return profile[i] + (k - double(i)) * (profile[i + 1] - profile[i]);
     };
     double best = 1;
-    for (double m = -1.5; m <= 1.5; m += 0.05) {
+    for (double m = -0.6; m <= 0.6; m += 0.01) {
         double sum = 0, squares = 0, n = 0;
-        for (double s = 0; s <= 1.8 * width; s += bin) {
+        for (double s = 0; s <= even_reach; s += bin) {
             const double even = at(middle + (m + s) / bin) + at(middle + (m - s) / bin);
             sum += even;
             squares += even * even;
@@ -351,9 +370,10 @@ Unevenness measure_unevenness(const Image& frame, const std::vector<float>& back
     if (box.empty()) return found;
     for (const auto mixing : {MixingSpace::light, MixingSpace::code}) {
         const auto solved = iterate(frame, background, rough, box, mixing, 0, 3);
-        if (solved.width < 1.3) return {};
-        const auto shares = solve_shares(solved.levels, solved.liquid, 3 * solved.width + 4).share;
-        (mixing == MixingSpace::light ? found.light : found.code) = even_part(profile_of(shares, solved.liquid, 3 * solved.width), solved.width);
+        const auto shares = solve_shares(solved.levels, solved.liquid, 5 * solved.width + 6).share;
+        const auto profile = profile_of(shares, solved.width);
+        if (profile.empty()) return {};
+        (mixing == MixingSpace::light ? found.light : found.code) = even_part(profile);
     }
     return found;
 }

@@ -217,7 +217,7 @@ struct SilhouetteMaker::State {
             sum.code += uneven.code / looks;
         }
         // Uneven light on the liquid makes its contours uneven in both: only an even profile tells.
-        const bool code = sum.code < 0.85 * sum.light && sum.code < 0.004;
+        const bool code = sum.code < 0.5 * sum.light && sum.code < 0.004;
         mixing = code ? MixingSpace::code : MixingSpace::light;
         if (code) notes.push_back("blurred contours are even in the file's numbers, not in light: mixing: code");
     }
