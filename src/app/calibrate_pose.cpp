@@ -150,9 +150,9 @@ void take_points(const CalibrateRequest& request, video::CameraRecord& camera, L
 void refine(const CalibrateRequest& request, video::CameraRecord& camera, Log& log) {
     const auto scene = load(request, "--contour");
     const auto solid = find_seen_solid(scene.input, scene.geometry, request.contour_of);
-    const auto mask = video::read_mask(request.contour);
-    camera = video::for_pictures(camera, mask.width, mask.height, request.contour);
-    const auto found = video::refine_on_contour(camera, solid, mask, {});
+    const auto silhouette = video::read_silhouette(request.contour);
+    camera = video::for_pictures(camera, silhouette.mask.width, silhouette.mask.height, request.contour);
+    const auto found = video::refine_on_contour(camera, solid, silhouette, {});
     camera.pose = found.estimate.pose;
     camera.pose_covariance = found.estimate.covariance;
     log.line("refined on the outline of " + solid.name + ": " + std::to_string(found.points) + " points, " + fixed(100 * found.fitting, 0) +
@@ -196,7 +196,7 @@ void draw(const CalibrateRequest& request, const video::CameraRecord& camera, Lo
     for (std::size_t i = 0; i < scene.geometry.bodies.size(); ++i)
         if (scene.geometry.originals[i].closed() && !scene.geometry.originals[i].inverted())
             add(seen_body(scene.input, scene.geometry, i), video::OverlayKind::body);
-    if (!request.contour.empty()) overlay.silhouette = video::read_mask(request.contour);
+    if (!request.contour.empty()) overlay.silhouette = video::read_silhouette(request.contour).mask;
     video::write_png(request.overlay, video::draw_overlay(camera, request.frame, overlay));
     log.line("overlay: " + request.overlay);
 }

@@ -122,7 +122,7 @@ public:
 
     struct Shot {
         video::Image image;
-        video::SilhouetteMask mask;
+        video::Mask mask;
     };
     Shot shoot(const FilmFrame& frame, std::size_t number, std::size_t of) {
         const auto index = frame.frame.value_or(0);
@@ -191,7 +191,7 @@ public:
         writer_.emplace(folder_.path() / name_, options);
     }
 
-    void add(std::size_t number, const FilmFrame& frame, const video::Image& image, const video::SilhouetteMask& mask) {
+    void add(std::size_t number, const FilmFrame& frame, const video::Image& image, const video::Mask& mask) {
         writer_->add(image, frame.stamp);
         auto digits = std::to_string(number);
         digits.insert(0, digits.size() < 6 ? 6 - digits.size() : 0, '0');

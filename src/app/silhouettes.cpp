@@ -20,7 +20,7 @@
 namespace treacle::app {
 
 namespace {
-using video::Silhouette;
+using video::FrameSilhouette;
 
 std::vector<std::string> columns() {
     return {"frame", "time [s]", "stamp [s]", "area [px]", "left [px]", "top [px]", "right [px]", "bottom [px]", "centroid x [px]",
@@ -28,7 +28,7 @@ std::vector<std::string> columns() {
             "moved [px]", "edge width [px]", "contrast", "gain", "shift x [px]", "shift y [px]", "turn [rad]", "background changed"};
 }
 
-std::vector<double> row_of(const Silhouette& s) {
+std::vector<double> row_of(const FrameSilhouette& s) {
     const auto number = [](auto value) { return static_cast<double>(value); };
     return {number(s.index), s.time, s.stamp, number(s.area), number(s.left), number(s.top), number(s.right), number(s.bottom), s.centre_x,
             s.centre_y, number(s.cleaning.parts), number(s.cleaning.specks), number(s.cleaning.dropped), number(s.cleaning.filled), number(s.excluded),
@@ -58,7 +58,7 @@ public:
         if (info.rate() > 0) options.frames_per_second = info.rate();
         writer_.emplace(path, options);
     }
-    void add(const video::Image& frame, const Silhouette& silhouette) {
+    void add(const video::Image& frame, const FrameSilhouette& silhouette) {
         writer_->add(video::draw_contour(frame, silhouette.mask), silhouette.stamp);
     }
     void finish() { writer_->finish(); }
@@ -68,12 +68,12 @@ private:
 };
 
 struct Totals {
-    std::vector<Silhouette> frames; // without their masks
+    std::vector<FrameSilhouette> frames; // without their masks
     double largest_shift = 0;
     std::int64_t shifted = 0;
     double faint = 0, area = 0;
 
-    void add(Silhouette&& s, int width, int height) {
+    void add(FrameSilhouette&& s, int width, int height) {
         const double moved = s.shift.known ? s.shift.largest(width, height) : 0;
         if (moved > largest_shift) {
             largest_shift = moved;
@@ -93,9 +93,9 @@ void require_motion(const video::ClipInfo& info, const Totals& totals, const std
         for (const auto& s : totals.frames) largest = std::max(largest, figure(s));
         return largest;
     };
-    if (most([](const Silhouette& s) { return s.area; }) > 0)
+    if (most([](const FrameSilhouette& s) { return s.area; }) > 0)
         throw InputError({info.file, "nothing moves in it: the silhouette stays as it is", "a flow is needed", "choose the clip with the experiment"});
-    const auto shadow = most([](const Silhouette& s) { return s.shadow; });
+    const auto shadow = most([](const FrameSilhouette& s) { return s.shadow; });
     if (shadow > 500)
         throw InputError({info.file, "no liquid is found in it, but shadows of up to " + std::to_string(shadow) + " pixels",
                           "what is darker than the background in the same colour, by less than shadow_ratio, counts as a shadow",

@@ -22,7 +22,7 @@ struct BackgroundModel::State {
     cv::Mat deviation; // CV_32FC3
     std::size_t shadows = 0;
 
-    SilhouetteMask by_mixture(const Image& frame) {
+    Mask by_mixture(const Image& frame) {
         cv::Mat labels;
         mixture->apply(pixels_of(frame), labels, 0);
         shadows = std::size_t(cv::countNonZero(labels == mog_shadow));
@@ -30,8 +30,8 @@ struct BackgroundModel::State {
     }
 
     // A pixel is foreground when it leaves the noise and is no darker or brighter copy of the background.
-    SilhouetteMask by_difference(const Image& frame) {
-        SilhouetteMask mask{frame.width, frame.height, std::vector<std::uint8_t>(frame.pixels.size() / 3)};
+    Mask by_difference(const Image& frame) {
+        Mask mask{frame.width, frame.height, std::vector<std::uint8_t>(frame.pixels.size() / 3)};
         const auto* noise = deviation.ptr<float>();
         const auto floor = float(settings.min_difference), factor = float(settings.deviations);
         shadows = 0;
@@ -95,7 +95,7 @@ void BackgroundModel::freeze() {
     s.mean.assign(mean.ptr<float>(), mean.ptr<float>() + 3 * mean.total());
 }
 
-SilhouetteMask BackgroundModel::classify(const Image& frame) const {
+Mask BackgroundModel::classify(const Image& frame) const {
     return state_->settings.method == SilhouetteMethod::gmm ? state_->by_mixture(frame) : state_->by_difference(frame);
 }
 std::size_t BackgroundModel::shadows() const { return state_->shadows; }

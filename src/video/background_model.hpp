@@ -23,7 +23,7 @@ public:
     void freeze();
 
     // Foreground as 255, the rest 0; shadows and highlights count as background. `frame` at the background's brightness.
-    SilhouetteMask classify(const Image& frame) const;
+    Mask classify(const Image& frame) const;
     // Pixels that the last call took for shadows [px].
     std::size_t shadows() const;
     // Mean of the empty frames [height][width][3], of 255.

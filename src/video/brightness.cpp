@@ -46,7 +46,7 @@ Curve curve_of(std::vector<Knot> knots) {
 }
 } // namespace
 
-MatchedFrame match_brightness(const Image& frame, const std::vector<float>& mean, const SilhouetteMask& foreground) {
+MatchedFrame match_brightness(const Image& frame, const std::vector<float>& mean, const Mask& foreground) {
     MatchedFrame matched{frame, 1};
     std::vector<float> gains;
     for (std::size_t c = 0; c < 3; ++c) {

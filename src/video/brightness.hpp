@@ -15,6 +15,6 @@ struct MatchedFrame {
 // Takes out the drift of exposure and tone curve: for each channel the ratio of the frame's levels to those of the
 // background `mean` [height][width][3] is measured in bands of levels, by medians over pixels that `foreground` (empty:
 // none) leaves as background, and interpolated between them. Pixels clipped in both become the background.
-MatchedFrame match_brightness(const Image& frame, const std::vector<float>& mean, const SilhouetteMask& foreground);
+MatchedFrame match_brightness(const Image& frame, const std::vector<float>& mean, const Mask& foreground);
 
 } // namespace treacle::video

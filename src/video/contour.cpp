@@ -1,5 +1,7 @@
 #include "video/contour.hpp"
 
+#include "video/photo.hpp"
+
 #include "base/error.hpp"
 
 #include <algorithm>
@@ -16,7 +18,7 @@ constexpr int turn_length = 4; // [points] to either side over which the normal'
 
 cv::Mat matrix_of(const Mask& mask) {
     cv::setNumThreads(1);
-    return {mask.height, mask.width, CV_8U, const_cast<std::uint8_t*>(mask.inside.data())};
+    return {mask.height, mask.width, CV_8U, const_cast<std::uint8_t*>(mask.pixels.data())};
 }
 
 // Value and gradient of a smooth field by central differences of bilinear values.
@@ -61,24 +63,24 @@ bool near_rim(const Mask& mask, const scene::Vec2& p) {
 
 } // namespace
 
-Mask read_mask(const std::filesystem::path& path) {
+Silhouette read_silhouette(const std::filesystem::path& path) {
     auto read = read_photo(path);
     if (const auto* unreadable = std::get_if<Unreadable>(&read))
         throw InputError({path.string(), "cannot be read as a mask", unreadable->reason, "give a PNG with a silhouette in black or white"});
     auto& photo = std::get<Photo>(read);
-    Mask mask{path.filename().string(), photo.width, photo.height, std::move(photo.grey)};
+    Mask mask{photo.width, photo.height, std::move(photo.grey)};
     int light = 0, total = 0;
     for (int row = 0; row < mask.height; ++row)
         for (int column = 0; column < mask.width; ++column) {
             if (row > 0 && row + 1 < mask.height && column > 0 && column + 1 < mask.width) continue;
-            light += mask.inside[std::size_t(row) * mask.width + column] > 127;
+            light += mask.pixels[std::size_t(row) * mask.width + column] > 127;
             ++total;
         }
     const bool dark_silhouette = 2 * light > total;
-    for (auto& value : mask.inside) value = (value > 127) != dark_silhouette ? 255 : 0;
-    if (std::ranges::count(mask.inside, 255) == 0)
+    for (auto& value : mask.pixels) value = (value > 127) != dark_silhouette ? mask_liquid : mask_background;
+    if (mask.area() == 0)
         throw InputError({path.string(), "holds no silhouette", "all of its pixels have one tone", "give the mask of another frame"});
-    return mask;
+    return {path.filename().string(), std::move(mask)};
 }
 
 std::vector<ContourPoint> find_contour(const Mask& mask, const ContourOptions& options) {
@@ -109,9 +111,9 @@ std::vector<ContourPoint> find_contour(const Mask& mask, const ContourOptions& o
 
 double overlap(const Mask& a, const Mask& b) {
     std::size_t both = 0, any = 0;
-    for (std::size_t i = 0; i < a.inside.size(); ++i) {
-        both += a.inside[i] && b.inside[i];
-        any += a.inside[i] || b.inside[i];
+    for (std::size_t i = 0; i < a.pixels.size(); ++i) {
+        both += a.pixels[i] && b.pixels[i];
+        any += a.pixels[i] || b.pixels[i];
     }
     return any > 0 ? double(both) / double(any) : 0;
 }

@@ -1,6 +1,6 @@
 #pragma once
 #include "scene/camera_model.hpp"
-#include "video/photo.hpp"
+#include "video/mask.hpp"
 
 #include <cstdint>
 #include <filesystem>
@@ -8,16 +8,15 @@
 
 namespace treacle::video {
 
-// A silhouette: 255 where it is, 0 elsewhere.
-struct Mask {
+// A silhouette with the name of its picture, for messages.
+struct Silhouette {
     std::string name;
-    int width = 0, height = 0;
-    std::vector<std::uint8_t> inside; // [height][width]
+    Mask mask;
 };
 
 // From a picture of two tones: the tone that is rarer along the rim of the picture is the silhouette. InputError for a
 // file that is no picture, and for one whose silhouette is empty.
-Mask read_mask(const std::filesystem::path& path);
+Silhouette read_silhouette(const std::filesystem::path& path);
 
 // A point of a silhouette's outline, to sub-pixel accuracy.
 struct ContourPoint {

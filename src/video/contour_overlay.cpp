@@ -4,7 +4,7 @@
 
 namespace treacle::video {
 
-Image draw_contour(const Image& frame, const SilhouetteMask& mask) {
+Image draw_contour(const Image& frame, const Mask& mask) {
     Image out{frame.width / 2 * 2, frame.height / 2 * 2, {}};
     out.pixels.resize(3 * std::size_t(out.width) * std::size_t(out.height));
     for (int y = 0; y < out.height; ++y)

@@ -159,14 +159,14 @@ PoseVector change_between(const scene::CameraPose& from, const scene::CameraPose
 
 } // namespace
 
-ContourPose refine_on_contour(const CameraRecord& given, const SeenSolid& solid, const Mask& silhouette, const ContourPoseOptions& options) {
-    const auto start = for_pictures(given, silhouette.width, silhouette.height, silhouette.name);
+ContourPose refine_on_contour(const CameraRecord& given, const SeenSolid& solid, const Silhouette& silhouette, const ContourPoseOptions& options) {
+    const auto start = for_pictures(given, silhouette.mask.width, silhouette.mask.height, silhouette.name);
     if (!start.pose) (void)start.model(); // says that it has none
-    const auto contour = find_contour(silhouette);
+    const auto contour = find_contour(silhouette.mask);
     const PoseMatrix prior = prior_of(start, options);
     ContourPose out;
     auto& pose = out.estimate.pose = *start.pose;
-    out.overlap_before = overlap(look_at(unchecked_camera(start.lens, pose), {solid}).mask(), silhouette);
+    out.overlap_before = overlap(look_at(unchecked_camera(start.lens, pose), {solid}).mask(), silhouette.mask);
     double search = options.search, deviation = search, pieces = 1;
     std::vector<Match> matches;
     Normal normal;
@@ -213,7 +213,7 @@ ContourPose refine_on_contour(const CameraRecord& given, const SeenSolid& solid,
     out.correlation = pieces;
     out.points = contour.size();
     out.fitting = double(fitting) / double(contour.size());
-    out.overlap_after = overlap(look_at(unchecked_camera(start.lens, pose), {solid}).mask(), silhouette);
+    out.overlap_after = overlap(look_at(unchecked_camera(start.lens, pose), {solid}).mask(), silhouette.mask);
     if (out.fitting < 0.2)
         throw InputError({silhouette.name, "only " + format_number(std::round(100 * out.fitting)) + " % of the silhouette's outline meets that of " + solid.name,
                           "the pose is too far off, or the frame shows something else", "look at the overlay; give a better pose by points"});

@@ -300,7 +300,7 @@ struct Solved {
     double width = 0;
 };
 
-Solved iterate(const Image& frame, const std::vector<float>& background, const SilhouetteMask& rough, const cv::Rect& box, MixingSpace mixing,
+Solved iterate(const Image& frame, const std::vector<float>& background, const Mask& rough, const cv::Rect& box, MixingSpace mixing,
                double width, int rounds) {
     const cv::Mat light = to_light(pixels_of(frame)(box), mixing);
     const cv::Mat empty = background.empty() ? cv::Mat(box.size(), CV_32FC3, cv::Scalar::all(1))
@@ -350,7 +350,7 @@ void measure_contrast(const Solved& solved, RefinedContour& refined) {
 }
 } // namespace
 
-RefinedContour refine_contour(const Image& frame, const std::vector<float>& background, const SilhouetteMask& rough, MixingSpace mixing,
+RefinedContour refine_contour(const Image& frame, const std::vector<float>& background, const Mask& rough, MixingSpace mixing,
                               double edge_width) {
     RefinedContour refined{rough, 0, 0, 0};
     const auto box = box_of(pixels_of(rough) == mask_liquid, 48);
@@ -364,7 +364,7 @@ RefinedContour refine_contour(const Image& frame, const std::vector<float>& back
     return refined;
 }
 
-Unevenness measure_unevenness(const Image& frame, const std::vector<float>& background, const SilhouetteMask& rough) {
+Unevenness measure_unevenness(const Image& frame, const std::vector<float>& background, const Mask& rough) {
     Unevenness found;
     const auto box = box_of(pixels_of(rough) == mask_liquid, 48);
     if (box.empty()) return found;

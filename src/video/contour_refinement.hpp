@@ -9,7 +9,7 @@ namespace treacle::video {
 
 // What a blurred contour is made of, near it.
 struct RefinedContour {
-    SilhouetteMask mask;
+    Mask mask;
     double edge_width = 0; // standard deviation of the blur across the contour [px]; 0: not measured
     double faint = 0;      // liquid less than a third as clear of the background as the clearest half [px]
     double contrast = 0;   // median distance of liquid and background at the contour, of 1
@@ -22,7 +22,7 @@ struct RefinedContour {
 // a = (I - B) (F - B) / |F - B|^2, and the contour is at a = 1/2: for any blur that is even, a straight edge's true place,
 // and sigma^2 / (2 R) inside that of a disc of radius R. A fixed grey level instead is off by sigma times the quantile of
 // its share. `edge_width` as measured in frames before, 0 at first [px].
-RefinedContour refine_contour(const Image& frame, const std::vector<float>& background, const SilhouetteMask& rough, MixingSpace mixing,
+RefinedContour refine_contour(const Image& frame, const std::vector<float>& background, const Mask& rough, MixingSpace mixing,
                               double edge_width);
 
 // How far a frame's blurred contours are from even, in light and in the numbers of the file: root mean square of the even
@@ -30,6 +30,6 @@ RefinedContour refine_contour(const Image& frame, const std::vector<float>& back
 struct Unevenness {
     double light = 0, code = 0;
 };
-Unevenness measure_unevenness(const Image& frame, const std::vector<float>& background, const SilhouetteMask& rough);
+Unevenness measure_unevenness(const Image& frame, const std::vector<float>& background, const Mask& rough);
 
 } // namespace treacle::video

@@ -32,7 +32,7 @@ using FilmDepth = std::vector<float>;
 
 struct FilmDrawing {
     FilmLight light;
-    SilhouetteMask mask; // pixels whose centre is liquid at the middle of the exposure, not hidden
+    Mask mask; // pixels whose centre is liquid at the middle of the exposure, not hidden
 };
 
 // Draws triangles with a depth buffer, vertices through the lens, edges straight. A sample belongs to a triangle by the

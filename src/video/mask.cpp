@@ -12,16 +12,16 @@
 
 namespace treacle::video {
 
-std::size_t SilhouetteMask::area() const { return static_cast<std::size_t>(std::ranges::count(pixels, mask_liquid)); }
+std::size_t Mask::area() const { return static_cast<std::size_t>(std::ranges::count(pixels, mask_liquid)); }
 
-void write_mask(const std::filesystem::path& path, const SilhouetteMask& mask) {
+void write_mask(const std::filesystem::path& path, const Mask& mask) {
     std::vector<std::uint8_t> bytes;
     if (!cv::imencode(".png", pixels_of(mask), bytes))
         throw SimulationError({path.string(), "cannot encode a PNG", "OpenCV lacks it", "install its image codecs"});
     write_file_atomically(path, std::string(bytes.begin(), bytes.end()));
 }
 
-SilhouetteMask load_mask(const std::filesystem::path& path) {
+Mask read_mask(const std::filesystem::path& path) {
     if (is_heif(path)) throw heif_refused(path);
     const cv::Mat grey = cv::imread(path.string(), cv::IMREAD_GRAYSCALE);
     if (grey.empty()) throw InputError({path.string(), "is no picture that can be read", "", "PNG is usual"});
@@ -44,7 +44,7 @@ cv::Mat signed_distance(const cv::Mat& liquid) {
 }
 } // namespace
 
-ContourError compare_contours(const SilhouetteMask& mask, const SilhouetteMask& exact) {
+ContourError compare_contours(const Mask& mask, const Mask& exact) {
     if (mask.width != exact.width || mask.height != exact.height)
         throw InputError({"masks", "of unlike sizes cannot be compared", "", "give masks of one camera"});
     const cv::Mat a = pixels_of(mask) == mask_liquid, b = pixels_of(exact) == mask_liquid;

@@ -9,7 +9,7 @@ namespace treacle::video {
 // Values of a silhouette's pixels. A pixel belongs to the liquid when its centre does.
 inline constexpr std::uint8_t mask_background = 0, mask_excluded = 64, mask_liquid = 255;
 
-struct SilhouetteMask {
+struct Mask {
     int width = 0, height = 0;        // [pixels]
     std::vector<std::uint8_t> pixels; // [height][width], top row first
 
@@ -21,9 +21,9 @@ struct SilhouetteMask {
 };
 
 // Grey PNG, written as a whole. SimulationError as write_png().
-void write_mask(const std::filesystem::path& path, const SilhouetteMask& mask);
+void write_mask(const std::filesystem::path& path, const Mask& mask);
 // Any picture; its grey levels. InputError when it cannot be read.
-SilhouetteMask load_mask(const std::filesystem::path& path);
+Mask read_mask(const std::filesystem::path& path);
 
 // Displacement of a mask's contour from that of the exact one [px], positive where it is too large. By pixels' edges:
 // each edge between liquid and background of `mask` is at a signed distance from the exact contour, which lies half way
@@ -34,6 +34,6 @@ struct ContourError {
     std::size_t edges = 0;
     double overlap = 0; // intersection over union
 };
-ContourError compare_contours(const SilhouetteMask& mask, const SilhouetteMask& exact);
+ContourError compare_contours(const Mask& mask, const Mask& exact);
 
 } // namespace treacle::video

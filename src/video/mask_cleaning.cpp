@@ -56,7 +56,7 @@ std::size_t fill(cv::Mat& liquid, const cv::Mat& excluded) {
     return filled;
 }
 
-void drop_specks(cv::Mat& liquid, const SilhouetteSettings& settings, const SilhouetteMask& seeds, CleaningReport& report) {
+void drop_specks(cv::Mat& liquid, const SilhouetteSettings& settings, const Mask& seeds, CleaningReport& report) {
     cv::Mat labels, figures, centres;
     const int count = cv::connectedComponentsWithStats(liquid, labels, figures, centres, 8);
     std::vector<bool> touches(std::size_t(count), settings.keep == KeptParts::all || seeds.pixels.empty());
@@ -88,7 +88,7 @@ InputError no_polygon(const std::string& text, const std::string& where) {
 }
 } // namespace
 
-CleaningReport clean_mask(SilhouetteMask& mask, const SilhouetteSettings& settings, const SilhouetteMask& seeds) {
+CleaningReport clean_mask(Mask& mask, const SilhouetteSettings& settings, const Mask& seeds) {
     CleaningReport report;
     cv::Mat whole = pixels_of(mask);
     const cv::Mat excluded = whole == mask_excluded;
@@ -103,7 +103,7 @@ CleaningReport clean_mask(SilhouetteMask& mask, const SilhouetteSettings& settin
     return report;
 }
 
-SilhouetteMask draw_polygon(const std::string& text, int width, int height, const std::string& where) {
+Mask draw_polygon(const std::string& text, int width, int height, const std::string& where) {
     std::vector<double> x, y;
     std::istringstream words(text);
     for (std::string word; words >> word;) {
@@ -115,7 +115,7 @@ SilhouetteMask draw_polygon(const std::string& text, int width, int height, cons
         y.push_back(*v);
     }
     if (x.size() < 3) throw no_polygon(text, where);
-    SilhouetteMask mask{width, height, std::vector<std::uint8_t>(std::size_t(width) * std::size_t(height), mask_background)};
+    Mask mask{width, height, std::vector<std::uint8_t>(std::size_t(width) * std::size_t(height), mask_background)};
     for (int row = 0; row < height; ++row) {
         std::vector<double> crossings;
         for (std::size_t i = 0; i < x.size(); ++i) {
@@ -131,11 +131,11 @@ SilhouetteMask draw_polygon(const std::string& text, int width, int height, cons
     return mask;
 }
 
-SilhouetteMask read_region(const std::string& text, int width, int height, const std::string& where) {
+Mask read_region(const std::string& text, int width, int height, const std::string& where) {
     if (text.find(',') != std::string::npos && text.find_first_not_of("0123456789.,-+e \t") == std::string::npos)
         return draw_polygon(text, width, height, where);
     if (!std::filesystem::is_regular_file(text)) throw no_polygon(text, where);
-    auto mask = load_mask(text);
+    auto mask = read_mask(text);
     if (mask.width != width || mask.height != height)
         throw InputError({where + " = " + text, "is " + std::to_string(mask.width) + " x " + std::to_string(mask.height) + " pixels",
                           "the clip is " + std::to_string(width) + " x " + std::to_string(height), "give a picture of the clip's size, upright"});

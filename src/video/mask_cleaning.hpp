@@ -14,11 +14,11 @@ struct CleaningReport {
 
 // Closing, then opening, with discs (dissertation 6.5.3), holes filled, specks dropped. Parts are connected over corners.
 // `seeds` (empty: none): with keep: connected, parts must touch a pixel of it.
-CleaningReport clean_mask(SilhouetteMask& mask, const SilhouetteSettings& settings, const SilhouetteMask& seeds);
+CleaningReport clean_mask(Mask& mask, const SilhouetteSettings& settings, const Mask& seeds);
 
 // Corners in pixels: "x,y x,y x,y". Pixels whose centre is in it are 255. InputError at `where` for anything else.
-SilhouetteMask draw_polygon(const std::string& corners, int width, int height, const std::string& where);
+Mask draw_polygon(const std::string& corners, int width, int height, const std::string& where);
 // The same from a polygon or, where it names a file, a picture of that size: its pixels from 128 on.
-SilhouetteMask read_region(const std::string& text, int width, int height, const std::string& where);
+Mask read_region(const std::string& text, int width, int height, const std::string& where);
 
 } // namespace treacle::video

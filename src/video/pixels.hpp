@@ -11,11 +11,11 @@ namespace treacle::video {
 inline cv::Mat pixels_of(const Image& image) {
     return {image.height, image.width, CV_8UC3, const_cast<std::uint8_t*>(image.pixels.data())};
 }
-inline cv::Mat pixels_of(const SilhouetteMask& mask) {
+inline cv::Mat pixels_of(const Mask& mask) {
     return {mask.height, mask.width, CV_8UC1, const_cast<std::uint8_t*>(mask.pixels.data())};
 }
-inline SilhouetteMask mask_of(const cv::Mat& matrix) {
-    SilhouetteMask mask{matrix.cols, matrix.rows, {}};
+inline Mask mask_of(const cv::Mat& matrix) {
+    Mask mask{matrix.cols, matrix.rows, {}};
     mask.pixels.resize(matrix.total());
     matrix.copyTo(pixels_of(mask));
     return mask;

@@ -76,7 +76,7 @@ const std::vector<float>& RoughMasks::background() const {
     return background_ ? background_->mean() : none;
 }
 
-RoughMask RoughMasks::make(const Image& frame, const SilhouetteMask& before, const std::string& name) {
+RoughMask RoughMasks::make(const Image& frame, const Mask& before, const std::string& name) {
     switch (settings_.method) {
     case SilhouetteMethod::threshold: return by_level(frame);
     case SilhouetteMethod::colour: return by_colour(frame);

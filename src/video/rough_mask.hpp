@@ -11,7 +11,7 @@ namespace treacle::video {
 
 // A frame's liquid by one of the methods, before its contour is refined.
 struct RoughMask {
-    SilhouetteMask mask;
+    Mask mask;
     double gain = 1;
     std::size_t shadow = 0; // [px]
 };
@@ -28,7 +28,7 @@ public:
 
     // `before`: the silhouette of the frame before, for the brightness; empty for none.
     // `name` of the frame, for messages. InputError for masks of no two levels.
-    RoughMask make(const Image& frame, const SilhouetteMask& before, const std::string& name);
+    RoughMask make(const Image& frame, const Mask& before, const std::string& name);
     // Mean of the empty scene, or empty.
     const std::vector<float>& background() const;
 

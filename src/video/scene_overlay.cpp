@@ -99,7 +99,7 @@ void draw_solids(cv::Mat& picture, const SolidPicture& seen, const SceneOverlay&
 
 void draw_outline(cv::Mat& picture, const Mask& mask) {
     std::vector<std::vector<cv::Point>> outlines;
-    cv::findContours(cv::Mat(mask.height, mask.width, CV_8U, const_cast<std::uint8_t*>(mask.inside.data())), outlines, cv::RETR_LIST, cv::CHAIN_APPROX_NONE);
+    cv::findContours(cv::Mat(mask.height, mask.width, CV_8U, const_cast<std::uint8_t*>(mask.pixels.data())), outlines, cv::RETR_LIST, cv::CHAIN_APPROX_NONE);
     cv::drawContours(picture, outlines, -1, {0, 0, 0}, 3);
     cv::drawContours(picture, outlines, -1, outline_colour, 1);
 }

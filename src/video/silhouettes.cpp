@@ -19,10 +19,10 @@ constexpr std::int64_t looks = 6;           // frames that tell mixing and level
 
 struct Exclusion {
     FrameSpan span;
-    SilhouetteMask mask;
+    Mask mask;
 };
 
-std::size_t perimeter_of(const SilhouetteMask& mask) {
+std::size_t perimeter_of(const Mask& mask) {
     std::size_t edges = 0;
     for (int y = 0; y < mask.height; ++y)
         for (int x = 0; x < mask.width; ++x) {
@@ -42,7 +42,7 @@ struct SilhouetteMaker::State {
     SilhouetteSettings settings;
     std::int64_t count; // of frames
     std::vector<Exclusion> exclusions;
-    std::optional<SilhouetteMask> region, start;
+    std::optional<Mask> region, start;
     Registration registration;
     RoughMasks rough;
     MixingSpace mixing;
@@ -50,7 +50,7 @@ struct SilhouetteMaker::State {
     FrameShift shift;       // of the frame before
     double largest_shift = 0;
     double edge_width = 0;
-    SilhouetteMask before, first;
+    Mask before, first;
 
     State(FrameSource& frames, const SilhouetteSettings& wanted)
         : source(frames), settings(wanted), count(std::ssize(frames.info().stamps)), rough(wanted), mixing(wanted.mixing) {
@@ -84,7 +84,7 @@ struct SilhouetteMaker::State {
         frame.image = undo_shift(frame.image, shift);
     }
 
-    void exclude(SilhouetteMask& mask, std::int64_t index) const {
+    void exclude(Mask& mask, std::int64_t index) const {
         for (const auto& e : exclusions) {
             if (!e.span.holds(index, count)) continue;
             for (std::size_t i = 0; i < mask.pixels.size(); ++i)
@@ -96,9 +96,9 @@ struct SilhouetteMaker::State {
     }
 
     // Parts must touch the liquid of the frame before or its start.
-    SilhouetteMask seeds() const {
+    Mask seeds() const {
         if (!start) return before;
-        SilhouetteMask both = *start;
+        Mask both = *start;
         for (std::size_t i = 0; i < before.pixels.size(); ++i)
             if (before.pixels[i] == mask_liquid) both.pixels[i] = mask_liquid;
         return both;
@@ -111,8 +111,8 @@ struct SilhouetteMaker::State {
         return found;
     }
 
-    Silhouette make(const TimedFrame& frame) {
-        Silhouette out;
+    FrameSilhouette make(const TimedFrame& frame) {
+        FrameSilhouette out;
         out.index = frame.index;
         out.stamp = frame.stamp;
         out.time = frame.time;
@@ -138,7 +138,7 @@ struct SilhouetteMaker::State {
         return out;
     }
 
-    static void measure(Silhouette& out) {
+    static void measure(FrameSilhouette& out) {
         const cv::Mat mask = pixels_of(out.mask), liquid = mask == mask_liquid;
         const auto moments = cv::moments(liquid, true);
         out.area = std::size_t(std::llround(moments.m00));
@@ -232,7 +232,7 @@ SilhouetteMaker::SilhouetteMaker(FrameSource& source, const SilhouetteSettings& 
 }
 SilhouetteMaker::~SilhouetteMaker() = default;
 
-std::optional<Silhouette> SilhouetteMaker::next(TimedFrame& frame) {
+std::optional<FrameSilhouette> SilhouetteMaker::next(TimedFrame& frame) {
     if (!state_->source.read(frame)) return std::nullopt;
     state_->align(frame);
     return state_->make(frame);
@@ -240,7 +240,7 @@ std::optional<Silhouette> SilhouetteMaker::next(TimedFrame& frame) {
 
 const std::vector<std::string>& SilhouetteMaker::notes() const { return state_->notes; }
 
-std::optional<MotionStart> find_motion_start(const std::vector<Silhouette>& all) {
+std::optional<MotionStart> find_motion_start(const std::vector<FrameSilhouette>& all) {
     if (all.size() < 2) return std::nullopt;
     // A contour at rest flickers by a few hundredths of a pixel; a speck is no motion.
     const double moving = std::max(40.0, 0.2 * double(all.front().perimeter)), still = moving / 4;

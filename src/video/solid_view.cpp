@@ -72,8 +72,8 @@ SceneRay ray_of(const scene::CameraModel& camera, const scene::Vec2& pixel) {
 }
 
 Mask SolidPicture::mask() const {
-    Mask out{"", width, height, std::vector<std::uint8_t>(number.size())};
-    for (std::size_t i = 0; i < number.size(); ++i) out.inside[i] = number[i] >= 0 ? 255 : 0;
+    Mask out{width, height, std::vector<std::uint8_t>(number.size())};
+    for (std::size_t i = 0; i < number.size(); ++i) out.pixels[i] = number[i] >= 0 ? mask_liquid : mask_background;
     return out;
 }
 

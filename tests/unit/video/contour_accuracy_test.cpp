@@ -54,7 +54,7 @@ protected:
         double mean = 0, deviation = 0, least_overlap = 1;
         int frames = 0;
         TimedFrame frame;
-        SilhouetteMask exact;
+        Mask exact;
         while (const auto found = maker.next(frame)) {
             const double time = film.times[std::size_t(found->index)];
             if (exact.pixels.empty() || time <= film.rest + 1 / 30.0) exact = film.mask(time);

@@ -62,7 +62,7 @@ double covered(const FilmDrawing& drawing) {
     return sum;
 }
 
-std::array<double, 2> centroid(const SilhouetteMask& mask) {
+std::array<double, 2> centroid(const Mask& mask) {
     double x = 0, y = 0, n = 0;
     for (int row = 0; row < mask.height; ++row)
         for (int column = 0; column < mask.width; ++column)
@@ -82,7 +82,7 @@ TEST(FilmRaster, BallHasTheAreaOfItsOutline) {
     EXPECT_NEAR(centroid(drawing.mask)[1], 119.5, 0.02);
 }
 
-// Two triangles of a square: no sample twice, none between them. SilhouetteMask and middle samples are one.
+// Two triangles of a square: no sample twice, none between them. Mask and middle samples are one.
 TEST(FilmRaster, SquareCoversExactlyItsPixels) {
     const double left = (9.5 - 159.5) / 400, right = (29.5 - 159.5) / 400, top = (19.5 - 119.5) / 400, bottom = (24.5 - 119.5) / 400;
     const std::vector<double> corners = {left, top, 1, right, top, 1, right, bottom, 1, left, bottom, 1};

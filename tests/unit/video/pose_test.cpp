@@ -171,8 +171,7 @@ TEST(Pose, TablesOfPointsHaveUnits) {
 TEST(ContourPose, FindsThePoseFromTwoDegreesAndACentimetreAway) {
     const auto truth = some_pose();
     const CameraModel camera("", some_lens(), truth);
-    Mask mask = look_at(camera, {block()}).mask();
-    mask.name = "mask";
+    Silhouette mask{"mask", look_at(camera, {block()}).mask()};
     const auto start = changed(truth, {0.02, -0.025, 0.03, 0.008, -0.006, 0.01});
     EXPECT_GT(largest_shift(truth, start), 15);
     const auto found = refine_on_contour(record_of(start), block(), mask, {});
@@ -192,8 +191,7 @@ TEST(ContourPose, PartsThatMovedAreLeftOut) {
     blob.distance = [](const Vec3& x) { return std::sqrt(std::pow(x[0] - 0.055, 2) + std::pow(x[1] - 0.02, 2) + std::pow(x[2] - 0.015, 2)) - 0.022; };
     blob.centre = {0.055, 0.02, 0.015};
     blob.radius = 0.023;
-    Mask mask = look_at(camera, {block(), blob}).mask();
-    mask.name = "mask";
+    Silhouette mask{"mask", look_at(camera, {block(), blob}).mask()};
     const auto found = refine_on_contour(record_of(changed(truth, {0.01, -0.01, 0.01, 0.003, -0.003, 0.005})), block(), mask, {});
     EXPECT_LT(largest_shift(truth, found.estimate.pose), 0.6);
     EXPECT_LT(found.fitting, 0.95);
@@ -201,11 +199,10 @@ TEST(ContourPose, PartsThatMovedAreLeftOut) {
 
 TEST(ContourPose, AnotherPlaceIsRefused) {
     const CameraModel camera("", some_lens(), some_pose());
-    Mask mask = look_at(camera, {block()}).mask();
-    mask.name = "mask.png";
+    Silhouette mask{"mask.png", look_at(camera, {block()}).mask()};
     const auto far = changed(some_pose(), {0, 0, 0, 0.2, 0, 0});
     EXPECT_NE(refusal([&] { (void)refine_on_contour(record_of(far), block(), mask, {}); }).find("lies nowhere near"), std::string::npos);
-    mask.width /= 2;
+    mask.mask.width /= 2;
     EXPECT_NE(refusal([&] { (void)refine_on_contour(record_of(some_pose()), block(), mask, {}); }).find("was calibrated for"), std::string::npos);
 }
 

@@ -18,7 +18,7 @@ protected:
 };
 
 struct Found {
-    std::vector<Silhouette> frames;
+    std::vector<FrameSilhouette> frames;
     std::vector<std::string> notes;
 };
 
@@ -273,7 +273,7 @@ TEST_F(Silhouettes, ReadyMasksPassUnchanged) {
 
 TEST(ContourError, OfADiscThatIsTooLargeByAKnownAmount) {
     const auto disc = [](double radius) {
-        SilhouetteMask mask{200, 200, std::vector<std::uint8_t>(40000)};
+        Mask mask{200, 200, std::vector<std::uint8_t>(40000)};
         for (int y = 0; y < 200; ++y)
             for (int x = 0; x < 200; ++x) mask.pixels[std::size_t(200 * y + x)] = std::hypot(x - 100.3, y - 99.6) < radius ? mask_liquid : mask_background;
         return mask;

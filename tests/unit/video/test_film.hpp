@@ -32,8 +32,8 @@ struct TestFilm {
         return (r - edge) / std::sqrt(1 + slope * slope);
     }
 
-    video::SilhouetteMask mask(double time) const {
-        video::SilhouetteMask mask{look.width, look.height, std::vector<std::uint8_t>(std::size_t(look.width * look.height))};
+    video::Mask mask(double time) const {
+        video::Mask mask{look.width, look.height, std::vector<std::uint8_t>(std::size_t(look.width * look.height))};
         for (int y = 0; y < look.height; ++y)
             for (int x = 0; x < look.width; ++x)
                 mask.pixels[std::size_t(y * look.width + x)] = distance(x, y, time) < 0 ? video::mask_liquid : video::mask_background;
