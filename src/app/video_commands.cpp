@@ -100,16 +100,19 @@ void add_silhouettes(CLI::App& program, const ChooseCommand& choose) {
 
 void add_check_video(CLI::App& program, const ChooseCommand& choose) {
     struct CheckWords : ClipWords {
-        std::string json;
+        std::string json, camera;
+        std::vector<double> at = {0, 0, 0};
     };
     auto words = std::make_shared<CheckWords>();
     auto& app = *program.add_subcommand("check-video", "What a clip is like and what is wrong with it, before anything is run: stamps, rotation, exposure, "
                                                        "camera motion, contrast. Exit code 2 where it cannot be used.");
     add_clip(app, *words, true);
     app.add_option("--json", words->json, "Write the figures into this file")->type_name("FILE");
+    auto* camera = app.add_option("--camera", words->camera, "Camera file with a pose, or FILE:NAME: says the pixels per millimetre")->type_name("FILE");
+    app.add_option("--at", words->at, "Where the liquid is in the scene, x y z [m] (default 0 0 0)")->expected(3)->needs(camera)->type_name("X Y Z");
     app.callback([words, choose] {
         choose([words]() -> Command {
-            return [request = CheckVideoRequest{words->source(), words->json}](const Comm& comm) { return check_video(comm, request); };
+            return [request = CheckVideoRequest{words->source(), words->json, words->camera, {words->at[0], words->at[1], words->at[2]}}](const Comm& comm) { return check_video(comm, request); };
         });
     });
 }

@@ -102,7 +102,8 @@ def film_and_back(context):
         execute(context, [program, "run", folder / "block.yaml", "--out", folder / "run"])
         execute(context, [program, "film", folder / "run", "--camera", folder / "camera.yaml", "--out", folder / "film", "--turned", 90, "--lead", 0.4,
                           "--jitter", 0.2, "--drift", 0.2, "--blur", 2, "--shadow", 0.2, "--exposure", 0.004])
-        execute(context, [program, "silhouettes", folder / "film/film.mp4", "--out", folder / "found", "--no-overlay"])
+        execute(context, [program, "silhouettes", folder / "film/film.mp4", "--out", folder / "found", "--no-overlay",
+                          "--set", "fill_holes=false"]) # the liquid closes around the post
         stamps = numpy.abs(numpy.subtract(numbers(folder / "film/film.csv", "stamp [s]"), numbers(folder / "found/silhouettes.csv", "stamp [s]"))).max()
         means, overlaps = [], []
         for mask in sorted((folder / "film").glob("mask_*.png")):
