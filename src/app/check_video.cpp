@@ -1,5 +1,7 @@
 #include "app/check_video.hpp"
 
+#include "app/camera_files.hpp"
+#include "app/keep_memory.hpp"
 #include "base/file.hpp"
 #include "base/log.hpp"
 #include "base/progress.hpp"
@@ -72,22 +74,46 @@ nlohmann::ordered_json json_of(const video::ClipInfo& info, const video::ClipChe
     return out;
 }
 
+// Pixels per millimetre across the line of sight at a point of the scene; a camera that does not fit is a finding.
+double scale_of(const CheckVideoRequest& request, const video::ClipInfo& info, video::ClipCheck& check) {
+    const auto model = camera_of_file(request.camera).model();
+    const auto& lens = model.lens();
+    if (lens.width != info.width || lens.height != info.height) {
+        check.findings.insert(check.findings.begin(),
+                              {FindingKind::problem, "the camera is for " + std::to_string(lens.width) + " x " + std::to_string(lens.height) + " pixels",
+                               "calibrate with a clip of the same mode and orientation"});
+        return 0;
+    }
+    const auto seen = model.project(request.at);
+    if (seen.depth <= scene::CameraModel::near_plane || seen.x < -0.5 || seen.y < -0.5 || seen.x > info.width - 0.5 || seen.y > info.height - 0.5) {
+        check.findings.insert(check.findings.begin(), {FindingKind::problem, "the camera does not see the point of --at", "give a point in the liquid"});
+        return 0;
+    }
+    return 0.5 * (lens.fx + lens.fy) / seen.depth / 1000;
+}
+
 bool work(const CheckVideoRequest& request) {
+    keep_memory();
     Log log(Voice::speaks);
     auto source_request = request.source;
     source_request.allow_damage = true; // the check names it
     const auto source = video::open_any_frames(source_request);
     Progress progress(log, "check-video", "frames");
-    const auto check = video::check_clip(*source, [&](std::int64_t done, std::int64_t of) { progress.report(done, of); });
+    auto check = video::check_clip(*source, [&](std::int64_t done, std::int64_t of) { progress.report(done, of); });
     progress.finish();
+    const double scale = request.camera.empty() ? 0 : scale_of(request, source->info(), check);
     print_figures(log, source->info(), check);
+    if (scale > 0) log.line("  scale                 " + digits(scale, 3) + " px per mm at " + digits(request.at[0], 3) + ", " + digits(request.at[1], 3) + ", " +
+                            digits(request.at[2], 3) + " m: 0.2 px of contour are " + digits(0.2 / scale, 3) + " mm");
     for (const auto& finding : check.findings) {
         if (finding.kind == FindingKind::problem && request.source.allow_damage && finding.text.starts_with("is cut off")) continue;
         log.line(std::string(name_of(finding.kind)) + ": " + finding.text + (finding.cure.empty() ? "" : "; " + finding.cure) + ".");
     }
     const bool usable = check.usable();
     log.line(usable ? "the clip can be used" : "the clip cannot be used as it is");
-    if (!request.json.empty()) write_file_atomically(request.json, json_of(source->info(), check).dump(2) + "\n");
+    auto figures = json_of(source->info(), check);
+    if (scale > 0) figures["px_per_mm"] = scale;
+    if (!request.json.empty()) write_file_atomically(request.json, figures.dump(2) + "\n");
     return usable;
 }
 } // namespace

@@ -6,6 +6,7 @@
 #include "app/calibrate.hpp"
 #include "app/check.hpp"
 #include "app/export_frames.hpp"
+#include "app/export_surface.hpp"
 #include "app/info.hpp"
 #include "app/manual.hpp"
 #include "app/render.hpp"
@@ -206,7 +207,8 @@ constexpr const char* frames_doc = "first:last:stride, from 0, last included, ne
 
 void add_export(CLI::App& program, Chosen& chosen) {
     struct ExportWords {
-        std::string source, format, frames, out;
+        std::string source, format, mesh_format, frames, out;
+        double min_volume = 0;
     };
     auto words = std::make_shared<ExportWords>();
     auto& app = *program.add_subcommand(
@@ -214,13 +216,28 @@ void add_export(CLI::App& program, Chosen& chosen) {
     app.add_option("source", words->source, "Folder of a run, or one frame")
         ->required()
         ->type_name("DIR|FRAME");
-    app.add_option("--to", words->format, "ply, vtp or csv")->required()->type_name("FORMAT");
+    app.add_option("--to", words->format, "Particles: ply, vtp or csv; surface: the liquid's surface as a closed mesh")
+        ->required()
+        ->type_name("FORMAT");
+    app.add_option("--format", words->mesh_format, "surface: ply (default), obj or vtp")->type_name("FORMAT");
+    app.add_option("--min-volume", words->min_volume,
+                   "surface: leave out pieces and cavities smaller than so many particles (default 0: keep all)")
+        ->check(CLI::Range(0.0, 1e9))
+        ->type_name("NUMBER");
     app.add_option("--frames", words->frames, frames_doc)->type_name("A:B:C");
     app.add_option("--out", words->out, "Folder (default: exports/ in that of the run, or beside the frame)")
         ->type_name("DIR");
     app.callback([words, &chosen] {
         chosen.make = [words]() -> Command {
             return [words](const Comm& comm) {
+                if (words->format == "surface") {
+                    return export_surface(comm, {words->source, words->mesh_format.empty() ? "ply" : words->mesh_format,
+                                                 words->frames, words->out, words->min_volume});
+                }
+                if (!words->mesh_format.empty() || words->min_volume > 0) {
+                    throw InputError({words->mesh_format.empty() ? "--min-volume" : "--format", "has no effect",
+                                      "it belongs to --to surface", "write --to surface, or leave it out"});
+                }
                 return export_frames(comm, {words->source, words->format, words->frames, words->out});
             };
         };

@@ -4,6 +4,7 @@
 #include "app/frame_set.hpp"
 #include "app/geometry.hpp"
 #include "base/log.hpp"
+#include "base/progress.hpp"
 #include "base/text.hpp"
 #include "video/movie.hpp"
 
@@ -181,6 +182,7 @@ ExitCode render_run(const Comm& comm, const RenderRequest& request) {
         const auto path = request.movie_file.empty() ? out / (job.stem + ".mp4") : request.movie_file;
         movie.emplace(comm, request, job, path);
     }
+    Progress progress(log, "render", "pictures");
     const auto ranks = static_cast<std::size_t>(comm.size());
     for (std::size_t first = 0; first < job.frames.size(); first += ranks) {
         const auto i = first + static_cast<std::size_t>(comm.rank());
@@ -192,10 +194,9 @@ ExitCode render_run(const Comm& comm, const RenderRequest& request) {
         });
         if (movie) movie->add(image);
         const auto done = std::min(first + ranks, job.frames.size());
-        log.progress(static_cast<double>(done) / static_cast<double>(job.frames.size()),
-                     std::to_string(done) + " of " + std::to_string(job.frames.size()) + " pictures");
+        progress.report(static_cast<std::int64_t>(done), std::ssize(job.frames));
     }
-    log.clear_progress();
+    progress.finish();
     log.line(std::to_string(job.frames.size()) + (job.frames.size() == 1 ? " picture: " : " pictures: ") +
              picture_path(out, job, job.frames.front()).string() +
              (job.frames.size() > 1 ? " ... " + picture_path(out, job, job.frames.back()).filename().string()

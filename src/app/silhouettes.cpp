@@ -1,5 +1,6 @@
 #include "app/silhouettes.hpp"
 
+#include "app/keep_memory.hpp"
 #include "base/csv.hpp"
 #include "base/file.hpp"
 #include "base/log.hpp"
@@ -13,14 +14,13 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
-#include <malloc.h>
 #include <nlohmann/json.hpp>
 #include <optional>
 
 namespace treacle::app {
 
 namespace {
-using video::Silhouette;
+using video::FrameSilhouette;
 
 std::vector<std::string> columns() {
     return {"frame", "time [s]", "stamp [s]", "area [px]", "left [px]", "top [px]", "right [px]", "bottom [px]", "centroid x [px]",
@@ -28,7 +28,7 @@ std::vector<std::string> columns() {
             "moved [px]", "edge width [px]", "contrast", "gain", "shift x [px]", "shift y [px]", "turn [rad]", "background changed"};
 }
 
-std::vector<double> row_of(const Silhouette& s) {
+std::vector<double> row_of(const FrameSilhouette& s) {
     const auto number = [](auto value) { return static_cast<double>(value); };
     return {number(s.index), s.time, s.stamp, number(s.area), number(s.left), number(s.top), number(s.right), number(s.bottom), s.centre_x,
             s.centre_y, number(s.cleaning.parts), number(s.cleaning.specks), number(s.cleaning.dropped), number(s.cleaning.filled), number(s.excluded),
@@ -47,13 +47,6 @@ std::string digits(double value, int after_point) {
     return text.data();
 }
 
-// A frame takes arrays of some 10 MB: those that are free stay with the program, which would otherwise spend a third of its
-// time on getting them from the system anew.
-void keep_memory() {
-    mallopt(M_MMAP_THRESHOLD, 1 << 30);
-    mallopt(M_TRIM_THRESHOLD, 1 << 30);
-}
-
 // A film of the frames with the contours drawn in, at the frames' stamps. Stamps that start late or are odd are kept.
 class Overlay {
 public:
@@ -65,7 +58,7 @@ public:
         if (info.rate() > 0) options.frames_per_second = info.rate();
         writer_.emplace(path, options);
     }
-    void add(const video::Image& frame, const Silhouette& silhouette) {
+    void add(const video::Image& frame, const FrameSilhouette& silhouette) {
         writer_->add(video::draw_contour(frame, silhouette.mask), silhouette.stamp);
     }
     void finish() { writer_->finish(); }
@@ -75,12 +68,12 @@ private:
 };
 
 struct Totals {
-    std::vector<Silhouette> frames; // without their masks
+    std::vector<FrameSilhouette> frames; // without their masks
     double largest_shift = 0;
     std::int64_t shifted = 0;
     double faint = 0, area = 0;
 
-    void add(Silhouette&& s, int width, int height) {
+    void add(FrameSilhouette&& s, int width, int height) {
         const double moved = s.shift.known ? s.shift.largest(width, height) : 0;
         if (moved > largest_shift) {
             largest_shift = moved;
@@ -95,10 +88,20 @@ struct Totals {
 
 void require_motion(const video::ClipInfo& info, const Totals& totals, const std::optional<video::MotionStart>& start) {
     if (start || totals.frames.size() < 2) return;
-    const bool any = std::ranges::any_of(totals.frames, [](const Silhouette& s) { return s.area > 0; });
-    throw InputError({info.file, any ? "nothing moves in it: the silhouette stays as it is" : "no liquid is found in it",
-                      any ? "a flow is needed" : "no part of a frame differs enough from the background",
-                      any ? "choose the clip with the experiment" : "try another method, or less of deviations, min_difference or min_area"});
+    const auto most = [&](auto&& figure) {
+        std::size_t largest = 0;
+        for (const auto& s : totals.frames) largest = std::max(largest, figure(s));
+        return largest;
+    };
+    if (most([](const FrameSilhouette& s) { return s.area; }) > 0)
+        throw InputError({info.file, "nothing moves in it: the silhouette stays as it is", "a flow is needed", "choose the clip with the experiment"});
+    const auto shadow = most([](const FrameSilhouette& s) { return s.shadow; });
+    if (shadow > 500)
+        throw InputError({info.file, "no liquid is found in it, but shadows of up to " + std::to_string(shadow) + " pixels",
+                          "what is darker than the background in the same colour, by less than shadow_ratio, counts as a shadow",
+                          "give --set shadow_ratio=1, or a value between the shadow's and the liquid's darkness"});
+    throw InputError({info.file, "no liquid is found in it", "no part of a frame differs enough from the background",
+                      "try another method, or less of deviations, min_difference or min_area"});
 }
 
 void tell(Log& log, const video::ClipInfo& info, const Totals& totals, const std::vector<std::string>& notes,

@@ -1,12 +1,16 @@
 #include "app/video_commands.hpp"
 
 #include "app/check_video.hpp"
+#include "app/film.hpp"
 #include "app/silhouettes.hpp"
+#include "base/text.hpp"
 
 #include <CLI/CLI.hpp>
 
+#include <array>
 #include <cstdio>
 #include <memory>
+#include <sstream>
 
 namespace treacle::app {
 
@@ -96,16 +100,97 @@ void add_silhouettes(CLI::App& program, const ChooseCommand& choose) {
 
 void add_check_video(CLI::App& program, const ChooseCommand& choose) {
     struct CheckWords : ClipWords {
-        std::string json;
+        std::string json, camera;
+        std::vector<double> at = {0, 0, 0};
     };
     auto words = std::make_shared<CheckWords>();
     auto& app = *program.add_subcommand("check-video", "What a clip is like and what is wrong with it, before anything is run: stamps, rotation, exposure, "
                                                        "camera motion, contrast. Exit code 2 where it cannot be used.");
     add_clip(app, *words, true);
     app.add_option("--json", words->json, "Write the figures into this file")->type_name("FILE");
+    auto* camera = app.add_option("--camera", words->camera, "Camera file with a pose, or FILE:NAME: says the pixels per millimetre")->type_name("FILE");
+    app.add_option("--at", words->at, "Where the liquid is in the scene, x y z [m] (default 0 0 0)")->expected(3)->needs(camera)->type_name("X Y Z");
     app.callback([words, choose] {
         choose([words]() -> Command {
-            return [request = CheckVideoRequest{words->source(), words->json}](const Comm& comm) { return check_video(comm, request); };
+            return [request = CheckVideoRequest{words->source(), words->json, words->camera, {words->at[0], words->at[1], words->at[2]}}](const Comm& comm) { return check_video(comm, request); };
+        });
+    });
+}
+
+struct FilmWords {
+    std::string run, camera, out, codec = "h264", time_map, liquid, background;
+    double exposure_share = 0.25;
+    bool overwrite = false;
+    FilmRequest request;
+};
+
+// "0.6,0.62,0.65": light of red, green and blue, 1 is white.
+void read_light(const std::string& option, const std::string& text, std::array<double, 3>& light) {
+    if (text.empty()) return;
+    std::istringstream words(text);
+    std::size_t count = 0;
+    bool good = true;
+    for (std::string word; std::getline(words, word, ',') && count < 3; ++count) {
+        const auto value = read_number(word);
+        good = good && value && *value >= 0 && *value <= 1;
+        if (good) light[count] = *value;
+    }
+    if (good && count == 3) return;
+    throw InputError({option + " " + text, "is no light", "it takes red, green and blue from 0 to 1", "write for instance 0.6,0.62,0.65"});
+}
+
+FilmRequest film_request(const FilmWords& words) {
+    auto request = words.request;
+    request.run = words.run;
+    request.camera = words.camera;
+    request.out = words.out;
+    request.time_map = words.time_map;
+    request.existing = words.overwrite ? ExistingFolder::replace : ExistingFolder::refuse;
+    request.codec = words.codec == "h264" ? video::ClipCodec::h264 : words.codec == "lossless" ? video::ClipCodec::h264_lossless : video::ClipCodec::ffv1;
+    if (request.shot.exposure < 0) request.shot.exposure = words.exposure_share / request.rate;
+    request.shot.instants = request.shot.exposure > 0 ? 5 : 1;
+    read_light("--liquid", words.liquid, request.shot.colour);
+    read_light("--background", words.background, request.look.background);
+    return request;
+}
+
+void add_film(CLI::App& program, const ChooseCommand& choose) {
+    auto words = std::make_shared<FilmWords>();
+    auto& app = *program.add_subcommand("film", "A video of a run as a camera would film it, with the exact mask of each frame beside it: textured background, "
+                                                "noise, blur, uneven light, drifting exposure. Frames are shared out over ranks.");
+    auto& r = words->request;
+    r.shot.exposure = -1;
+    app.add_option("run", words->run, "Folder of a run")->required()->type_name("DIR");
+    app.add_option("--camera", words->camera, "A camera of the scene, or a camera file (default: the first one)")->type_name("NAME|FILE");
+    app.add_option("--out", words->out, "Folder (default: film/ in that of the run)")->type_name("DIR");
+    app.add_flag("--overwrite", words->overwrite, "Replace the folder");
+    app.add_option("--codec", words->codec, "h264 (default), lossless (H.264) or ffv1 (MKV)")->check(CLI::IsMember({"h264", "lossless", "ffv1"}))->type_name("CODEC");
+    app.add_option("--quality", r.quality, "Of h264: 0 best, 51 worst (default 16)")->check(CLI::Range(0.0, 51.0))->type_name("NUMBER");
+    app.add_option("--rate", r.rate, "Frames per second (default 30)")->type_name("HZ");
+    app.add_option("--jitter", r.jitter, "Random part of the intervals, relative: a variable rate (default 0)")->type_name("SHARE");
+    app.add_option("--time-map", words->time_map, "Slow motion with a ramp: \"STAMP:TIME STAMP:TIME ...\" [s], as of silhouettes")->type_name("MAP");
+    app.add_option("--lead", r.lead, "Seconds of the empty scene before the run (default 1)")->check(CLI::NonNegativeNumber)->type_name("S");
+    app.add_option("--still", r.still, "Seconds of the liquid at rest in the run's first frame (default 0)")->check(CLI::NonNegativeNumber)->type_name("S");
+    app.add_option("--from", r.first, "First time of the run [s] (default: its start)")->check(CLI::NonNegativeNumber)->type_name("S");
+    app.add_option("--to", r.last, "Last time of the run [s] (default: its end)")->check(CLI::NonNegativeNumber)->type_name("S");
+    app.add_option("--phase", r.phase, "Of the frames against the run's start, in intervals (default 0)")->check(CLI::Range(0.0, 1.0))->type_name("SHARE");
+    app.add_option("--turned", r.turned, "The file is stored turned back by 90, 180 or 270 degrees; its display matrix says so")
+        ->check(CLI::IsMember({0, 90, 180, 270}))
+        ->type_name("DEG");
+    app.add_option("--exposure", r.shot.exposure, "Seconds that motion is blurred over (default: a quarter of the interval)")->check(CLI::NonNegativeNumber)->type_name("S");
+    app.add_option("--readout", r.shot.readout, "Seconds from the first to the last row of a rolling shutter (default 0)")->check(CLI::NonNegativeNumber)->type_name("S");
+    app.add_option("--blur", r.look.blur, "Blur of the lens, a standard deviation in pixels (default 0.8)")->type_name("PX");
+    app.add_option("--noise", r.look.noise, "Standard deviation in grey levels of 255 (default 1.5)")->type_name("LEVELS");
+    app.add_option("--texture", r.look.texture, "Amplitude of the background's pattern, relative (default 0.15)")->check(CLI::Range(0.0, 1.0))->type_name("SHARE");
+    app.add_option("--uneven", r.look.uneven_light, "Fall of the light to the corners, relative (default 0.1)")->check(CLI::Range(0.0, 1.0))->type_name("SHARE");
+    app.add_option("--drift", r.look.exposure_drift, "The exposure goes up and down by this, relative (default 0)")->type_name("SHARE");
+    app.add_option("--shadow", r.look.shadow, "Darkness of a soft shadow beside the liquid (default 0)")->check(CLI::Range(0.0, 1.0))->type_name("SHARE");
+    app.add_option("--liquid", words->liquid, "Light of the liquid, red, green, blue from 0 to 1 (default 0.05,0.04,0.03)")->type_name("R,G,B");
+    app.add_option("--background", words->background, "Light of the background (default 0.6,0.62,0.65)")->type_name("R,G,B");
+    app.add_option("--seed", r.look.seed, "Of texture, noise and jitter (default 1)")->type_name("NUMBER");
+    app.callback([words, choose] {
+        choose([words]() -> Command {
+            return [request = film_request(*words)](const Comm& comm) { return film_run(comm, request); };
         });
     });
 }
@@ -114,6 +199,7 @@ void add_check_video(CLI::App& program, const ChooseCommand& choose) {
 void add_video_commands(CLI::App& program, const ChooseCommand& choose) {
     add_check_video(program, choose);
     add_silhouettes(program, choose);
+    add_film(program, choose);
 }
 
 } // namespace treacle::app

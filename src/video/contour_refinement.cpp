@@ -68,6 +68,45 @@ cv::Mat larger(const cv::Mat& picture, const cv::Size& size) {
     return out;
 }
 
+// What a straight line through the weighted values near each pixel gives at that pixel: liquid is shaded, and its means stand
+// for places further in. Slopes that few pixels tell count less; none changes a value by more than 30 %.
+cv::Mat local_line(const cv::Mat& picture, const cv::Mat& weight, double reach, const cv::Mat& mean) {
+    const double s = reach / scale;
+    const int size = 2 * int(std::ceil(2.5 * s)) + 1;
+    const auto blurred = [&](const cv::Mat& values) {
+        cv::Mat out;
+        cv::GaussianBlur(values, out, {size, size}, s, s, cv::BORDER_CONSTANT);
+        return out;
+    };
+    cv::Mat x(weight.size(), CV_32F), y(weight.size(), CV_32F);
+    for (int j = 0; j < x.rows; ++j)
+        for (int i = 0; i < x.cols; ++i) {
+            x.at<float>(j, i) = float(i) - float(x.cols) / 2;
+            y.at<float>(j, i) = float(j) - float(x.rows) / 2;
+        }
+    const cv::Mat wx = weight.mul(x), wy = weight.mul(y);
+    const cv::Mat s0 = blurred(weight), sx = blurred(wx), sy = blurred(wy), sxx = blurred(wx.mul(x)), sxy = blurred(wx.mul(y)), syy = blurred(wy.mul(y));
+    const cv::Mat t0 = blurred(times(picture, weight)), tx = blurred(times(picture, wx)), ty = blurred(times(picture, wy));
+    cv::Mat line = mean.clone();
+    for (int j = 0; j < x.rows; ++j)
+        for (int i = 0; i < x.cols; ++i) {
+            const double n = double(s0.at<float>(j, i));
+            if (n < 1e-3) continue;
+            const double px = double(x.at<float>(j, i)), py = double(y.at<float>(j, i));
+            const double mx = double(sx.at<float>(j, i)) / n, my = double(sy.at<float>(j, i)) / n, ridge = 0.15 * s * s;
+            const double cxx = double(sxx.at<float>(j, i)) / n - mx * mx + ridge, cxy = double(sxy.at<float>(j, i)) / n - mx * my;
+            const double cyy = double(syy.at<float>(j, i)) / n - my * my + ridge, determinant = cxx * cyy - cxy * cxy;
+            if (!(determinant > 0)) continue;
+            for (int c = 0; c < 3; ++c) {
+                const double m = double(t0.at<cv::Vec3f>(j, i)[c]) / n;
+                const double fx = double(tx.at<cv::Vec3f>(j, i)[c]) / n - m * mx, fy = double(ty.at<cv::Vec3f>(j, i)[c]) / n - m * my;
+                const double gx = (cyy * fx - cxy * fy) / determinant, gy = (cxx * fy - cxy * fx) / determinant;
+                line.at<cv::Vec3f>(j, i)[c] = float(std::clamp(m + gx * (px - mx) + gy * (py - my), 0.7 * m, 1.3 * m));
+            }
+        }
+    return line;
+}
+
 // Weight of pixels by their distance from the contour: none within the blur.
 cv::Mat weights(const cv::Mat& inside, double blurred) {
     cv::Mat distance;
@@ -95,12 +134,15 @@ Levels local_levels(const cv::Mat& light, const cv::Mat& empty, const cv::Mat& l
     levels.light = light;
     const auto mean = [&](const cv::Mat& above, const cv::Mat& below) {
         cv::Mat ratio;
-        cv::divide(local_sum(smaller(above), reach), local_sum(smaller(below), reach) + cv::Scalar::all(1e-9), ratio);
-        return larger(ratio, light.size());
+        cv::divide(local_sum(above, reach), local_sum(below, reach) + cv::Scalar::all(1e-9), ratio);
+        return ratio;
     };
-    cv::Mat ones(light.size(), CV_32FC3, cv::Scalar::all(1));
-    levels.liquid = mean(times(light, inside), times(ones, inside));
-    levels.background = mean(times(light, outside), times(empty, outside)).mul(empty);
+    const cv::Mat ones(light.size(), CV_32FC3, cv::Scalar::all(1));
+    const cv::Mat weight = smaller(inside), weighted = smaller(times(light, inside)), all = smaller(times(ones, inside));
+    cv::Mat values;
+    cv::divide(weighted, all + cv::Scalar::all(1e-9), values);
+    levels.liquid = larger(local_line(values, weight, reach, mean(weighted, all)), light.size());
+    levels.background = larger(mean(smaller(times(light, outside)), smaller(times(empty, outside))), light.size()).mul(empty);
     return levels;
 }
 
@@ -186,41 +228,60 @@ cv::Rect box_of(const cv::Mat& liquid, int margin) {
     return cv::Rect(box.x - margin, box.y - margin, box.width + 2 * margin, box.height + 2 * margin) & cv::Rect({0, 0}, liquid.size());
 }
 
-constexpr double bin = 0.5; // of profiles [px]
+constexpr double bin = 0.25; // of profiles, in blur widths
+constexpr double profile_reach = 3.2, even_reach = 2.6; // in blur widths
 
-// Mean share over the signed distance from the contour, from -reach to reach, liquid first.
-std::vector<double> profile_of(const cv::Mat& share, const cv::Mat& liquid, double reach) {
-    cv::Mat outside, inside;
-    cv::distanceTransform(liquid == 0, outside, cv::DIST_L2, cv::DIST_MASK_PRECISE);
-    cv::distanceTransform(liquid, inside, cv::DIST_L2, cv::DIST_MASK_PRECISE);
-    const auto half = int(reach / bin);
-    std::vector<double> sum(std::size_t(2 * half + 1), 0), count(sum.size(), 0);
-    for (int y = 0; y < share.rows; ++y)
-        for (int x = 0; x < share.cols; ++x) {
-            const double out = double(outside.at<float>(y, x)), in = double(inside.at<float>(y, x));
-            const auto k = int(std::lround((out > 0 ? out - 0.5 : 0.5 - in) / bin)) + half;
-            if (k < 0 || k > 2 * half) continue;
-            sum[std::size_t(k)] += double(share.at<float>(y, x));
-            ++count[std::size_t(k)];
+float sample(const cv::Mat& field, double x, double y) {
+    const int i = int(x), j = int(y);
+    const auto u = float(x - i), v = float(y - j);
+    const float *a = field.ptr<float>(j) + i, *b = field.ptr<float>(j + 1) + i;
+    return (1 - v) * ((1 - u) * a[0] + u * a[1]) + v * ((1 - u) * b[0] + u * b[1]);
+}
+
+// Mean share along the normals of the contour, through where it is 1/2 between two pixels; empty for a short contour.
+std::vector<double> profile_of(const cv::Mat& share, double width) {
+    cv::Mat smooth;
+    const double spread = std::max(0.8, 0.5 * width);
+    cv::GaussianBlur(share, smooth, {}, spread, spread, cv::BORDER_REPLICATE);
+    const int half = int(profile_reach / bin);
+    const double margin = profile_reach * width + 2;
+    std::vector<double> sum(std::size_t(2 * half + 1), 0);
+    std::size_t count = 0;
+    const auto cross = [&](int x, int y, int dx, int dy) {
+        const float here = share.at<float>(y, x), there = share.at<float>(y + dy, x + dx);
+        if ((here >= 0.5F) == (there >= 0.5F)) return;
+        const double part = double((here - 0.5F) / (here - there));
+        const double px = x + part * dx, py = y + part * dy;
+        if (px < margin || py < margin || px > share.cols - 1 - margin || py > share.rows - 1 - margin) return;
+        double nx = double(sample(smooth, px - 1, py) - sample(smooth, px + 1, py)), ny = double(sample(smooth, px, py - 1) - sample(smooth, px, py + 1));
+        const double length = std::hypot(nx, ny);
+        if (length < 1e-3 || std::abs(dx != 0 ? nx : ny) < 0.7 * length) return; // each point once, along its steeper axis
+        nx /= length, ny /= length;
+        for (int k = -half; k <= half; ++k)
+            sum[std::size_t(k + half)] += double(sample(share, px + k * bin * width * nx, py + k * bin * width * ny));
+        ++count;
+    };
+    for (int y = 0; y + 1 < share.rows; ++y)
+        for (int x = 0; x + 1 < share.cols; ++x) {
+            cross(x, y, 1, 0);
+            cross(x, y, 0, 1);
         }
-    // Distances of pixels take few values: bins without any get those of their neighbours.
-    for (std::size_t k = 0; k < sum.size(); ++k) sum[k] = count[k] > 0 ? sum[k] / count[k] : -1;
-    for (std::size_t k = 1; k + 1 < sum.size(); ++k)
-        if (sum[k] < 0) sum[k] = 0.5 * (sum[k - 1] + sum[k + 1]);
+    if (count < 100) return {};
+    for (auto& value : sum) value /= double(count);
     return sum;
 }
 
 // Root mean square of the even part of a profile about its best middle: 0 for any even blur, whatever its levels are.
-double even_part(const std::vector<double>& profile, double width) {
+double even_part(const std::vector<double>& profile) {
     const double middle = double(profile.size() - 1) / 2;
     const auto at = [&](double k) {
         const auto i = static_cast<std::size_t>(std::clamp(k, 0.0, double(profile.size() - 2)));
         return profile[i] + (k - double(i)) * (profile[i + 1] - profile[i]);
     };
     double best = 1;
-    for (double m = -1.5; m <= 1.5; m += 0.05) {
+    for (double m = -0.6; m <= 0.6; m += 0.01) {
         double sum = 0, squares = 0, n = 0;
-        for (double s = 0; s <= 1.8 * width; s += bin) {
+        for (double s = 0; s <= even_reach; s += bin) {
             const double even = at(middle + (m + s) / bin) + at(middle + (m - s) / bin);
             sum += even;
             squares += even * even;
@@ -309,9 +370,10 @@ Unevenness measure_unevenness(const Image& frame, const std::vector<float>& back
     if (box.empty()) return found;
     for (const auto mixing : {MixingSpace::light, MixingSpace::code}) {
         const auto solved = iterate(frame, background, rough, box, mixing, 0, 3);
-        if (solved.width < 1.3) return {};
-        const auto shares = solve_shares(solved.levels, solved.liquid, 3 * solved.width + 4).share;
-        (mixing == MixingSpace::light ? found.light : found.code) = even_part(profile_of(shares, solved.liquid, 3 * solved.width), solved.width);
+        const auto shares = solve_shares(solved.levels, solved.liquid, 5 * solved.width + 6).share;
+        const auto profile = profile_of(shares, solved.width);
+        if (profile.empty()) return {};
+        (mixing == MixingSpace::light ? found.light : found.code) = even_part(profile);
     }
     return found;
 }

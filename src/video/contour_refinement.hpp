@@ -26,7 +26,7 @@ RefinedContour refine_contour(const Image& frame, const std::vector<float>& back
                               double edge_width);
 
 // How far a frame's blurred contours are from even, in light and in the numbers of the file: root mean square of the even
-// part of the mean profile across the contour. Both 0 where contours are too sharp to matter.
+// part of the mean profile along the contour's normals. Both 0 where the contour is too short to tell.
 struct Unevenness {
     double light = 0, code = 0;
 };

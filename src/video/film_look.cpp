@@ -84,7 +84,14 @@ void blur(cv::Mat& picture, double deviation) {
 double light_of_code(double code) { return code <= 0.04045 ? code / 12.92 : std::pow((code + 0.055) / 1.055, 2.4); }
 double code_of_light(double light) { return light <= 0.0031308 ? 12.92 * light : 1.055 * std::pow(light, 1 / 2.4) - 0.055; }
 
-FilmPainter::FilmPainter(const FilmLook& look) : look_(look), background_(make_background(look)) { cv::setNumThreads(1); }
+FilmPainter::FilmPainter(const FilmLook& look, const FilmLight& scenery) : look_(look), background_(make_background(look)) {
+    cv::setNumThreads(1);
+    for (std::size_t i = 0; i < scenery.coverage.size(); ++i)
+        for (std::size_t c = 0; c < 3; ++c) {
+            const float a = scenery.coverage[i];
+            background_[3 * i + c] = a * scenery.liquid[3 * i + c] + (1 - a) * background_[3 * i + c];
+        }
+}
 
 Image FilmPainter::paint_empty(double phase, std::uint64_t frame) const {
     const auto pixels = std::size_t(look_.width) * std::size_t(look_.height);

@@ -30,7 +30,8 @@ struct FilmLight {
 // Draws frames of one clip; the background is made once.
 class FilmPainter {
 public:
-    explicit FilmPainter(const FilmLook& look);
+    // `scenery`: solids before the background, or none.
+    explicit FilmPainter(const FilmLook& look, const FilmLight& scenery = {});
     // `phase` of the clip in [0, 1], for the drift of the exposure; `frame` seeds the noise.
     Image paint(const FilmLight& light, double phase, std::uint64_t frame) const;
     Image paint_empty(double phase, std::uint64_t frame) const;

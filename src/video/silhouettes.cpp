@@ -111,8 +111,8 @@ struct SilhouetteMaker::State {
         return found;
     }
 
-    Silhouette make(const TimedFrame& frame) {
-        Silhouette out;
+    FrameSilhouette make(const TimedFrame& frame) {
+        FrameSilhouette out;
         out.index = frame.index;
         out.stamp = frame.stamp;
         out.time = frame.time;
@@ -138,7 +138,7 @@ struct SilhouetteMaker::State {
         return out;
     }
 
-    static void measure(Silhouette& out) {
+    static void measure(FrameSilhouette& out) {
         const cv::Mat mask = pixels_of(out.mask), liquid = mask == mask_liquid;
         const auto moments = cv::moments(liquid, true);
         out.area = std::size_t(std::llround(moments.m00));
@@ -217,7 +217,7 @@ struct SilhouetteMaker::State {
             sum.code += uneven.code / looks;
         }
         // Uneven light on the liquid makes its contours uneven in both: only an even profile tells.
-        const bool code = sum.code < 0.85 * sum.light && sum.code < 0.004;
+        const bool code = sum.code < 0.5 * sum.light && sum.code < 0.004;
         mixing = code ? MixingSpace::code : MixingSpace::light;
         if (code) notes.push_back("blurred contours are even in the file's numbers, not in light: mixing: code");
     }
@@ -232,7 +232,7 @@ SilhouetteMaker::SilhouetteMaker(FrameSource& source, const SilhouetteSettings& 
 }
 SilhouetteMaker::~SilhouetteMaker() = default;
 
-std::optional<Silhouette> SilhouetteMaker::next(TimedFrame& frame) {
+std::optional<FrameSilhouette> SilhouetteMaker::next(TimedFrame& frame) {
     if (!state_->source.read(frame)) return std::nullopt;
     state_->align(frame);
     return state_->make(frame);
@@ -240,7 +240,7 @@ std::optional<Silhouette> SilhouetteMaker::next(TimedFrame& frame) {
 
 const std::vector<std::string>& SilhouetteMaker::notes() const { return state_->notes; }
 
-std::optional<MotionStart> find_motion_start(const std::vector<Silhouette>& all) {
+std::optional<MotionStart> find_motion_start(const std::vector<FrameSilhouette>& all) {
     if (all.size() < 2) return std::nullopt;
     // A contour at rest flickers by a few hundredths of a pixel; a speck is no motion.
     const double moving = std::max(40.0, 0.2 * double(all.front().perimeter)), still = moving / 4;

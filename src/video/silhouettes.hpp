@@ -14,7 +14,7 @@
 namespace treacle::video {
 
 // One frame's silhouette and how it came about.
-struct Silhouette {
+struct FrameSilhouette {
     std::int64_t index = 0;
     double stamp = 0, time = 0;       // [s]
     Mask mask;                        // in the pixels of the first frame
@@ -48,7 +48,7 @@ public:
     ~SilhouetteMaker();
 
     // The next frame's; nothing after the last. `frame` receives the picture, registered onto the first.
-    std::optional<Silhouette> next(TimedFrame& frame);
+    std::optional<FrameSilhouette> next(TimedFrame& frame);
 
     // What a user should know, so far: where the empty scene was taken from, which mixing was found, drift.
     const std::vector<std::string>& notes() const;
@@ -59,6 +59,6 @@ private:
 };
 
 // From all silhouettes of a clip; nothing where none moves.
-std::optional<MotionStart> find_motion_start(const std::vector<Silhouette>& silhouettes);
+std::optional<MotionStart> find_motion_start(const std::vector<FrameSilhouette>& silhouettes);
 
 } // namespace treacle::video

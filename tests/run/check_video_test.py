@@ -35,6 +35,17 @@ class CheckVideo(Workplace):
         self.assertLess(found["camera_shift_px"], 0.1)
         self.assertEqual(found["doubled"], [])
 
+    def test_pixels_per_millimetre_by_the_camera(self):
+        films.film(self.path("film"), GROWING)
+        for width, code, text in ((160, 0, "0.400 px per mm"), (320, 2, "the camera is for 320 x 120 pixels")):
+            with open(self.path("camera.yaml"), "w") as file:
+                file.write(f"image_width: {width}\nimage_height: 120\ncamera_matrix: {{rows: 3, cols: 3, data: [200, 0, 80, 0, 200, 60, 0, 0, 1]}}\n"
+                           "distortion_coefficients: []\nrotation_vector: [0, 0, 0]\ntranslation_vector: [0, 0, 0.4]\n")
+            done, found = self.check("--camera", "camera.yaml", "--at", 0, 0, 0.1, code=code)
+            self.assertIn(text, done)
+        done = self.treacle("check-video", "film", "--rate", 25, "--camera", "none.yaml", code=2)
+        self.assertIn("none.yaml", done.stderr)
+
     def test_nothing_moves(self):
         films.film(self.path("film"), [0] * 8)
         text, found = self.check(code=2)

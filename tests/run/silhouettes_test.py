@@ -111,11 +111,12 @@ class Silhouettes(Workplace):
             "is no range of frames": ([0] * 8 + [12, 16], ["--empty-frames", "5:2"]),
             "did you mean min_area": ([0] * 8 + [12, 16], ["--set", "min_aera=3"]),
             "is no mask": ([0] * 8 + [12, 16], ["--method", "masks"]),
+            "shadow_ratio": ([0] * 8 + [16, 20, 26], ["--set", "liquid=dark"], {"liquid": 120}),
             "no settings": ([0] * 8 + [12, 16], ["--settings", "no settings.yaml"]),
         }
-        for text, (radii, options) in cases.items():
+        for text, (radii, options, *look) in cases.items():
             shutil.rmtree(self.path("film"), ignore_errors=True)
-            _, done = self.run_on(radii, *options, code=2)
+            _, done = self.run_on(radii, *options, code=2, **dict(*look))
             self.assertIn(text, done.stderr)
             self.assertEqual(os.listdir(self.folder), ["film"], text)
 

@@ -1,0 +1,92 @@
+#!/usr/bin/env python3
+"""treacle film makes videos of a run whose silhouettes treacle silhouettes finds again.
+
+usage: film_test.py PROGRAM MPIEXEC
+"""
+import csv
+import json
+import os
+import sys
+
+import numpy
+
+import harness
+from harness import SCENES, Workplace
+from silhouettes_test import read_png
+
+RUN = {"time.end": "0.24 s", "output.interval": "20 ms"}
+BLOCK = """schema_version: 1
+title: A block of syrup collapses behind a post
+domain: {max: [0.4, 0.2, 0.3], spacing: 2 cm}
+liquids:
+  - {name: syrup, density: 1000, viscosity: 5, shapes: [{box: {min: [0, 0, 0], max: [0.12, 0.2, 0.2]}}]}
+bodies:
+  - {name: post, shape: {box: {min: [0.2, 0.02, 0], max: [0.24, 0.06, 0.25]}}}
+time: {end: 0.2 s}
+output: {interval: 20 ms}
+cameras:
+  - {name: front, width: 320, height: 240, position: [0.2, -0.9, 0.2], target: [0.2, 0.1, 0.12]}
+"""
+
+
+class Film(Workplace):
+    def rows(self, path):
+        with open(self.path(path)) as file:
+            return list(csv.DictReader(file))
+
+    def masks(self, folder, count):
+        return [read_png(self.path(folder, f"mask_{k:06d}.png")) for k in range(count)]
+
+    def content(self, *parts):
+        with open(self.path(*parts), "rb") as file:
+            return file.read()
+
+    def test_film_of_a_plane_run_and_its_silhouettes(self):
+        self.run_scene(os.path.join(SCENES, "column.yaml"), "run", 1, RUN)
+        self.treacle("film", "run", "--out", "film", "--rate", 50, "--lead", 0.2, "--jitter", 0.3, "--turned", 90, "--drift", 0.1)
+        rows = self.rows("film/film.csv")
+        exact = self.masks("film", len(rows))
+        self.assertEqual([int(row["area [px]"] != "0") for row in rows], [int(mask.any()) for mask in exact])
+        stamps = numpy.array([float(row["stamp [s]"]) for row in rows])
+        self.assertGreater(numpy.ptp(numpy.diff(stamps)), 0.004) # a variable rate
+        numpy.testing.assert_allclose([float(row["time [s]"]) for row in rows], numpy.maximum(0, stamps - 0.2), atol=1e-9)
+        self.treacle("silhouettes", "film/film.mp4", "--out", "found")
+        found = self.rows("found/silhouettes.csv")
+        numpy.testing.assert_allclose([float(row["stamp [s]"]) for row in found], stamps, atol=1e-4)
+        for mask, seen in zip(exact, self.masks("found", len(rows))):
+            self.assertEqual(mask.shape, seen.shape)
+            both, either = numpy.logical_and(mask > 0, seen > 0).sum(), numpy.logical_or(mask > 0, seen > 0).sum()
+            if either:
+                self.assertGreater(both / either, 0.97)
+
+    def test_the_same_film_on_any_number_of_ranks(self):
+        with open(self.path("block.yaml"), "w") as file:
+            file.write(BLOCK)
+        self.run_scene("block.yaml", "run", 2, {})
+        options = ["--rate", 24, "--lead", 0.25, "--codec", "lossless", "--exposure", 0.01, "--readout", 0.01]
+        self.treacle("film", "run", "--out", "one", *options)
+        self.treacle("film", "run", "--out", "three", *options, ranks=3)
+        self.assertEqual(sorted(os.listdir(self.path("one"))), sorted(os.listdir(self.path("three"))))
+        for name in os.listdir(self.path("one")):
+            self.assertEqual(self.content("one", name), self.content("three", name), name)
+        with open(self.path("one", "film.json")) as file:
+            self.assertEqual(json.load(file)["camera"]["width"], 320)
+        rows = self.rows("one/film.csv")
+        self.treacle("silhouettes", "one/film.mp4", "--out", "found")
+        last, seen = self.masks("one", len(rows))[-1] > 0, self.masks("found", len(rows))[-1] > 0
+        self.assertGreater(last.sum(), 3000)
+        self.assertGreater(numpy.logical_and(last, seen).sum() / numpy.logical_or(last, seen).sum(), 0.97)
+
+    def test_bad_options_leave_nothing(self):
+        self.run_scene(os.path.join(SCENES, "column.yaml"), "run", 1, {})
+        for options, text in ((["--camera", "sode"], "did you mean side"), (["--from", 0.03, "--to", 0.01], "--to"), (["--rate", 0], "--rate"),
+                              (["--exposure", 1], "--exposure"), (["--liquid", "1,2"], "is no light"), (["--time-map", "0:0"], "--time-map")):
+            done = self.treacle("film", "run", "--out", "film", *options, code=2, ranks=2)
+            self.assertIn(text, done.stderr)
+            self.assertEqual(os.listdir(self.folder), ["run"])
+
+
+if __name__ == "__main__":
+    if len(sys.argv) < 3:
+        sys.exit(__doc__)
+    harness.main(sys.argv, __doc__)
