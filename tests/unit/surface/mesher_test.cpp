@@ -206,10 +206,15 @@ TEST(Surface, DoesNotDependOnTheRanks) {
     auto domain = box({-14, -14, -10}, {14, 14, 10});
     domain.sides[0] = domain.sides[1] = Side::periodic;
     domain.sides[5] = Side::open;
-    const auto made = make(cloud, domain);
+    scene::Shape post;
+    post.min = {3, -3, -10};
+    post.max = {5, 2, -7};
+    Solids solids;
+    solids.bodies.push_back({scene::SolidRegion(post)});
+    const auto made = make(cloud, domain, options(), solids);
     EXPECT_TRUE(closed(world, made.mesh));
     Mesher alone(Comm::self(), domain, options());
-    const auto& whole = alone.build(cloud.rows());
+    const auto& whole = alone.build(cloud.rows(), solids);
     EXPECT_EQ(made.mesh.total_vertices, whole.total_vertices);
     EXPECT_EQ(made.mesh.total_triangles, whole.total_triangles);
     EXPECT_EQ(made.summary.volume, alone.summary().volume);
