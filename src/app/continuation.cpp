@@ -39,8 +39,7 @@ Input continued_input(const std::string& text, const std::string& name, const st
     parse(document, after);
     std::vector<Diagnostic> refused;
     const auto refuse = [&](const Change& change, const std::string& reason) {
-        const auto place = change.origin.empty() ? "--set " + change.assignment : change.origin;
-        refused.push_back({place, "cannot change when a run goes on", reason,
+        refused.push_back({change.origin, "cannot change when a run goes on", reason,
                            "change time.end, output, cameras or lost_limit, or start anew with treacle run"});
     };
     for (const auto& change : changes) {

@@ -10,9 +10,9 @@ namespace treacle::app {
 // checkpoint belongs to all inputs of one hash.
 std::string state_hash(Input input);
 
-// A change of an input: "time.end=20 s", and what asked for it, "--until 20 s"; by default "--set time.end=20 s".
+// A change of an input: "time.end=20 s", and what asked for it: "--until 20 s", "--set time.end=20 s".
 struct Change {
-    std::string assignment, origin{};
+    std::string assignment, origin;
 };
 
 // The input of a run that goes on, from the text of its effective.yaml. Throws InputError, as parse() and for changes of

@@ -26,11 +26,9 @@ void extend(scene::Bounds& box, const scene::Domain& domain, const scene::Region
     }
 }
 
-constexpr scene::Bounds nothing{{infinite, infinite, infinite}, {-infinite, -infinite, -infinite}};
-
 // The box that the liquids fill of the domain at the start.
 scene::Bounds liquid_box(const Input& input, const Geometry& geometry) {
-    auto box = nothing;
+    auto box = scene::Bounds::nothing();
     for (const auto& liquid : geometry.liquids) extend(box, input.scene.domain, liquid);
     return box;
 }
@@ -39,7 +37,7 @@ scene::Bounds liquid_box(const Input& input, const Geometry& geometry) {
 double initial_speed(const Input& input, const Geometry& geometry, std::size_t which) {
     const auto& liquid = input.scene.liquids[which];
     if (!liquid.sheared()) return length_of(liquid.velocity);
-    auto box = nothing;
+    auto box = scene::Bounds::nothing();
     extend(box, input.scene.domain, geometry.liquids[which]);
     double most = 0;
     for (int corner = 0; corner < 8; ++corner) {

@@ -1,5 +1,6 @@
 #include "app/input.hpp"
 
+#include "app/camera_files.hpp"
 #include "base/options.hpp"
 #include "scene/data_files.hpp"
 
@@ -35,7 +36,9 @@ Input load_input(const InputSource& source) {
 
 Input load_scene(const InputSource& source) {
     auto input = load_input(source);
-    input.notes = scene::resolve_data_files(input.scene, scene::data_search_path(source.scene, source.data_folders));
+    const auto search_path = scene::data_search_path(source.scene, source.data_folders);
+    input.notes = scene::resolve_data_files(input.scene, search_path);
+    read_camera_files(input.scene, search_path);
     return input;
 }
 

@@ -29,7 +29,8 @@ struct InputSource {
 Input load_input(const InputSource& source);
 
 // As load_input; finds the files of meshes as well. Their whole paths stand in the input then, so that it may be read from
-// anywhere, and fallbacks in the place of what is missing, with a note. InputError for what has none.
+// anywhere, and fallbacks in the place of what is missing, with a note. InputError for what has none. Cameras stand in it
+// with the lens and pose of their files.
 Input load_scene(const InputSource& source);
 
 } // namespace treacle::app

@@ -1,5 +1,6 @@
 #include "app/picture.hpp"
 
+#include "app/camera_files.hpp"
 #include "app/geometry.hpp"
 #include "base/error.hpp"
 #include "base/text.hpp"
@@ -37,12 +38,13 @@ scene::Camera find_camera(const scene::Scene& scene, const std::string& name) {
         if (camera.name == name) return camera;
         names.push_back(camera.name);
     }
+    if (std::filesystem::exists(name) || name.find(':') != std::string::npos) return camera_of_file(name);
     names.emplace_back("automatic");
     const auto close = nearest(name, names);
     throw InputError(
         {"--camera " + name,
          "the scene has no such camera" + (close ? "; did you mean " + *close + "?" : std::string()),
-         "there are " + join(names, ", "), ""});
+         "there are " + join(names, ", "), "give one of these, or a camera file"});
 }
 
 video::View view_of(const scene::Camera& camera, const scene::Domain& domain, const PictureSize& size) {
@@ -50,6 +52,7 @@ video::View view_of(const scene::Camera& camera, const scene::Domain& domain, co
     const int height = size.height > 0 ? size.height : camera.height;
     if (camera.automatic) return video::automatic_view(domain_box(domain), width, height);
     video::View view;
+    if (camera.measured) view.model = camera.model().for_size(width, height);
     view.position = camera.position;
     view.target = camera.target;
     view.up = camera.up;

@@ -19,7 +19,8 @@ struct PictureSize {
 PictureSize read_picture_size(const std::string& text);
 
 // The scene's camera of that name; "": its first one, or a view of the whole domain when it has none;
-// "automatic": that view. Throws InputError that lists the names when there is no such camera.
+// "automatic": that view; a camera file, or FILE:NAME: that camera. Throws InputError that lists the names when there is
+// no such camera.
 scene::Camera find_camera(const scene::Scene& scene, const std::string& name);
 video::View view_of(const scene::Camera& camera, const scene::Domain& domain, const PictureSize& size);
 

@@ -55,7 +55,7 @@ void check_end(const ResumeRequest& request, const Input& input, double time) {
     const double end = input.scene.time.end;
     for (const auto& change : request.changes) {
         if (!change.assignment.starts_with("time.end=") || end > time) continue;
-        throw InputError({change.origin.empty() ? "--set " + change.assignment : change.origin,
+        throw InputError({change.origin,
                           "time.end = " + format_number(end) + " s is not behind the checkpoint, at " + format_number(time) + " s",
                           "a run does not go back", "give a later time"});
     }

@@ -15,7 +15,7 @@ bool along(const Vec3& v, std::size_t axis) {
     return true;
 }
 
-// Whether its section is the same all along the axis.
+// True for a shape of constant section along the axis.
 bool is_straight(const scene::Shape& shape, std::size_t axis) {
     if (shape.inverted || shape.rotation_angle != 0) return false;
     return shape.kind == scene::ShapeKind::box || (shape.kind == scene::ShapeKind::cylinder && along(shape.axis, axis));

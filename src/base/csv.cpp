@@ -29,7 +29,7 @@ std::string header(const std::filesystem::path& path, const std::vector<std::str
     return join(columns, ",") + "\n";
 }
 
-// What is no number, such as nan, is NaN.
+// Numbers of a line; text that is no number becomes NaN.
 std::vector<double> numbers_of(const std::string& line) {
     std::vector<double> row;
     for (std::size_t from = 0; from <= line.size();) {

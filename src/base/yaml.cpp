@@ -180,7 +180,7 @@ std::string lower_start(std::string text) {
     return text;
 }
 
-// Whether a tab stands before the first word of a line, counted from 0; dashes of list items are no words.
+// True for a line (counted from 0) with a tab before its first word; dashes of list items are not words.
 bool indented_by_tab(const std::string& text, int line) {
     std::size_t start = 0;
     for (int k = 0; k < line && start != std::string::npos; ++k) {

@@ -23,9 +23,8 @@ struct ClosingLoop {
     FaceField velocity;
     Array<int> number, occupied;
     BodyMotion motion;
+    MotionPoints points;
     double full, dt; // particles in a cell; [s]
-    bool slips;
-    Array<double> length, offset[3][2]; // as PressureCoupling has them
 
     KOKKOS_INLINE_FUNCTION int particles(const int c[3]) const {
         const int at = cells.window.index(c[0], c[1], c[2]);
@@ -55,10 +54,9 @@ struct ClosingLoop {
         int f[3] = {c[0], c[1], c[2]};
         f[a] += side;
         double x[3], v[3];
-        grid.face(a, f, x);
         const int all = grid.dimensions == 2 ? 3 : 7;
         const int solid = number(FineNodes::per_cell * static_cast<int>(face) + (all & ~(1 << a)));
-        for (int k = 0; k < 2 && slips && solid >= 0 && length(6 + solid) > 0; ++k) x[(a + 1 + k) % 3] += grid.dx * offset[a][k](face);
+        points.at(solid, a, f, face, x);
         motion.velocity(solid, x, v, false);
         return (side == 0 ? 1 : -1) * (1 - open) * v[a];
     }
@@ -110,12 +108,16 @@ struct BackUpLoop {
 };
 } // namespace
 
-void Closing::clear(CellHalo& halo, const CellList& cells) {
+void Closing::clear(const CellHalo& halo) {
+    reserve(inflow_, static_cast<std::size_t>(halo.window().size()));
+    Kokkos::deep_copy(inflow_, open_cell);
+    has_occupied_ = false;
+}
+
+void Closing::find_occupied(CellHalo& halo, const CellList& cells) {
     const CellBox window = halo.window(), owned = halo.owned();
-    reserve(inflow_, static_cast<std::size_t>(window.size()));
     reserve(occupied_, static_cast<std::size_t>(window.size()));
     reserve(surface_, static_cast<std::size_t>(window.size()));
-    Kokkos::deep_copy(inflow_, open_cell);
     Kokkos::deep_copy(occupied_, 0);
     const auto occupied = occupied_;
     Kokkos::parallel_for("treacle::occupied", static_cast<int>(owned.size()), KOKKOS_LAMBDA(int n) {
@@ -125,19 +127,18 @@ void Closing::clear(CellHalo& halo, const CellList& cells) {
         occupied(window.index(c[0], c[1], c[2])) = cells.end(at) > cells.begin(at) ? 1 : 0;
     });
     halo.gather({occupied_});
+    has_occupied_ = true;
 }
 
 bool Closing::find(const Comm& comm, const Scene& scene, double dt) {
     const CellBox owned = scene.halo.owned();
     const int n = static_cast<int>(owned.size());
+    if (!has_occupied_) find_occupied(scene.halo, scene.cells);
     reserve(factor_, static_cast<std::size_t>(scene.halo.window().size()));
     Kokkos::deep_copy(factor_, 1.0);
     ClosingLoop loop{scene.grid, owned, scene.faces, scene.cells, scene.fractions.cell_fluid, scene.distance, surface_, inflow_, factor_,
-                     scene.velocity, scene.solids.number(), occupied_, scene.solids.motion(),
-                     std::pow(particles_per_axis, scene.grid.dimensions), dt, scene.slip.closed != nullptr, scene.slip.length, {}};
-    for (int a = 0; a < scene.grid.dimensions && loop.slips; ++a) {
-        for (int k = 0; k < 2; ++k) loop.offset[a][k] = scene.slip.closed->offset(a, k);
-    }
+                     scene.velocity, scene.solids.number(), occupied_, scene.solids.motion(), scene.slip.points(scene.grid),
+                     std::pow(particles_per_axis, scene.grid.dimensions), dt};
     bool any = false;
     for (int sweep = 0; sweep < most_sweeps; ++sweep) {
         int found = 0;

@@ -118,7 +118,8 @@ struct TurnLoop {
             if (grip.any) hold(nearest, math::max(-distance, 0.0), x, n, u);
             double along = 0;
             for (int k = 0; k < faces.dimensions; ++k) along += u[k] * n[k];
-            to.axis[a](at) = v[a] + u[a] - along * n[a];
+            const bool leaves = grip.leaves.extent(0) > 0 && (grip.leaves(at) != 0 || grip.leaves(at - faces.stride[a]) != 0);
+            to.axis[a](at) = v[a] + u[a] - (leaves ? math::min(along, 0.0) : along) * n[a];
         }
     }
 };

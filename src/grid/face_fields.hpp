@@ -40,9 +40,10 @@ struct WallGrip {
     bool any = false;     // without viscosity: none
     Array<double> length; // [6 sides, then bodies] slip lengths [m], 0: grips, infinity: does not hold
     ViscousSpread viscosity;
+    Array<int> leaves; // [window] 1: cells whose liquid separates from solids (separation.hpp); none: no extent
 };
 
-// (A2) Collective: velocities of closed faces, found by extrapolation, lose what leads into or out of their solid, so that
+// (A2) Collective: velocities of closed faces, found by extrapolation, lose what leads into or out of their solid (of cells that separate: into it), so that
 // particles near solids move along them; and are those of a velocity that falls linearly to the solid's a slip length behind
 // its surface, as far as viscosity spreads within the step: nu dt over that and (dx/2)^2. `scratch` takes a copy.
 void turn_along_solids(const MacGrid& grid, CellHalo& halo, const Solids& solids, const PressureFaces& faces,

@@ -1,4 +1,5 @@
 #include "grid/grid_step.hpp"
+#include "scene/vector_math.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -9,7 +10,14 @@ namespace treacle::grid {
 namespace {
 constexpr double least_wet = 1e-3;   // share of a face's cube from which its velocity is that of liquid
 constexpr int most_closings = 4;     // times that gaps that close are solved for
+constexpr int most_separations = 4;  // times that liquid which separates is solved for
 
+void add_cost(const solve::SolveReport& of, solve::SolveReport& to) {
+    to.iterations += of.iterations;
+    to.products += of.products;
+    to.set_up_seconds += of.set_up_seconds;
+    to.iteration_seconds += of.iteration_seconds;
+}
 } // namespace
 
 void GridStep::project(StepReport& report, double dt, Pressure::Surface surface) {
@@ -22,11 +30,7 @@ void GridStep::project(StepReport& report, double dt, Pressure::Surface surface)
         report.loads = report.pressure.loads;
         return;
     }
-    auto& first = report.pressure.solve;
-    first.iterations += found.solve.iterations;
-    first.products += found.solve.products;
-    first.set_up_seconds += found.solve.set_up_seconds;
-    first.iteration_seconds += found.solve.iteration_seconds;
+    add_cost(found.solve, report.pressure.solve);
     for (std::size_t k = 0; k < report.loads.size(); ++k) report.loads[k] += found.loads[k];
 }
 
@@ -124,11 +128,31 @@ void GridStep::go_back(StepReport& report) {
     pressure_.take_back();
 }
 
-// (P), (K): the last projection of a step, with the matrix of open gaps; then from its velocities with gaps that close, as often
-// as others are found.
-void GridStep::project_last(StepReport& report, double dt, Pressure::Surface surface) {
-    project(report, dt, surface);
-    continue_velocity({false, {}, viscous() ? viscous_spread(dt) : ViscousSpread{}});
+// Whether liquid separates from walls above it in the first projection of a step.
+bool GridStep::separates() {
+    const auto& gravity = setup_.domain.gravity;
+    if (setup_.options.pressure.ceilings == Ceilings::adhere || !(scene::length(gravity) > 0)) return false;
+    return separation_.find(comm_, {cells_halo_, pressure_.system(), pressure_.pressures(), distance_,
+                                    pressure_.components().closed_rows(), gravity, grid_.dx});
+}
+
+// (P), (L)
+void GridStep::project_first(StepReport& report, double dt) {
+    keep_start(report);
+    project(report, dt, Pressure::Surface::tense);
+    for (int pass = 1; pass <= most_separations && separates(); ++pass) {
+        go_back(report);
+        pressure_.build(pressure_scene());
+        const auto before = report.pressure.solve;
+        project(report, dt, Pressure::Surface::tense);
+        add_cost(before, report.pressure.solve);
+    }
+}
+
+// (K): from the velocities of the last projection, whose matrix is that of open gaps, with gaps that close, as often as others
+// are found.
+void GridStep::close_gaps(StepReport& report, double dt) {
+    continue_velocity({false, {}, viscous() ? viscous_spread(dt) : ViscousSpread{}, separation_.separated()});
     if (!gaps_change(true)) return;
     wall_momentum_.add(wall_scene(), WallMomentum::Which::closed, velocity_);
     keep_start(report);
@@ -141,17 +165,14 @@ void GridStep::project_last(StepReport& report, double dt, Pressure::Surface sur
     }
 }
 
-// (P), (V), (P) again
+// (P), (L), (V), (P) again, (K)
 void GridStep::split(StepReport& report, double dt) {
     const bool again = viscous() && setup_.options.second_projection;
     {
         const auto phase = timers_.scope("pressure");
         pressure_.build(pressure_scene());
-        if (again) {
-            project(report, dt, Pressure::Surface::tense);
-        } else {
-            project_last(report, dt, Pressure::Surface::tense);
-        }
+        project_first(report, dt);
+        if (!again) close_gaps(report, dt);
     }
     {
         const auto phase = timers_.scope("viscosity");
@@ -159,7 +180,8 @@ void GridStep::split(StepReport& report, double dt) {
     }
     if (again) {
         const auto phase = timers_.scope("pressure");
-        project_last(report, dt, Pressure::Surface::relaxed);
+        project(report, dt, Pressure::Surface::relaxed);
+        close_gaps(report, dt);
     }
 }
 

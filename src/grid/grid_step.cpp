@@ -3,6 +3,7 @@
 #include "grid/active_block.hpp"
 #include "grid/inflow.hpp"
 #include "grid/seeding.hpp"
+#include "scene/vector_math.hpp"
 
 #include <algorithm>
 #include <bit>
@@ -14,8 +15,6 @@ namespace {
 constexpr double least_depth = 0.05; // widths, of the centre of a cell with a drop or a sheet thinner than it
 constexpr double longest_growth = 1.5; // of a step over the one before it
 constexpr int layers = 3;  // of halo: what linear interpolation and a step of CFL 3 reach
-
-double size_of(const std::array<double, 3>& v) { return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); }
 
 double load_imbalance(const Comm& comm, int particles) {
     const auto most = comm.max(static_cast<std::int64_t>(particles));
@@ -181,7 +180,8 @@ void GridStep::find_surface() {
 // (S), (D)
 void GridStep::find_strains(double dt) {
     strains_.find({grid_, cells_halo_, velocity_, mass_, fractions_, solids_, before_, dt});
-    closing_.clear(cells_halo_, cells_);
+    closing_.clear(cells_halo_);
+    separation_.clear();
     if (contracts()) contraction_.find(setup_.options.contraction, {grid_, cells_halo_, cells_, distance_, fractions_}, dt);
     find_inflow(fractions_.open);
 }
@@ -291,7 +291,7 @@ StepReport GridStep::advance(double dt) {
     {
         const auto phase = timers_.scope("move");
         solids_.update(cells_halo_, bodies_);
-        continue_velocity({viscous(), slip_.lengths(), viscous_spread(kick)});
+        continue_velocity({viscous(), slip_.lengths(), viscous_spread(kick), separation_.separated()});
         load_resting(report, kick, at_once);
         move(report, times); // (A4), (E), (A5)
     }
@@ -329,7 +329,7 @@ double GridStep::fastest(const Array3& of) const {
 // What may pull at the liquid in the next step [m/s2]: gravity, unless viscosity or solids hold the liquid against it. As
 // that may end, no more than a few times what pulled in the last step.
 double GridStep::pull() const {
-    const double gravity = size_of(setup_.domain.gravity);
+    const double gravity = scene::length(setup_.domain.gravity);
     if (!(before_ > 0) || !viscous() || bodies_.any_dynamic()) return gravity;
     return std::min(gravity, 4 * fastest(particles_.acceleration()));
 }
@@ -341,7 +341,7 @@ double GridStep::stable_step(double cfl) const {
     double dt = std::numeric_limits<double>::infinity();
     // (speed + pull dt) dt = way.
     if (pull > 0 || speed > 0) dt = 2 * way / (speed + std::sqrt(speed * speed + 4 * pull * way));
-    if (before_ > 0 && size_of(setup_.domain.gravity) > 0) dt = std::min(dt, longest_growth * before_);
+    if (before_ > 0 && scene::length(setup_.domain.gravity) > 0) dt = std::min(dt, longest_growth * before_);
     if (tensions_.largest() > 0) {
         dt = std::min(dt, std::sqrt(setup_.density * std::pow(grid_.dx, 3) / (4 * math::pi * tensions_.largest())));
     }
@@ -363,7 +363,8 @@ std::size_t GridStep::bytes() const {
     numbers += level_set_.distance().span() + 2 * solids_.distance().span();
     return 8 * numbers + particles_.store.bytes() + pressure_.bytes() + viscosity_.bytes() + rheology_.bytes() +
            tensions_.bytes() + curvature_.bytes() + contraction_.bytes() + resting_.bytes() + gripping_.bytes() +
-           resting_pressures_.bytes() + wall_pressures_.bytes();
+           resting_pressures_.bytes() + wall_pressures_.bytes() + strains_.bytes() + separation_.bytes() + closing_.bytes() +
+           closed_centres_.bytes() + balance_.bytes() + wall_momentum_.bytes();
 }
 
 } // namespace treacle::grid

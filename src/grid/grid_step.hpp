@@ -13,6 +13,7 @@
 #include "grid/pressure.hpp"
 #include "grid/resting_solids.hpp"
 #include "grid/rheology.hpp"
+#include "grid/separation.hpp"
 #include "grid/slip_geometry.hpp"
 #include "grid/step_strains.hpp"
 #include "grid/stokes.hpp"
@@ -133,7 +134,9 @@ private:
     bool gaps_change(bool first);
     void keep_start(const StepReport& report);
     void go_back(StepReport& report);
-    void project_last(StepReport& report, double dt, Pressure::Surface surface);
+    void project_first(StepReport& report, double dt);
+    bool separates();
+    void close_gaps(StepReport& report, double dt);
     void apply_viscosity(StepReport& report, double dt);
     void split(StepReport& report, double dt);
     void together(StepReport& report, double dt);
@@ -201,6 +204,7 @@ private:
     PositionCorrection correction_;
     Contraction contraction_;
     StepStrains strains_;
+    Separation separation_;
     Closing closing_;
     FaceField open_velocity_; // of keep_start(); bodies and loads likewise
     rigid::RigidBodies::Snapshot open_bodies_;

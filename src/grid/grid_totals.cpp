@@ -1,13 +1,14 @@
 #include "grid/grid_step.hpp"
 
+#include "grid/particle_momentum.hpp"
+
 #include <algorithm>
 #include <cmath>
 
 namespace treacle::grid {
 
 namespace {
-// Momentum, angular momentum about the origin, energies and mass of the particles. Angular momentum with what the
-// affine velocities carry: the moment of what a particle gives to the faces around it (apic.hpp).
+// Momentum, angular momentum about the origin (particle_momentum.hpp), energies and mass of the particles.
 struct TotalsLoop {
     static constexpr int count = 9;
     using value_type = double[];
@@ -27,25 +28,14 @@ struct TotalsLoop {
     }
     KOKKOS_INLINE_FUNCTION void operator()(int i, value_type sum) const {
         const double m = mass(liquid(i));
+        const ParticleMotion moves(x, u, c, i);
         for (int a = 0; a < 3; ++a) {
-            const int b = (a + 1) % 3, d = (a + 2) % 3;
-            sum[a] += m * u(i, a);
-            sum[3 + a] += m * (x(i, b) * u(i, d) - x(i, d) * u(i, b));
-            sum[6] += 0.5 * m * u(i, a) * u(i, a);
-            sum[7] -= m * g[a] * x(i, a);
+            sum[a] += m * moves.u[a];
+            sum[6] += 0.5 * m * moves.u[a] * moves.u[a];
+            sum[7] -= m * g[a] * moves.x[a];
         }
+        moves.add_angular_momentum(grid, m, sum + 3);
         sum[8] += m;
-        // Component a varies by c[a][k] along axis k; the weights' second moment there is s (1 - s) dx^2.
-        for (int a = 0; a < grid.dimensions; ++a) {
-            for (int k = 0; k < grid.dimensions; ++k) {
-                if (k == a) continue;
-                const double place = (x(i, k) - grid.lower[k]) / grid.dx - 0.5;
-                const double s = place - math::floor(place);
-                const double moment = m * s * (1 - s) * grid.dx * grid.dx * c[a](i, k);
-                const int about = 3 - a - k;
-                sum[3 + about] += (k + 1) % 3 == a ? moment : -moment;
-            }
-        }
     }
 };
 } // namespace

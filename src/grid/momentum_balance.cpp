@@ -1,11 +1,14 @@
 #include "grid/momentum_balance.hpp"
 
+#include "base/disjoint_sets.hpp"
+#include "grid/particle_momentum.hpp"
+#include "grid/pressure_faces.hpp"
 #include "rigid/algebra.hpp"
 
 #include <Eigen/Dense>
 
 #include <algorithm>
-#include <numeric>
+#include <limits>
 
 namespace treacle::grid {
 
@@ -31,75 +34,38 @@ struct SumLoop {
     KOKKOS_INLINE_FUNCTION void join(value_type sum, const value_type other) const {
         for (int k = 0; k < count; ++k) sum[k] += other[k];
     }
-    // What a velocity v with gradient g has about the origin, the moment of what it gives to the faces included (TotalsLoop).
-    KOKKOS_INLINE_FUNCTION void turn(double m, const double at[3], const double s[3], const double v[3], const double g[3][3],
-                                     double out[3]) const {
-        for (int a = 0; a < 3; ++a) {
-            const int b = (a + 1) % 3, d = (a + 2) % 3;
-            out[a] = m * (at[b] * v[d] - at[d] * v[b] + s[b] * g[d][b] - s[d] * g[b][d]);
-        }
-    }
     KOKKOS_INLINE_FUNCTION void operator()(int i, value_type sum) const {
         int cell[3];
         grid.cells.locate(x(i, 0), x(i, 1), x(i, 2), cell);
         if (group(window.index(cell[0], cell[1], cell[2])) != wanted) return;
         const double m = mass(liquid(i));
-        double at[3], s[3] = {0, 0, 0}, v[3], g[3][3], l[3];
+        const ParticleMotion moves(x, u, c, i);
         for (int k = 0; k < 3; ++k) {
-            at[k] = x(i, k);
-            v[k] = u(i, k);
-            for (int j = 0; j < 3; ++j) g[k][j] = c[k](i, j);
-            if (k >= grid.dimensions) continue;
-            const double place = (at[k] - grid.lower[k]) / grid.dx - 0.5, share = place - math::floor(place);
-            s[k] = share * (1 - share) * grid.dx * grid.dx;
+            sum[k] += m * moves.u[k];
+            sum[7 + k] += m * moves.x[k];
         }
-        turn(m, at, s, v, g, l);
-        for (int k = 0; k < 3; ++k) {
-            sum[k] += m * v[k];
-            sum[3 + k] += l[k];
-            sum[7 + k] += m * at[k];
-        }
+        moves.add_angular_momentum(grid, m, sum + 3);
         sum[6] += m;
-        for (int axis = 0; axis < 3; ++axis) {
-            const int b = (axis + 1) % 3, d = (axis + 2) % 3;
-            double w[3][3] = {{0, 0, 0}, {0, 0, 0}, {0, 0, 0}}, r[3] = {0, 0, 0};
-            w[b][d] = -1;
-            w[d][b] = 1;
-            r[b] = -at[d];
-            r[d] = at[b];
-            turn(m, at, s, r, w, l);
-            for (int k = 0; k < 3; ++k) sum[10 + 3 * axis + k] += l[k];
-        }
+        for (int axis = 0; axis < 3; ++axis) moves.turning(axis).add_angular_momentum(grid, m, sum + 10 + 3 * axis);
     }
 };
 
-bool held(const rigid::RigidBodies& bodies, std::size_t b) {
+// Whether something else than its loads decides how a body moves.
+bool is_constrained(const rigid::RigidBodies& bodies, std::size_t b) {
     const auto& setup = bodies.setup();
     if (!bodies.dynamic(b) || std::ranges::any_of(setup.bodies[b].locked, [](bool is) { return is; })) return true;
     return std::ranges::any_of(setup.joints, [b](const auto& joint) { return joint.body == b || joint.other == static_cast<int>(b); });
 }
 
-// The trees of places and bodies that hang together on this rank, and the least number in each.
-struct Trees {
-    std::vector<int> root;
-    std::vector<double> label;
+// What hangs together on this rank, cells and bodies, and the least number in each set over all ranks.
+struct Labels {
+    DisjointSets sets;
+    std::vector<double> label; // [members], of the least member of a set
 
-    int find(int i) {
-        while (root[static_cast<std::size_t>(i)] != i) {
-            auto& up = root[static_cast<std::size_t>(i)];
-            up = root[static_cast<std::size_t>(up)];
-            i = up;
-        }
-        return i;
-    }
-    void unite(int a, int b) {
-        a = find(a);
-        b = find(b);
-        root[static_cast<std::size_t>(std::max(a, b))] = std::min(a, b);
-    }
-    // Whether the label of the tree of i falls.
-    bool lower(int i, double to) {
-        auto& mine = label[static_cast<std::size_t>(find(i))];
+    double of(std::size_t i) { return label[sets.find(i)]; }
+    // Whether the label of the set of i falls.
+    bool lower(std::size_t i, double to) {
+        auto& mine = label[sets.find(i)];
         const bool falls = to < mine;
         mine = std::min(mine, to);
         return falls;
@@ -118,113 +84,116 @@ void mark_liquid(const MomentumBalance::Scene& scene, const Array<int>& liquid) 
         liquid(at) = cells.end(here) > cells.begin(here) || distance(at) < 0 ? 1 : 0;
     });
 }
-} // namespace
-
-// Places are cells of the window with liquid, then bodies; on the host, where the trees are.
-void MomentumBalance::connect(const Comm& comm, const Scene& scene, const rigid::RigidBodies& bodies) {
-    const CellBox window = scene.halo.window(), owned = scene.halo.owned();
-    const int places = static_cast<int>(window.size()), n = static_cast<int>(bodies.size());
-    reserve(label_, static_cast<std::size_t>(places));
-    reserve(group_, static_cast<std::size_t>(places));
-    mark_liquid(scene, group_);
-    scene.halo.gather({group_});
-    const auto liquid = on_host(group_);
-    Trees trees;
-    trees.root.resize(static_cast<std::size_t>(places + n));
-    std::iota(trees.root.begin(), trees.root.end(), 0);
-    std::vector<char> rests(static_cast<std::size_t>(places), 0);
-    std::ptrdiff_t stride[3] = {1, 1, 1};
-    for (int k = 1; k < 3; ++k) stride[k] = stride[k - 1] * (window.hi[k - 1] - window.lo[k - 1]);
-    // Solids count at the faces that particles of a cell read: those of the cells around it.
-    const CellBox around = grown(owned, 1, scene.grid.dimensions);
+// Joins cells with liquid to those beside them, and to the bodies at the faces that their particles read, those of the cells around;
+// marks the cells that have something at rest there.
+void join_cells(const MomentumBalance::Scene& scene, const Array<int>::HostMirror& liquid, DisjointSets& sets, std::vector<char>& rests) {
+    if (scene.halo.owned().empty()) return;
+    const CellBox window = scene.halo.window(), around = grown(scene.halo.owned(), 1, scene.grid.dimensions);
+    const auto cells = static_cast<std::size_t>(window.size());
+    const auto faces = pressure_faces(window, scene.grid.dimensions);
+    const auto& stride = faces.stride;
     const int deep = scene.grid.dimensions == 3 ? 1 : 0;
-    const auto each_around = [&](std::ptrdiff_t i, std::ptrdiff_t along, const auto& use) {
+    const auto each_around = [&](std::size_t face, std::ptrdiff_t along, const auto& use) {
         for (int z = -deep; z <= deep; ++z) {
             for (int y = -1; y <= 1; ++y) {
                 for (int x = -1; x <= 1; ++x) {
-                    const auto j = static_cast<std::size_t>(i + x * stride[0] + y * stride[1] + z * stride[2]);
-                    if (liquid(j) != 0) use(static_cast<int>(j));
-                    if (liquid(j - static_cast<std::size_t>(along)) != 0) use(static_cast<int>(j) - static_cast<int>(along));
+                    const auto above = static_cast<std::size_t>(static_cast<std::ptrdiff_t>(face) + x * stride[0] + y * stride[1] + z * stride[2]);
+                    for (const auto cell : {above, above - static_cast<std::size_t>(along)}) {
+                        if (liquid(cell) != 0) use(cell);
+                    }
                 }
             }
         }
     };
     for (int a = 0; a < scene.grid.dimensions; ++a) {
         const auto& of = scene.shares[static_cast<std::size_t>(a)];
-        const auto fluid = on_host(scene.fluid.axis[a]);
+        const auto fluid = on_host(scene.fluid.axis[a]), share = on_host(of.share);
         const auto first = on_host(of.first), body = on_host(of.body);
-        const auto share = on_host(of.share);
-        for (int k = 0; k < (owned.empty() ? 0 : static_cast<int>(around.size())); ++k) {
+        for (int n = 0; n < around.size(); ++n) {
             int c[3];
-            around.cell(k, c);
+            around.cell(n, c);
             const auto i = static_cast<std::size_t>(window.index(c[0], c[1], c[2]));
             const auto below = i - static_cast<std::size_t>(stride[a]);
-            if (liquid(i) != 0 && liquid(below) != 0) trees.unite(static_cast<int>(i), static_cast<int>(below));
+            if (liquid(i) != 0 && liquid(below) != 0) sets.join(i, below);
             double solid = 1 - fluid(i);
             if (!(solid > least_solid)) continue;
             for (int e = first(i); e < first(i + 1); ++e) {
-                solid -= share(static_cast<std::size_t>(e));
-                if (!(share(static_cast<std::size_t>(e)) > 0)) continue;
-                const int at = places + body(static_cast<std::size_t>(e));
-                each_around(static_cast<std::ptrdiff_t>(i), stride[a], [&](int cell) { trees.unite(cell, at); });
+                const auto at = static_cast<std::size_t>(e);
+                solid -= share(at);
+                const auto member = cells + static_cast<std::size_t>(body(at));
+                if (share(at) > 0) each_around(i, stride[a], [&](std::size_t cell) { sets.join(cell, member); });
             }
-            if (solid > least_solid) each_around(static_cast<std::ptrdiff_t>(i), stride[a], [&](int cell) { rests[static_cast<std::size_t>(cell)] = 1; });
+            if (solid > least_solid) each_around(i, stride[a], [&](std::size_t cell) { rests[cell] = 1; });
         }
     }
-    const double before = double(comm.exclusive_sum(static_cast<std::int64_t>(places)));
-    const double all = double(comm.sum(static_cast<std::int64_t>(places)));
-    trees.label.resize(trees.root.size());
-    for (int i = 0; i < places + n; ++i) trees.label[static_cast<std::size_t>(i)] = (i < places ? before : all - places) + i;
-    for (int i = 0; i < places + n; ++i) trees.lower(i, trees.label[static_cast<std::size_t>(i)]);
+}
+} // namespace
+
+// Members are the cells of the window, then the bodies; on the host, where the sets are.
+void MomentumBalance::connect(const Comm& comm, const Scene& scene, const rigid::RigidBodies& bodies) {
+    const CellBox window = scene.halo.window();
+    const auto cells = static_cast<std::size_t>(window.size()), n = bodies.size();
+    reserve(label_, cells);
+    reserve(group_, cells);
+    mark_liquid(scene, group_);
+    scene.halo.gather({group_});
+    const auto liquid = on_host(group_);
+    Labels labels;
+    labels.sets.reset(cells + n);
+    std::vector<char> rests(cells, 0);
+    join_cells(scene, liquid, labels.sets, rests);
+    // Numbers that no two members share but a body's on all ranks.
+    const double before = double(comm.exclusive_sum(static_cast<std::int64_t>(cells)));
+    const double all = double(comm.sum(static_cast<std::int64_t>(cells)));
+    labels.label.assign(cells + n, std::numeric_limits<double>::infinity());
+    for (std::size_t i = 0; i < cells + n; ++i) labels.lower(i, i < cells ? before + double(i) : all + double(i - cells));
     auto label = Kokkos::create_mirror_view(label_);
-    std::vector<double> of_body(static_cast<std::size_t>(n));
+    std::vector<double> of_body(n);
     for (bool changed = true; changed;) {
-        for (int i = 0; i < places; ++i) {
-            label(static_cast<std::size_t>(i)) = liquid(static_cast<std::size_t>(i)) != 0 ? trees.label[static_cast<std::size_t>(trees.find(i))] : -1;
-        }
-        for (int b = 0; b < n; ++b) of_body[static_cast<std::size_t>(b)] = -trees.label[static_cast<std::size_t>(trees.find(places + b))];
+        for (std::size_t i = 0; i < cells; ++i) label(i) = liquid(i) != 0 ? labels.of(i) : -1;
+        for (std::size_t b = 0; b < n; ++b) of_body[b] = -labels.of(cells + b);
         Kokkos::deep_copy(label_, label);
         scene.halo.gather({label_});
         const auto others = on_host(label_);
         comm.max(std::span<double>(of_body));
         changed = false;
-        for (int i = 0; i < places; ++i) {
-            if (others(static_cast<std::size_t>(i)) >= 0) changed = trees.lower(i, others(static_cast<std::size_t>(i))) || changed;
+        for (std::size_t i = 0; i < cells; ++i) {
+            if (others(i) >= 0) changed = labels.lower(i, others(i)) || changed;
         }
-        for (int b = 0; b < n; ++b) changed = trees.lower(places + b, -of_body[static_cast<std::size_t>(b)]) || changed;
+        for (std::size_t b = 0; b < n; ++b) changed = labels.lower(cells + b, -of_body[b]) || changed;
         changed = comm.any(changed);
     }
-    std::vector<double> labels;
+    // A group for each label of a body, in the order of the bodies.
+    std::vector<double> found;
     groups_.clear();
-    for (int b = 0; b < n; ++b) {
-        const double of = trees.label[static_cast<std::size_t>(trees.find(places + b))];
-        const auto at = std::ranges::find(labels, of);
-        if (at == labels.end()) {
-            labels.push_back(of);
+    const auto group_of = [&](double of) { return static_cast<std::size_t>(std::ranges::find(found, of) - found.begin()); };
+    for (std::size_t b = 0; b < n; ++b) {
+        const double of = labels.of(cells + b);
+        const auto g = group_of(of);
+        if (g == found.size()) {
+            found.push_back(of);
             groups_.emplace_back();
         }
-        groups_[static_cast<std::size_t>(std::ranges::find(labels, of) - labels.begin())].bodies.push_back(static_cast<std::size_t>(b));
+        if (bodies.moves(b)) groups_[g].bodies.push_back(b);
     }
     std::vector<std::int64_t> touches(2 * groups_.size(), 0); // something at rest; liquid
     auto group = Kokkos::create_mirror_view(group_);
-    for (int i = 0; i < places; ++i) {
-        group(static_cast<std::size_t>(i)) = -1;
-        if (label(static_cast<std::size_t>(i)) < 0) continue;
-        const auto at = std::ranges::find(labels, trees.label[static_cast<std::size_t>(trees.find(i))]);
-        if (at == labels.end()) continue;
-        const auto g = static_cast<std::size_t>(at - labels.begin());
-        group(static_cast<std::size_t>(i)) = static_cast<int>(g);
-        touches[2 * g] += rests[static_cast<std::size_t>(i)];
+    for (std::size_t i = 0; i < cells; ++i) {
+        group(i) = -1;
+        if (label(i) < 0) continue;
+        const auto g = group_of(labels.of(i));
+        if (g == groups_.size()) continue;
+        group(i) = static_cast<int>(g);
+        touches[2 * g] += rests[i];
         touches[2 * g + 1] += 1;
     }
     Kokkos::deep_copy(group_, group);
     comm.sum(std::span<std::int64_t>(touches));
     for (std::size_t g = 0; g < groups_.size(); ++g) {
         auto& of = groups_[g];
-        std::erase_if(of.bodies, [&](std::size_t b) { return !bodies.moves(b); });
         const auto conveys = [&](std::size_t b) { return bodies.setup().bodies[b].conveys; };
         of.balanced = touches[2 * g] == 0 && touches[2 * g + 1] > 0 && !of.bodies.empty() && std::ranges::none_of(of.bodies, conveys);
-        of.free = std::ranges::none_of(of.bodies, [&](std::size_t b) { return held(bodies, b); });
+        of.free = std::ranges::none_of(of.bodies, [&](std::size_t b) { return is_constrained(bodies, b); });
     }
 }
 
@@ -274,7 +243,10 @@ void MomentumBalance::move(const Scene& scene, int group, const Vec3& velocity, 
 
 void MomentumBalance::begin(const Comm& comm, const Scene& scene, const rigid::RigidBodies& bodies) {
     groups_.clear();
-    if (!bodies.any_moves()) return;
+    // Liquid at an inlet is pushed by what is behind it.
+    bool any = false;
+    for (std::size_t b = 0; b < bodies.size(); ++b) any = any || (bodies.moves(b) && !bodies.setup().bodies[b].conveys);
+    if (!any) return;
     connect(comm, scene, bodies);
     for (std::size_t g = 0; g < groups_.size(); ++g) {
         if (groups_[g].balanced) groups_[g].before = sums(comm, scene, static_cast<int>(g));

@@ -35,6 +35,9 @@ void PressureOptions::declare(Declaration& d) {
     d.number("least_opening", least_opening, unit::none, range_between(0, 0.5),
              "Share of a face's area that solids leave open below which the face is closed: what passes smaller ones "
              "counts for nothing, and pressures behind them come out of differences of small numbers.");
+    d.choice("ceilings", ceilings, {{"separate", Ceilings::separate}, {"adhere", Ceilings::adhere}},
+             "Liquid under a wall from which gravity pulls it: separate where only a pressure below that of the air would keep "
+             "it there, or adhere. Where pressure and viscosity are solved together (stokes.solve), a liquid so stiff adheres.");
 }
 
 void ViscosityOptions::declare(Declaration& d) {

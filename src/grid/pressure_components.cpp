@@ -2,28 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 namespace treacle::grid {
 
 namespace {
 // Of all that a constant pressure pushes, what a body must be pushed by on the whole to give way.
 constexpr double least_push = 1e-6;
-
-int find(std::vector<int>& root, int i) {
-    while (root[static_cast<std::size_t>(i)] != i) {
-        auto& up = root[static_cast<std::size_t>(i)];
-        up = root[static_cast<std::size_t>(up)];
-        i = up;
-    }
-    return i;
-}
-
-void unite(std::vector<int>& root, int a, int b) {
-    a = find(root, a);
-    b = find(root, b);
-    root[static_cast<std::size_t>(std::max(a, b))] = std::min(a, b);
-}
 
 // Labels rise to those of parts that end at a surface, and fall to the least row otherwise.
 double join_labels(double a, double b) {
@@ -34,31 +18,29 @@ double join_labels(double a, double b) {
 
 void PressureComponents::label(const Comm& comm, const solve::CsrBlocks& matrix, std::span<const double> to_surface) {
     const auto rows = static_cast<std::size_t>(matrix.rows);
-    root_.resize(rows);
-    std::iota(root_.begin(), root_.end(), 0);
+    sets_.reset(rows);
     for (int i = 0; i < matrix.rows; ++i) {
         for (int k = matrix.diagonal_offsets[i]; k < matrix.diagonal_offsets[i + 1]; ++k) {
-            unite(root_, i, matrix.diagonal_columns[k]);
+            sets_.join(static_cast<std::size_t>(i), static_cast<std::size_t>(matrix.diagonal_columns[k]));
         }
     }
     label_.assign(rows, 0.0);
     for (std::size_t i = 0; i < rows; ++i) {
-        const auto root = static_cast<std::size_t>(find(root_, static_cast<int>(i)));
-        root_[i] = static_cast<int>(root);
+        const auto root = sets_.find(i);
         if (root == i) label_[i] = double(matrix.first_row) + double(i);
         if (to_surface[i] > 0) label_[root] = join_labels(label_[root], label_[root] + 0.5);
     }
     const auto closed = [&](std::size_t i) { return label_[i] == std::floor(label_[i]); };
     bool any = false;
-    for (std::size_t i = 0; i < rows; ++i) any = any || (root_[i] == static_cast<int>(i) && closed(i));
+    for (std::size_t i = 0; i < rows; ++i) any = any || (sets_.find(i) == i && closed(i));
     if (comm.size() == 1 || !comm.any(any)) return;
     std::vector<double> spread(rows);
     for (bool changed = true; changed;) {
-        for (std::size_t i = 0; i < rows; ++i) spread[i] = label_[static_cast<std::size_t>(root_[i])];
+        for (std::size_t i = 0; i < rows; ++i) spread[i] = label_[sets_.find(i)];
         const auto others = matrix.halo->gather(spread);
         changed = false;
         for (std::size_t i = 0; i < rows; ++i) {
-            auto& mine = label_[static_cast<std::size_t>(root_[i])];
+            auto& mine = label_[sets_.find(i)];
             for (int k = matrix.off_offsets[i]; k < matrix.off_offsets[i + 1]; ++k) {
                 const double joint = join_labels(mine, others[static_cast<std::size_t>(matrix.off_columns[k])]);
                 changed = changed || joint != mine;
@@ -73,18 +55,18 @@ void PressureComponents::label(const Comm& comm, const solve::CsrBlocks& matrix,
 void PressureComponents::number(const Comm& comm, std::int64_t first_row) {
     labels_.clear();
     const auto is_closed = [](double label) { return label == std::floor(label); };
-    for (std::size_t i = 0; i < root_.size(); ++i) {
-        const bool root = root_[i] == static_cast<int>(i);
+    for (std::size_t i = 0; i < sets_.size(); ++i) {
+        const bool root = sets_.find(i) == i;
         if (root && is_closed(label_[i]) && label_[i] == double(first_row) + double(i)) {
             labels_.push_back(static_cast<std::int64_t>(label_[i]));
         }
     }
     labels_ = comm.all_gather(std::span<const std::int64_t>(labels_));
     std::sort(labels_.begin(), labels_.end());
-    all_parts_.assign(labels_.empty() ? 0 : root_.size(), -1);
+    all_parts_.assign(labels_.empty() ? 0 : sets_.size(), -1);
     sizes_.assign(labels_.size(), 0.0);
     for (std::size_t i = 0; i < all_parts_.size(); ++i) {
-        const double of = label_[static_cast<std::size_t>(root_[i])];
+        const double of = label_[sets_.find(i)];
         if (!is_closed(of)) continue;
         const auto at = std::lower_bound(labels_.begin(), labels_.end(), static_cast<std::int64_t>(of));
         all_parts_[i] = static_cast<int>(at - labels_.begin());

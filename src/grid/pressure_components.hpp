@@ -1,4 +1,5 @@
 #pragma once
+#include "base/disjoint_sets.hpp"
 #include "grid/pressure_coupling.hpp"
 
 #include <span>
@@ -24,6 +25,8 @@ public:
         double value;
     };
     const std::vector<Weight>& lifted() const { return lifted_; }
+    // [rows] number of the closed part that a row belongs to, or -1; empty without closed parts.
+    std::span<const int> closed_rows() const { return closed() > 0 ? std::span<const int>(all_parts_) : std::span<const int>(); }
     int closed() const { return static_cast<int>(labels_.size()); } // parts, over all ranks
 
 private:
@@ -32,8 +35,8 @@ private:
     std::vector<char> find_lifted(const Comm& comm, const PressureCoupling& coupling,
                                   const rigid::RigidBodies& bodies) const;
 
-    std::vector<int> root_;            // [rows] a row of the same part on this rank, the least
-    std::vector<double> label_;        // [rows] of roots: least row of the part over all ranks; + 0.5: it ends at a surface
+    DisjointSets sets_;                // of rows: parts on this rank
+    std::vector<double> label_;        // [rows] of the least of each: least row of the part over all ranks; + 0.5: it ends at a surface
     std::vector<std::int64_t> labels_; // of the closed parts, rising, the same on all ranks
     std::vector<int> part_;            // [rows] number of the closed part that must balance, or -1
     std::vector<int> all_parts_;       // [rows] number of the closed part, or -1

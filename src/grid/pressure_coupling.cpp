@@ -50,21 +50,11 @@ struct CellBodies {
 
 struct CouplingLoop {
     CellBodies bodies;
-    MacGrid grid;
+    MotionPoints points;
     BodyMotion motion;
     Array<int> cell_of, offset, body;
     Array<double> u;
-    bool slips;
-    Array<double> length, offset_of[3][2];
 
-    // Where a body's motion counts at a face.
-    KOKKOS_INLINE_FUNCTION void place(int number, int a, std::size_t face, double x[3]) const {
-        int c[3];
-        bodies.faces.window.cell(static_cast<int>(face), c);
-        grid.face(a, c, x);
-        if (!slips || !(length(6 + number) > 0)) return;
-        for (int k = 0; k < 2; ++k) x[(a + 1 + k) % 3] += grid.dx * offset_of[a][k](face);
-    }
     KOKKOS_INLINE_FUNCTION void operator()(int r) const {
         const int begin = offset(r), end = offset(r + 1);
         if (begin == end) return;
@@ -76,8 +66,10 @@ struct CouplingLoop {
             int e = begin;
             while (body(e) != b && body(e) != -1) ++e;
             body(e) = b;
+            int c[3];
             double x[3], arm[3], load[6] = {0, 0, 0, 0, 0, 0};
-            place(b, a, face, x);
+            bodies.faces.window.cell(static_cast<int>(face), c);
+            points.at(b, a, c, face, x);
             motion.arm(b, x, arm);
             add_load(a, arm, sign * area, load);
             for (int k = 0; k < 6; ++k) u(6 * e + k) += load[k];
@@ -85,6 +77,14 @@ struct CouplingLoop {
     }
 };
 } // namespace
+
+MotionPoints SlipAreas::points(const MacGrid& grid) const {
+    MotionPoints points{grid, closed != nullptr, length, {}};
+    for (int a = 0; a < grid.dimensions && closed; ++a) {
+        for (int k = 0; k < 2; ++k) points.offset[a][k] = closed->offset(a, k);
+    }
+    return points;
+}
 
 int PressureCoupling::count(const PressureSystem& system, const FaceField& fluid, const FaceShares& shares) {
     reserve(offset_, static_cast<std::size_t>(system.rows()) + 1);
@@ -111,12 +111,8 @@ void PressureCoupling::build(const PressureSystem& system, const MacGrid& grid, 
     const int n = count(system, fluid, shares);
     reserve(body_, static_cast<std::size_t>(n));
     reserve(u_, 6 * static_cast<std::size_t>(n));
-    CouplingLoop loop{CellBodies(system.faces(), fluid, shares), grid, motion, system.cell_of(), offset_, body_, u_,
-                      slip.closed != nullptr, slip.length, {}};
-    for (int a = 0; a < grid.dimensions && slip.closed; ++a) {
-        for (int k = 0; k < 2; ++k) loop.offset_of[a][k] = slip.closed->offset(a, k);
-    }
-    Kokkos::parallel_for("treacle::couplings", system.rows(), loop);
+    Kokkos::parallel_for("treacle::couplings", system.rows(),
+                         CouplingLoop{CellBodies(system.faces(), fluid, shares), slip.points(grid), motion, system.cell_of(), offset_, body_, u_});
     const auto offset = on_host(offset_), body = on_host(body_);
     const auto u = on_host(u_);
     for (int r = 0; r < system.rows() && n > 0; ++r) {

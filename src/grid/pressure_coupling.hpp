@@ -12,10 +12,27 @@ namespace treacle::grid {
 // Which parts of the faces' cubes belong to bodies that move, by the axis of the face.
 using FaceShares = std::array<BodyShares, 3>;
 
-// Of bodies that liquid slides along; without lengths there are none.
+// Points at which the motion of a body counts at a face: the middle of the face, and for a body that liquid slides along the
+// centre of the face's closed part (closed_centres.hpp). In kernels.
+struct MotionPoints {
+    MacGrid grid;
+    bool slips = false;
+    Array<double> length, offset[3][2];
+
+    // Position `x` [m] at the face across `axis` below cell `c`; `body` may be Solids::nothing.
+    KOKKOS_INLINE_FUNCTION void at(int body, int axis, const int c[3], std::size_t face, double x[3]) const {
+        grid.face(axis, c, x);
+        if (!slips || body < 0 || !(length(6 + body) > 0)) return;
+        for (int k = 0; k < 2; ++k) x[(axis + 1 + k) % 3] += grid.dx * offset[axis][k](face);
+    }
+};
+
+// Bodies that liquid slides along; none without `closed`.
 struct SlipAreas {
     const ClosedCentres* closed = nullptr;
-    Array<double> length; // [6 sides, then bodies] slip lengths, 0: grips [m]
+    Array<double> length; // [6 sides, then bodies] slip lengths, 0: no slip [m]
+
+    MotionPoints points(const MacGrid& grid) const;
 };
 
 // Bodies in the pressure system (P2). The closed part of a face belongs to its bodies by their shares of the cube

@@ -199,10 +199,10 @@ std::array<double, 6> RigidBodies::momentum() const {
     for (std::size_t b = 0; b < size(); ++b) {
         if (!dynamic(b)) continue;
         const Vec3 p = setup_.bodies[b].mass * end_velocity(b);
-        const Vec3 l = cross(pose(b).centre, p) + inertia(b) * lead(b, 3);
+        const Vec3 l = cross(pose(b).centre, p), own = end_angular_momentum(b);
         for (std::size_t k = 0; k < 3; ++k) {
             sum[k] += p[k];
-            sum[3 + k] += l[k] + states_[b].angular_momentum[k];
+            sum[3 + k] += l[k] + own[k];
         }
     }
     return sum;
@@ -213,8 +213,7 @@ std::array<double, 2> RigidBodies::energy() const {
     for (std::size_t b = 0; b < size(); ++b) {
         if (!dynamic(b)) continue;
         const double mass = setup_.bodies[b].mass;
-        const Vec3 turning = states_[b].angular_momentum + inertia(b) * lead(b, 3);
-        sum[0] += 0.5 * (mass * dot(end_velocity(b), end_velocity(b)) + dot(end_spin(b), turning));
+        sum[0] += 0.5 * (mass * dot(end_velocity(b), end_velocity(b)) + dot(end_spin(b), end_angular_momentum(b)));
         sum[1] -= mass * dot(setup_.gravity, pose(b).centre);
     }
     return sum;

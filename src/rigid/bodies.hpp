@@ -140,6 +140,9 @@ private:
         Vec3 velocity{0, 0, 0};
         Vec3 angular_momentum{0, 0, 0}; // of a kinematic body in its place: the spin
     };
+    Vec3 end_angular_momentum(std::size_t body) const { // that of end_spin(), about the centre
+        return states_[body].angular_momentum + inertia(body) * lead(body, 3);
+    }
     Vec3 lead(std::size_t body, std::size_t part) const {
         const std::size_t at = 6 * body + part;
         return lead_.empty() ? Vec3{0, 0, 0} : Vec3{lead_[at], lead_[at + 1], lead_[at + 2]};

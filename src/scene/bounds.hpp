@@ -10,6 +10,9 @@ struct Bounds {
     static constexpr double infinite = std::numeric_limits<double>::infinity();
     Vec3 min{-infinite, -infinite, -infinite};
     Vec3 max{infinite, infinite, infinite};
+
+    // Contains no point, and grows from there.
+    static constexpr Bounds nothing() { return {{infinite, infinite, infinite}, {-infinite, -infinite, -infinite}}; }
 };
 
 } // namespace treacle::scene

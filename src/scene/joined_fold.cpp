@@ -7,20 +7,16 @@
 namespace treacle::scene {
 namespace {
 
-Bounds nothing() {
-    return {{Bounds::infinite, Bounds::infinite, Bounds::infinite}, {-Bounds::infinite, -Bounds::infinite, -Bounds::infinite}};
-}
-
 // Of a solid, or of its outside.
 Bounds extent(const Solid& solid, bool outside) {
     const bool inverted = solid.inverted != outside;
     if (solid.parts.empty()) {
-        if (!solid.surface) return inverted ? Bounds{} : nothing();
+        if (!solid.surface) return inverted ? Bounds{} : Bounds::nothing();
         return inverted ? Bounds{} : solid.surface->bounds();
     }
     // The outside of a union is the intersection of the outsides.
     const bool unites = (solid.join == Solid::Join::unite) != inverted;
-    Bounds out = unites ? nothing() : Bounds{};
+    Bounds out = unites ? Bounds::nothing() : Bounds{};
     for (const Solid& part : solid.parts) {
         const Bounds box = extent(part, inverted);
         for (int a = 0; a < 3; ++a) {

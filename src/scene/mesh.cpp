@@ -1,5 +1,7 @@
 #include "scene/mesh.hpp"
 
+#include "base/disjoint_sets.hpp"
+
 #include "scene/triangle_tree.hpp"
 #include "scene/vector_math.hpp"
 
@@ -17,22 +19,6 @@ namespace {
 constexpr double weld_share = 1e-9;            // of the size of the mesh
 constexpr double buried_points = 20'000;       // of the whole surface
 constexpr std::size_t thickness_rays = 20'000; // at most, one per triangle
-
-// Disjoint sets of 0..n-1.
-class Sets {
-public:
-    explicit Sets(std::size_t n) : parent_(n) { std::iota(parent_.begin(), parent_.end(), std::size_t{0}); }
-    std::size_t find(std::size_t i) {
-        while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-        return i;
-    }
-    void join(std::size_t a, std::size_t b) {
-        parent_[std::max(find(a), find(b))] = std::min(find(a), find(b));
-    }
-
-private:
-    std::vector<std::size_t> parent_;
-};
 
 Bounds bounds_of(const std::vector<Vec3>& points) {
     Bounds box{points.front(), points.front()};
@@ -118,7 +104,7 @@ void for_each_edge(const std::vector<Edge>& edges, Visit&& visit) {
 }
 
 void count_edges(const TriangleMesh& mesh, const std::vector<Edge>& edges, MeshReport& report) {
-    Sets parts(mesh.vertices.size()), loops(mesh.vertices.size());
+    DisjointSets parts(mesh.vertices.size()), loops(mesh.vertices.size());
     std::vector<int> open_vertices;
     for_each_edge(edges, [&](std::size_t begin, std::size_t end) {
         const Edge& edge = edges[begin];
@@ -321,7 +307,7 @@ CheckedMesh check_mesh(TriangleMesh mesh) {
 
 std::vector<CheckedMesh> split(const CheckedMesh& checked) {
     const TriangleMesh& mesh = checked.mesh;
-    Sets sets(mesh.vertices.size());
+    DisjointSets sets(mesh.vertices.size());
     for (const auto& t : mesh.triangles)
         for (const int v : t) sets.join(static_cast<std::size_t>(t[0]), static_cast<std::size_t>(v));
     std::unordered_map<std::size_t, std::size_t> number; // of the part by its lowest vertex

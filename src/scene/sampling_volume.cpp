@@ -70,8 +70,7 @@ IndexBox points_in(const Lattice& lattice, const Bounds& box, const IndexBox& wi
 }
 
 Bounds bounds_of(const Regions& regions) {
-    Bounds box{{Bounds::infinite, Bounds::infinite, Bounds::infinite},
-               {-Bounds::infinite, -Bounds::infinite, -Bounds::infinite}};
+    Bounds box = Bounds::nothing();
     for (const SolidRegion& region : regions) {
         const Bounds b = region.bounds();
         for (int a = 0; a < 3; ++a) {

@@ -5,13 +5,10 @@
 
 #include <algorithm>
 #include <cctype>
-#include <numbers>
 
 namespace treacle::scene {
 
 namespace {
-
-constexpr double degree = std::numbers::pi / 180;
 
 const Range interval_range =
     range_at_least(0).because("it is a length of time; 0 switches it off", "write for instance 10 ms");
@@ -113,26 +110,6 @@ void Output::declare(Declaration& d) {
     d.integer("checkpoints_kept", checkpoints_kept, range_at_least(1), "How many of the newest are kept.");
     d.number("log_interval", log_interval, unit::time, interval_range,
              "Simulated time between lines on the terminal; 0 for one per frame.");
-}
-
-void Camera::declare(Declaration& d) {
-    declare_name(d, name, "Part of the pictures' names.");
-    if (d.parsing()) automatic = !d.given("position");
-    d.boolean("automatic", automatic,
-              "Placed to see the whole domain; by default when no position is given.");
-    d.vec3("position", position, unit::length, "Where the camera is.", VectorKind::in_space);
-    d.vec3("target", target, unit::length, "The point in the middle of the picture.", VectorKind::in_space);
-    d.direction("up", up, "Direction that is upwards in the picture.");
-    d.number("field_of_view", field_of_view, unit::angle, range_between(0.1 * degree, 170 * degree),
-             "Vertical angle of view.");
-    d.integer("width", width, range_between(16, 16384), "Pixels.");
-    d.integer("height", height, range_between(16, 16384), "Pixels.");
-    d.check(automatic || position != target, "position",
-            {"must differ from target", "the camera would look nowhere", "move it away"});
-    d.check(!automatic || position == Vec3{0, 0, 0}, "position",
-            {"has no effect", "automatic is true", "remove one of them"});
-    d.check(!automatic || target == Vec3{0, 0, 0}, "target",
-            {"has no effect", "the camera is placed automatically", "give a position as well"});
 }
 
 void Measurement::declare(Declaration& d) {

@@ -1,5 +1,6 @@
 #pragma once
 #include "base/vec3.hpp"
+#include "scene/camera_model.hpp"
 #include "scene/shape.hpp"
 
 #include <array>
@@ -240,16 +241,32 @@ struct Output {
     void declare(Declaration& d);
 };
 
+// A calibrated lens and its pose, as they stand in effective.yaml.
+struct MeasuredCamera {
+    Lens lens; // its size is that of the camera
+    Vec3 rotation{0, 0, 0};    // [rad] rotation vector, scene to camera
+    Vec3 translation{0, 0, 0}; // [m]
+
+    void declare(Declaration& d);
+};
+
 struct Camera {
     std::string name = "main";
+    std::string file;        // a camera file; found, read and emptied by app::load_scene
+    std::string file_camera; // the camera of that name in the file
+    std::optional<MeasuredCamera> measured;
     Vec3 position{0, 0, 0}; // [m]
     Vec3 target{0, 0, 0};   // [m]
     Vec3 up{0, 0, 1};
     double field_of_view = 0.7;     // vertical [rad]
     int width = 1280, height = 720; // [pixels]
     bool automatic = true;          // placed to see the whole domain
+    bool size_given = false;        // width or height stand in the scene
+    std::string where;              // of the file
 
     void declare(Declaration& d);
+    // The measured lens in its pose. InputError for a lens that is none.
+    CameraModel model() const;
 };
 
 enum class MeasurementKind {

@@ -203,8 +203,7 @@ void place_mesh(CheckedMesh& checked, const Shape& shape, const Placement& place
     const double longest = std::max({extent[0], extent[1], extent[2]});
     const double factor = shape.size > 0 ? shape.size / longest : shape.scale;
     const Vec3 centre = shape.size > 0 ? Vec3{0, 0, 0} : factor * middle;
-    Bounds placed{{Bounds::infinite, Bounds::infinite, Bounds::infinite},
-                  {-Bounds::infinite, -Bounds::infinite, -Bounds::infinite}};
+    Bounds placed = Bounds::nothing();
     for (Vec3& v : checked.mesh.vertices) {
         v = placement.at(centre + turned(shape, factor * (v - middle)) + shape.translation);
         for (int a = 0; a < 3; ++a) {

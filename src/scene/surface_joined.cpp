@@ -179,8 +179,7 @@ private:
 
     // The bounds of the points, where the parts' leave room.
     void tighten(const std::vector<Mark>& faces, const std::vector<Mark>& edges) {
-        Bounds box{{Bounds::infinite, Bounds::infinite, Bounds::infinite},
-                   {-Bounds::infinite, -Bounds::infinite, -Bounds::infinite}};
+        Bounds box = Bounds::nothing();
         for (const auto* marks : {&faces, &edges})
             for (const Mark& mark : *marks)
                 for (int a = 0; a < 3; ++a) {

@@ -97,8 +97,7 @@ TriangleTree::TriangleTree(std::vector<Triangle> triangles)
 }
 
 void TriangleTree::measure(Node& node, int first, int count) const {
-    node.box = {{Bounds::infinite, Bounds::infinite, Bounds::infinite},
-                {-Bounds::infinite, -Bounds::infinite, -Bounds::infinite}};
+    node.box = Bounds::nothing();
     double total = 0;
     Vec3 weighted{0, 0, 0};
     for (int i = first; i < first + count; ++i) {

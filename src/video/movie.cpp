@@ -3,28 +3,16 @@
 #include "base/error.hpp"
 #include "base/file.hpp"
 #include "base/text.hpp"
+#include "video/matrix_image.hpp"
 
 #include <cmath>
 #include <fstream>
 #include <opencv2/imgcodecs.hpp>
-#include <opencv2/imgproc.hpp>
 #include <opencv2/videoio.hpp>
 
 namespace treacle::video {
 
 namespace {
-// OpenCV keeps blue first.
-cv::Mat to_matrix(const Image& image) {
-    cv::setNumThreads(1);
-    if (image.width < 1 || image.height < 1 ||
-        image.pixels.size() != 3 * std::size_t(image.width) * std::size_t(image.height))
-        throw InputError({"picture", "its pixels do not fit its size", "", "give [height][width][3] bytes"});
-    const cv::Mat rgb(image.height, image.width, CV_8UC3, const_cast<std::uint8_t*>(image.pixels.data()));
-    cv::Mat bgr;
-    cv::cvtColor(rgb, bgr, cv::COLOR_RGB2BGR);
-    return bgr;
-}
-
 struct CodecEntry {
     const char* name;
     const char* tag; // four characters
@@ -61,7 +49,7 @@ void check_folder(const std::filesystem::path& temporary) {
 
 void write_png(const std::filesystem::path& path, const Image& image) {
     std::vector<std::uint8_t> bytes;
-    if (!cv::imencode(".png", to_matrix(image), bytes))
+    if (!cv::imencode(".png", matrix_of(image), bytes))
         throw SimulationError(
             {path.string(), "cannot encode a PNG", "OpenCV lacks it", "install its image codecs"});
     write_file_atomically(path, std::string(bytes.begin(), bytes.end()));
@@ -138,7 +126,7 @@ void MovieWriter::add(const Image& image) {
                               std::to_string(image.height) + " pixels in a movie of " +
                               std::to_string(options.width) + " x " + std::to_string(options.height),
                           "", "draw all frames with one size"});
-    state_->writer.write(to_matrix(image));
+    state_->writer.write(matrix_of(image));
     ++state_->frames;
 }
 

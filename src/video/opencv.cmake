@@ -1,5 +1,5 @@
 # Debian's component packages bring no OpenCVConfig.cmake (it needs libopencv-dev, and with it VTK and more).
-set(components core imgproc imgcodecs videoio)
+set(components core imgproc imgcodecs videoio video features2d calib3d)
 find_package(OpenCV QUIET COMPONENTS ${components})
 if(NOT OpenCV_FOUND)
   find_path(OpenCV_INCLUDE_DIR opencv2/core.hpp PATH_SUFFIXES opencv4 REQUIRED)

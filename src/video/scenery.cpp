@@ -61,8 +61,8 @@ bool clip(Edge& edge, double nearest) {
 void draw_edge(const Camera& camera, const Edge& edge, const std::vector<float>& depth, const BoxLines& lines,
                Canvas& canvas) {
     const auto on_screen = [&](const Vec3& p) {
-        const double s = camera.is_perspective() ? camera.scale() / p[2] : camera.scale();
-        return std::array<double, 2>{0.5 * camera.width() + s * p[0], 0.5 * camera.height() + s * p[1]};
+        const auto q = camera.project_camera(p);
+        return std::array<double, 2>{q.x, q.y};
     };
     const auto a = on_screen(edge.from), b = on_screen(edge.to);
     const bool steep = std::abs(b[1] - a[1]) > std::abs(b[0] - a[0]);
@@ -75,8 +75,11 @@ void draw_edge(const Camera& camera, const Edge& edge, const std::vector<float>&
     const double run = std::max(last[major] - first[major], 1e-9);
     const double slope = (last[minor] - first[minor]) / run;
     const double half = 0.5 * lines.width * std::sqrt(1 + slope * slope);
-    const int begin = int(std::clamp(std::floor(first[major]), 0.0, double(limit)));
-    const int end = int(std::clamp(std::ceil(last[major]), 0.0, double(limit)));
+    // The pieces of a bent edge follow each other without a pixel of both.
+    const double inset = camera.lens() ? 0.5 : 0;
+    const auto limited = [limit](double v) { return int(std::clamp(v, 0.0, double(limit))); };
+    const int begin = limited(camera.lens() ? std::ceil(first[major] - inset) : std::floor(first[major]));
+    const int end = limited(std::ceil(last[major] - inset));
     for (int m = begin; m < end; ++m) {
         const double t = std::clamp((m + 0.5 - first[major]) / run, 0.0, 1.0);
         const double centre = first[minor] + t * run * slope;
@@ -98,9 +101,15 @@ void draw_edge(const Camera& camera, const Edge& edge, const std::vector<float>&
 void draw_box(const Camera& camera, const DomainBox& box, const std::vector<float>& depth,
               const BoxLines& lines, Canvas& canvas) {
     const Vec3 size = box.max - box.min;
-    const double nearest = camera.is_perspective() ? 1e-4 * length(size) : -1e300;
-    for (Edge edge : edges_of(camera, box))
-        if (clip(edge, nearest)) draw_edge(camera, edge, depth, lines, canvas);
+    const double nearest = camera.lens() ? std::max(1e-3, 1e-3 * length(size)) : camera.is_perspective() ? 1e-4 * length(size) : -1e300;
+    // Through a lens edges are bent.
+    const int pieces = camera.lens() ? 48 : 1;
+    for (Edge edge : edges_of(camera, box)) {
+        if (!clip(edge, nearest)) continue;
+        const Vec3 step = (1.0 / pieces) * (edge.to - edge.from);
+        for (int k = 0; k < pieces; ++k)
+            draw_edge(camera, {edge.from + double(k) * step, edge.from + double(k + 1) * step}, depth, lines, canvas);
+    }
 }
 
 } // namespace treacle::video

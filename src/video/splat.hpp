@@ -28,8 +28,8 @@ struct DepthBuffer {
     std::size_t size() const { return depth.size(); }
 };
 
-// The ray through a pixel's centre: `direction` has z = 1 in perspective; in an orthographic view the ray
-// starts at `origin` and runs along z.
+// The ray through a point of the picture, of measured cameras through the centre of its pixel: `direction` has z = 1 in
+// perspective; in an orthographic view the ray starts at `origin` and runs along z.
 struct Ray {
     Vec3f origin, direction;
 };

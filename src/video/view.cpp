@@ -27,6 +27,7 @@ void check(const View& view) {
     if (view.width < 1 || view.height < 1 || view.width > largest_side || view.height > largest_side)
         refuse("picture of " + std::to_string(view.width) + " x " + std::to_string(view.height) + " pixels",
                "each side must be between 1 and " + std::to_string(largest_side) + " pixels");
+    if (view.model) return;
     const double angle = view.vertical_field_of_view;
     if (!(angle > 0 && angle < std::numbers::pi))
         refuse("vertical field of view = " + format_number(angle) + " rad: must be between 0 and pi",
@@ -119,6 +120,10 @@ View automatic_view(const DomainBox& box, int width, int height) {
 Camera::Camera(const View& view)
     : position_(view.position), width_(view.width), height_(view.height), projection_(view.projection) {
     check(view);
+    if (view.model) {
+        take(view.model->for_size(width_, height_));
+        return;
+    }
     const Vec3 direction = view.target - view.position;
     forward_ = normalised(direction);
     right_ = normalised(cross(forward_, view.up));
@@ -127,11 +132,35 @@ Camera::Camera(const View& view)
     if (projection_ == Projection::orthographic) scale_ /= length(direction);
 }
 
+LensRays::LensRays(const scene::CameraModel& camera) : model(camera) {
+    const int width = model.lens().width, height = model.lens().height;
+    x.reserve(std::size_t(width) * height);
+    y.reserve(std::size_t(width) * height);
+    for (int row = 0; row < height; ++row)
+        for (int column = 0; column < width; ++column) {
+            const auto ray = model.ray({double(column), double(row)});
+            x.push_back(float(ray[0]));
+            y.push_back(float(ray[1]));
+        }
+}
+
+void Camera::take(const scene::CameraModel& model) {
+    const auto& rotation = model.pose().rotation;
+    position_ = model.pose().position();
+    right_ = rotation[0];
+    down_ = rotation[1];
+    forward_ = rotation[2];
+    scale_ = 0.5 * (model.lens().fx + model.lens().fy);
+    projection_ = Projection::perspective;
+    lens_ = std::make_shared<const LensRays>(model);
+}
+
 Camera Camera::enlarged(int factor) const {
     Camera larger = *this;
     larger.width_ *= factor;
     larger.height_ *= factor;
     larger.scale_ *= factor;
+    if (lens_) larger.take(lens_->model.for_size(larger.width_, larger.height_));
     return larger;
 }
 
@@ -147,8 +176,13 @@ Vec3 Camera::to_camera(const Vec3& point) const { return direction_to_camera(poi
 
 Vec3 Camera::to_world(const Vec3& point) const { return position_ + direction_to_world(point); }
 
-ScreenPoint Camera::project(const Vec3& point) const {
-    const Vec3 p = to_camera(point);
+ScreenPoint Camera::project(const Vec3& point) const { return project_camera(to_camera(point)); }
+
+ScreenPoint Camera::project_camera(const Vec3& p) const {
+    if (lens_) {
+        const auto pixel = lens_->model.project_camera(p);
+        return {pixel.x + scene::pixel_corner_offset, pixel.y + scene::pixel_corner_offset, p[2]};
+    }
     const double s = is_perspective() ? scale_ / p[2] : scale_;
     return {0.5 * width_ + s * p[0], 0.5 * height_ + s * p[1], p[2]};
 }

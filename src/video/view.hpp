@@ -1,5 +1,10 @@
 #pragma once
 #include "base/vec3.hpp"
+#include "scene/camera_model.hpp"
+
+#include <memory>
+#include <optional>
+#include <vector>
 
 namespace treacle::video {
 
@@ -13,6 +18,7 @@ struct View {
     double vertical_field_of_view = 0.7; // [rad]; orthographic views see what this angle spans at the target
     int width = 1280, height = 720;      // [pixels]
     Projection projection = Projection::perspective;
+    std::optional<scene::CameraModel> model = {}; // a measured camera in the place of all but the size
 };
 
 // The part of space that a scene fills. Plane scenes lie in x, y.
@@ -31,6 +37,14 @@ struct ScreenPoint {
     double depth = 0;    // [m] along the viewing direction; not positive: behind the camera
 };
 
+// The rays of a measured camera through the centres of its pixels.
+struct LensRays {
+    explicit LensRays(const scene::CameraModel& model);
+
+    scene::CameraModel model;
+    std::vector<float> x, y; // [height][width] X/Z and Y/Z in camera axes
+};
+
 // A view turned into numbers. Camera axes: x right, y down, z into the picture.
 class Camera {
 public:
@@ -44,20 +58,26 @@ public:
     Vec3 direction_to_world(const Vec3& d) const;
     Vec3 to_world(const Vec3& point) const; // [m]
     ScreenPoint project(const Vec3& point) const;
+    ScreenPoint project_camera(const Vec3& point) const; // in camera axes
 
     int width() const { return width_; }
     int height() const { return height_; }
     bool is_perspective() const { return projection_ == Projection::perspective; }
-    // Perspective: f [pixels]. Orthographic: pixels per metre.
+    // Perspective: f [pixels], the mean of both directions. Orthographic: pixels per metre.
     double scale() const { return scale_; }
+    // Rays of a measured camera; null: a pinhole with the centre in the middle.
+    const LensRays* lens() const { return lens_.get(); }
     const Vec3& position() const { return position_; }
     const Vec3& forward() const { return forward_; }
 
 private:
+    void take(const scene::CameraModel& model);
+
     Vec3 position_, right_, down_, forward_;
     double scale_;
     int width_, height_;
     Projection projection_;
+    std::shared_ptr<const LensRays> lens_;
 };
 
 } // namespace treacle::video

@@ -2,7 +2,6 @@
 
 import itertools
 import math
-import random
 
 import numpy
 
@@ -83,13 +82,6 @@ output: {{interval: 0}}
 """
 
 
-def sampled(context, cases, quick, full=None):
-    """A seeded sample of the cases, in full all of them or `full`."""
-    cases = list(cases)
-    count = quick if context.quick else full or len(cases)
-    return random.Random(27).sample(cases, min(count, len(cases)))
-
-
 def run_text(context, text, name, ranks):
     with scratch(context, name) as folder:
         scene = folder / "scene.yaml"
@@ -102,7 +94,7 @@ def heaps(context):
     eighths = [0.0025 * k for k in range(9)]
     cases = [(x, y, z) for x, y, z in itertools.product(eighths, repeat=3)]
     found, short = 0, []
-    for number, (x, y, z) in enumerate([(0.005, 0.005, 0.01)] + sampled(context, cases, 3, 24)):
+    for number, (x, y, z) in enumerate([(0.005, 0.005, 0.01)] + context.sample(cases, 3, 24)):
         end = 2 if context.quick or number else 10
         steps, _ = run_text(context, TANK.format(low=[x, y, z], high=[0.36 - 0.5 * x, 0.36 - 0.5 * y, 0.28], end=end), "tank", 1 + number % 3)
         error, energy = steps["density error after"].max(), steps["kinetic energy"] + steps["potential energy"]
@@ -117,7 +109,7 @@ def ramps(context):
     angles, places = [3 * k + 2 for k in range(20)], [k / 20 for k in range(20)]
     cases = itertools.product(angles, places, (1, 30, 1e3, 1e5, 1e6), ("static", "kinematic"), (1, 2, 3))
     worst, short = 0, []
-    for degrees, place, viscosity, kind, ranks in sampled(context, cases, 6, 80):
+    for degrees, place, viscosity, kind, ranks in context.sample(cases, 6, 80):
         angle = math.radians(degrees)
         normal, along = (math.sin(angle), math.cos(angle)), (math.cos(angle), -math.sin(angle))
         at = (0.6, 1.2 + 0.02 * place)
@@ -139,7 +131,7 @@ def ramps(context):
 def drums(context):
     cases = itertools.product((0, 1, 100, 1e5, 1e6), (0.02, 0.01), (0, 0.25, 0.5), (1, 2, 3))
     worst, short = 0, []
-    for viscosity, spacing, offset, ranks in sampled(context, cases, 4):
+    for viscosity, spacing, offset, ranks in context.sample(cases, 4):
         steps, _ = run_text(context, DRUM.format(spacing=spacing, viscosity=viscosity, centre=[offset * spacing, 0.6 * offset * spacing],
                                                  slip="free_slip"), "drum", ranks)
         speed = math.sqrt(2 * steps["kinetic energy"][-1] / steps["mass"][-1]) / (12.566 * 0.2)
@@ -158,7 +150,7 @@ def gripping_drum(context):
 def hits(context):
     cases = itertools.product((2, 3), ("no_slip", "free_slip", "{length: 20 mm}"), (0, 1, 100, 1e5), ("step: 1 ms", "step: 5 ms", "cfl: 3"), (1, 2, 3))
     linear = angular = 0
-    for dimensions, slip, viscosity, step, ranks in sampled(context, cases, 4, 24):
+    for dimensions, slip, viscosity, step, ranks in context.sample(cases, 4, 24):
         axes = "xyz"[:dimensions]
         space = dimensions == 3
         steps, bodies = run_text(context, HIT.format(

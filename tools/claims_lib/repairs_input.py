@@ -6,7 +6,6 @@ import re
 import numpy
 
 from .gtest import run_gtest
-from .repairs_solve import sampled
 from .run import RunFolder, run_scene, scratch, treacle
 from .table import Figure
 
@@ -72,7 +71,7 @@ output: {{interval: 1, fields: [pressure]}}
 
 
 def plane(context):
-    cases = sampled(context, itertools.product(LEAVING, METHODS, RANKS), 6)
+    cases = context.sample(itertools.product(LEAVING, METHODS, RANKS), 6)
     wrong = []
     for (liquid, body, more, line), method, ranks in cases:
         with scratch(context, "plane") as folder:
@@ -133,11 +132,11 @@ def scene_of(lid):
 
 
 def lids(context):
-    return shear(context, sampled(context, itertools.product(METHODS, RANKS, SIZES), 3), scene_of(True))
+    return shear(context, context.sample(itertools.product(METHODS, RANKS, SIZES), 3), scene_of(True))
 
 
 def sliding_walls(context):
-    return shear(context, sampled(context, itertools.product(METHODS, RANKS, SIZES), 3), scene_of(False))
+    return shear(context, context.sample(itertools.product(METHODS, RANKS, SIZES), 3), scene_of(False))
 
 
 def cavity(context):
@@ -160,7 +159,7 @@ def cavity(context):
 
 def tanks(context):
     worst = {"floor": 0.0, "sides": 0.0, "slope": 0.0, "at the floor": 0.0}
-    cases = sampled(context, itertools.product((0.4, 0.41), ((0, "free_slip"), (100, "no_slip")), RANKS), 4)
+    cases = context.sample(itertools.product((0.4, 0.41), ((0, "free_slip"), (100, "no_slip")), RANKS), 4)
     for width, (viscosity, slip), ranks in cases:
         with scratch(context, "tank") as folder:
             (folder / "scene.yaml").write_text(TANK.format(width=width, viscosity=viscosity, slip=slip))

@@ -4,6 +4,7 @@ import dataclasses
 import enum
 import json
 import pathlib
+import random
 import shlex
 import sys
 import time
@@ -83,6 +84,12 @@ class Context:
         if key not in self.kept:
             self.kept[key] = measure()
         return self.kept[key]
+
+    def sample(self, cases, quick, full=None):
+        """All cases, or `full` of them; with --quick `quick` of them: the same sample in each call."""
+        cases = list(cases)
+        count = quick if self.quick else full
+        return cases if count is None else random.Random(27).sample(cases, min(count, len(cases)))
 
     def note(self, command):
         self.commands.append(shlex.join(str(word) for word in command))

@@ -58,21 +58,30 @@ TEST(FreeSlip, LetsABlockSlideDownARamp) {
     }
 }
 
+// A free-slip drum of radius 0.4 around (0.5, 0.5), full of liquid.
+StepSample drum_of(double viscosity, scene::BodyKind kind, double angular_velocity) {
+    auto sample = sample_of(40, 2);
+    sample.setup.domain.gravity = sample.setup.rigid.gravity = {0, 0, 0};
+    sample.setup.viscosity = viscosity;
+    auto body = body_of(kind, drum(0.4), {0.5, 0.5, 0});
+    body.angular_velocity = {0, 0, angular_velocity};
+    sample.setup.rigid.bodies = {body};
+    sample.setup.slip = {{scene::Slip::free_slip}, {0}};
+    sample.liquid = [](const Vec3& x) { return std::hypot(x[0] - 0.5, x[1] - 0.5) - 0.4; };
+    return sample;
+}
+
+// Of the drum's liquid, as of a disc that turns as a whole [rad/s].
+double spin_of(const LiquidTotals& totals) {
+    return (totals.angular_momentum[2] - 0.5 * totals.momentum[1] + 0.5 * totals.momentum[0]) / (0.5 * totals.mass * 0.16);
+}
+
 TEST(FreeSlip, DrumsTurnAroundLiquidAtRest) {
     for (const double viscosity : {0.0, 100.0, 1e5}) {
-        auto sample = sample_of(40, 2);
-        sample.setup.domain.gravity = sample.setup.rigid.gravity = {0, 0, 0};
-        sample.setup.viscosity = viscosity;
-        auto body = body_of(scene::BodyKind::kinematic, drum(0.4), {0.5, 0.5, 0});
-        body.angular_velocity = {0, 0, 12};
-        sample.setup.rigid.bodies = {body};
-        sample.setup.slip = {{scene::Slip::free_slip}, {0}};
-        sample.liquid = [](const Vec3& x) { return std::hypot(x[0] - 0.5, x[1] - 0.5) - 0.4; };
-        auto step = started(Comm::world(), sample);
+        auto step = started(Comm::world(), drum_of(viscosity, scene::BodyKind::kinematic, 12));
         for (int k = 0; k < 20; ++k) step->advance(0.01);
         const auto totals = step->totals();
-        const double spin = (totals.angular_momentum[2] - 0.5 * totals.momentum[1] + 0.5 * totals.momentum[0]) / (0.5 * totals.mass * 0.16);
-        EXPECT_LT(std::fabs(spin), 0.01 * 12) << viscosity;
+        EXPECT_LT(std::fabs(spin_of(totals)), 0.01 * 12) << viscosity;
         EXPECT_LT(totals.kinetic_energy, 1e-3 * 0.25 * totals.mass * 0.16 * 144) << viscosity;
     }
 }
@@ -81,20 +90,13 @@ TEST(FreeSlip, DrumsTurnAroundLiquidAtRest) {
 // the stiffer the liquid the less it gives way to that (README).
 TEST(FreeSlip, DrumsAtRestLetLiquidTurn) {
     for (const double viscosity : {1.0, 100.0, 1e4}) {
-        auto sample = sample_of(40, 2);
-        sample.setup.domain.gravity = sample.setup.rigid.gravity = {0, 0, 0};
-        sample.setup.viscosity = viscosity;
-        sample.setup.rigid.bodies = {body_of(scene::BodyKind::fixed, drum(0.4), {0.5, 0.5, 0})};
-        sample.setup.slip = {{scene::Slip::free_slip}, {0}};
-        sample.liquid = [](const Vec3& x) { return std::hypot(x[0] - 0.5, x[1] - 0.5) - 0.4; };
+        auto sample = drum_of(viscosity, scene::BodyKind::fixed, 0);
         sample.velocity = [](const Vec3& x) { return Vec3{-3 * (x[1] - 0.5), 3 * (x[0] - 0.5), 0}; };
         sample.gradient = {{{0, -3, 0}, {3, 0, 0}, {0, 0, 0}}};
         auto step = started(Comm::world(), sample);
         double time = 0;
         while (time < 0.333) time += step->advance(0.0333).dt;
-        const auto totals = step->totals();
-        const double spin = (totals.angular_momentum[2] - 0.5 * totals.momentum[1] + 0.5 * totals.momentum[0]) / (0.5 * totals.mass * 0.16);
-        EXPECT_GT(spin, 0.98 * 3) << viscosity;
+        EXPECT_GT(spin_of(step->totals()), 0.98 * 3) << viscosity;
     }
 }
 

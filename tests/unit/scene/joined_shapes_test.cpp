@@ -41,15 +41,6 @@ double from_rectangle(double x, double y, double x_min, double x_max, double hal
 }
 double from_pipe(const Vec3& x) { return from_rectangle(std::hypot(x[0], x[1]), x[2], 0.3, 0.5, 0.5); }
 
-std::string refusal(const Shape& shape, int dimensions = 3) {
-    try {
-        SolidRegion(shape, dimensions);
-    } catch (const InputError& error) {
-        return error.what();
-    }
-    return "";
-}
-
 // Relative errors of a region's volume and largest inertia about its centre.
 void expect_moments(const SolidRegion& region, double volume, double inertia_zz) {
     EXPECT_NEAR(region.volume() / volume, 1, 5e-4);

@@ -1,9 +1,11 @@
 #pragma once
 // Shapes, meshes and random points that the tests of geometry share.
 #include "../own_folder.hpp"
+#include "base/error.hpp"
 #include "base/vec3.hpp"
 #include "scene/mesh.hpp"
 #include "scene/shape.hpp"
+#include "scene/signed_distance.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -143,5 +145,15 @@ private:
     std::mt19937_64 generator_{42};
     std::uniform_real_distribution<double> unit_{0, 1};
 };
+
+// The message with which a shape is refused; empty when it is not.
+inline std::string refusal(const Shape& shape, int dimensions = 3) {
+    try {
+        SolidRegion(shape, dimensions);
+    } catch (const InputError& error) {
+        return error.what();
+    }
+    return "";
+}
 
 } // namespace treacle::scene::testing

@@ -42,15 +42,6 @@ double at(const Shape& s, const Vec3& x, int dimensions = 3) {
     return SolidRegion(s, dimensions).distance(x);
 }
 
-std::string refusal(const Shape& shape, int dimensions = 3) {
-    try {
-        SolidRegion(shape, dimensions);
-    } catch (const InputError& error) {
-        return error.what();
-    }
-    return "";
-}
-
 } // namespace
 
 TEST(SignedDistance, AgreesWithFormulasOnAxes) {

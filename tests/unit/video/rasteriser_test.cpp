@@ -1,5 +1,6 @@
 #include "base/error.hpp"
 #include "video/rasteriser.hpp"
+#include "video/vector.hpp"
 
 #include <cmath>
 #include <gtest/gtest.h>
@@ -327,4 +328,56 @@ TEST(Rasteriser, LayersThatDoNotFitTogetherAreRefused) {
                  InputError);
     EXPECT_THROW(draw({.positions = positions, .radius = 0.1, .values = bad}), SimulationError);
     EXPECT_NO_THROW(draw({.positions = positions, .radius = 0.1, .values = two}));
+}
+
+// A lens without distortion and with its centre in the middle is a pinhole.
+TEST(LensRendering, UndistortedLensDrawsAsAPinhole) {
+    View pinhole = front_view(4);
+    View measured = pinhole;
+    const double f = 120 / std::tan(0.5 * pinhole.vertical_field_of_view);
+    // Looks along +y: x right, z up.
+    measured.model = scene::CameraModel("c", {320, 240, f, f, 159.5, 119.5, {}}, {{Vec3{1, 0, 0}, Vec3{0, 0, -1}, Vec3{0, 1, 0}}, {0, 0, 4}});
+    const std::vector<double> balls{0, 0, 0, 0.9, 0.3, -0.5, -0.8, -0.2, 0.6};
+    auto a = bare(pinhole), b = bare(measured);
+    a.layers = b.layers = {{.positions = balls, .radius = 0.3, .colour = red}};
+    EXPECT_LE(differences(render_frame(a), render_frame(b), 0, 320), 12); // round-off at edges
+}
+
+// Area and centre of a ball through a distorted lens against its outline, projected point by point.
+TEST(LensRendering, BallsHaveTheOutlineThatTheLensMakes) {
+    const scene::CameraModel lens("c", {320, 240, 280, 284, 165, 116, {-0.3, 0.1, 0.002, -0.001, 0, 0, 0, 0}},
+                                  {{Vec3{1, 0, 0}, Vec3{0, 0, -1}, Vec3{0, 1, 0}}, {0, 0, 4}});
+    View view = front_view(4);
+    view.model = lens;
+    const double radius = 0.35;
+    for (const Vec3& centre : {Vec3{0, 0, 0}, Vec3{1.7, 0, 1.1}, Vec3{-1.8, 0.3, -1.2}}) {
+        auto request = bare(view);
+        const std::vector<double> position(centre.begin(), centre.end());
+        request.layers = {{.positions = position, .radius = radius, .colour = red}};
+        const Blob blob = measure(render_frame(request));
+        // The outline: where rays from the camera touch the ball.
+        const Vec3 c = lens.to_camera(centre);
+        const double d = std::sqrt(c[0] * c[0] + c[1] * c[1] + c[2] * c[2]), along = (d * d - radius * radius) / d;
+        const double across = radius * std::sqrt(1 - radius * radius / (d * d));
+        const Vec3 axis = normalised(c), u = normalised(cross(axis, Vec3{0, 1, 0})), v = cross(axis, u);
+        double area = 0;
+        constexpr int n = 2000;
+        const auto at = [&](int k) {
+            const double angle = 2 * std::numbers::pi * k / n;
+            return lens.project_camera(along * axis + (across * std::cos(angle)) * u + (across * std::sin(angle)) * v);
+        };
+        for (int k = 0; k < n; ++k) {
+            const auto p = at(k), q = at(k + 1);
+            area += 0.5 * (p.x * q.y - q.x * p.y);
+        }
+        EXPECT_NEAR(blob.area, std::abs(area), 0.02 * std::abs(area)) << centre[0];
+    }
+}
+
+TEST(LensRendering, PicturesOfAnotherShapeAreRefused) {
+    View view = front_view(4);
+    view.model = scene::CameraModel("c", {320, 240, 280, 284, 165, 116, {}}, {});
+    view.width = 240;
+    view.height = 320;
+    EXPECT_THROW(render_frame(bare(view)), InputError);
 }

@@ -1,0 +1,17 @@
+#pragma once
+#include "app/calibrate.hpp"
+#include "base/log.hpp"
+#include "video/camera_file.hpp"
+
+namespace treacle::app {
+
+// Whether the request asks for a pose, an overlay or the vertical.
+bool asks_for_pose(const CalibrateRequest& request);
+
+// Finds the pose that the request asks for, refines it, prints how well it is known, draws the overlay. InputError.
+void find_pose(const CalibrateRequest& request, video::CameraRecord& camera, Log& log);
+
+// Length with a unit, > 0 [m]. InputError that names the option.
+double read_length(const std::string& option, const std::string& text);
+
+} // namespace treacle::app

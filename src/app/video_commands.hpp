@@ -1,0 +1,19 @@
+#pragma once
+#include "base/error.hpp"
+#include "mpi/comm.hpp"
+
+#include <functional>
+
+namespace CLI {
+class App;
+}
+
+namespace treacle::app {
+
+// Receives what turns the words of a subcommand into the command, when all is read.
+using ChooseCommand = std::function<void(std::function<std::function<ExitCode(const Comm&)>()>)>;
+
+// Adds silhouettes and check-video to the program.
+void add_video_commands(CLI::App& program, const ChooseCommand& choose);
+
+} // namespace treacle::app

@@ -1,0 +1,19 @@
+#pragma once
+#include "video/calibration.hpp"
+
+#include <functional>
+
+namespace treacle::video {
+
+struct BoardPicturesOptions {
+    BoardSearch search;
+    std::function<void(double fraction, const std::string& text)> progress = [](double, const std::string&) {};
+};
+
+// Looks for the board in each picture. What cannot be read, shows no board or is blurred is named with its reason; it
+// stops nothing. InputError when the board has another size than the one given in most pictures, or is part of a larger
+// one, with the size that fits; for a HEIC picture.
+std::vector<BoardPicture> find_boards(const std::vector<std::filesystem::path>& paths, const Board& board,
+                                      const BoardPicturesOptions& options);
+
+} // namespace treacle::video
