@@ -15,7 +15,7 @@ from .table import Figure, Unmeasured
 COLUMNS, ROWS, SQUARE = 15, 10, 0.014  # inner corners, [m]
 BOARD_LENS = optics.Lens(1280, 720, (1105.0, 1102.0, 652.0, 349.0, -0.17, 0.09, 0.0006, -0.0009, -0.02, 0, 0, 0))
 FITTED = 9  # parameters: fx fy cx cy k1 k2 p1 p2 k3
-BOARDS, NOISE, RIM = 30, 1.5, 1.25  # pictures; [grey levels] of a contrast of 180; [squares] of paper around the corners
+BOARDS, NOISE, RIM = 40, 1.5, 1.25  # pictures; [grey levels] of a contrast of 180; [squares] of paper around the corners
 
 
 def board_pose(lens, random, target):
