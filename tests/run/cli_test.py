@@ -376,6 +376,25 @@ class WithRun(Workplace):
             names = [entry["name"] for entry in json.load(file)["files"]]
         return sorted(names[place][:-3] + ending for place in places)
 
+    def test_export_of_the_surface_writes_a_file_a_frame_and_an_index(self):
+        said = self.treacle("export", "column", "--to", "surface", "--frames", "0:1", "--out", "meshes").stdout
+        files = sorted(os.listdir(self.path("meshes")))
+        self.assertEqual(len(files), 3, files)
+        self.assertTrue(files[0].endswith("_surface.ply.series"), files)
+        with open(self.path("meshes", files[1]), "rb") as file:
+            head = file.read(2000)
+        self.assertIn(b"property float velocity_x", head)
+        pieces = int(re.search(r"pieces (\d+)", said).group(1))
+        self.assertEqual(pieces, 1)
+        for form, count in (("vtp", 4), ("obj", 3)):
+            self.treacle("export", "column", "--to", "surface", "--format", form, "--frames", "0:1", "--out", form)
+            self.assertEqual(len(os.listdir(self.path(form))), count)
+
+    def test_export_of_the_surface_refuses_what_it_cannot_do(self):
+        self.assertIn("ply, obj and vtp", self.refusal("export", "column", "--to", "surface", "--format", "stl"))
+        self.assertIn("--to surface", self.refusal("export", "column", "--to", "ply", "--format", "obj"))
+        self.assertIn("single frame", self.refusal("export", "column/frames/solid_000000.hdf", "--to", "surface"))
+
     def test_export_refuses_what_is_not_there(self):
         self.assertIn("ply, vtp and csv", self.refusal("export", "column", "--to", "obj"))
         self.assertIn("no frame 9", self.refusal("export", "column", "--to", "csv", "--frames", "9"))
