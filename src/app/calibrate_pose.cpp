@@ -157,7 +157,7 @@ void refine(const CalibrateRequest& request, video::CameraRecord& camera, Log& l
     camera.pose_covariance = found.estimate.covariance;
     log.line("refined on the outline of " + solid.name + ": " + std::to_string(found.points) + " points, " + fixed(100 * found.fitting, 0) +
              " % fit, displacement " + fixed(found.mean, 3) + " +- " + fixed(found.estimate.noise, 3) + " pixels, correlated over " +
-             fixed(found.correlation, 0) + " pixels, overlap " + fixed(found.overlap_before, 4) + " -> " + fixed(found.overlap_after, 4));
+             fixed(found.correlation, 0) + " pixels, " + fixed(found.pieces, 0) + " independent pieces, overlap " + fixed(found.overlap_before, 4) + " -> " + fixed(found.overlap_after, 4));
     log.line("deviation at the liquid " + fixed(video::pixel_deviation(camera.model(), *camera.pose_covariance, solid.centre), 3) + " pixels");
     for (const auto& warning : found.estimate.warnings) log.warn(warning);
 }

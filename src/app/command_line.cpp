@@ -388,7 +388,7 @@ void add_bench(CLI::App& program, Chosen& chosen) {
 }
 
 void add_lens_options(CLI::App& app, CalibrateRequest& request) {
-    app.add_option("pictures", request.pictures, "Pictures of the board, or folders with them")->type_name("PICTURE...");
+    app.add_option("pictures", request.pictures, "Pictures of the board, folders with them, or videos of it")->type_name("PICTURE...");
     app.add_option("--camera", request.camera, "A lens that is known, in the place of pictures: OpenCV's YAML, JSON or XML, "
                                                "ViRheometry's camera_params.xml, COLMAP's text model; FILE:NAME for one of several")
         ->type_name("FILE");

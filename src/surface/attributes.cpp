@@ -37,9 +37,12 @@ void Attributes::interpolate(const Patch& patch, const ParticleStore& store, con
     const auto p = points;
     const auto px = p.place[0], py = p.place[1], pz = p.place[2];
     const int dimensions = lattice.dimensions, per_tile = lattice.bins_per_tile();
-    const double h = options.kernel_width * options.spacing;
+    const double widths[2] = {0.8 * options.spacing, options.kernel_width * options.spacing};
     Kokkos::parallel_for("treacle::surface_attributes", patch.vertices, KOKKOS_LAMBDA(int v) {
+        double sum = 0, u[3] = {0, 0, 0}, pressure = 0, weights[most_liquids] = {};
+        for (int attempt = 0; attempt < 2 && sum == 0; ++attempt) {
         double x[3] = {0, 0, 0}, to_h[3] = {0, 0, 0};
+        const double h = widths[attempt];
         int first[3] = {0, 0, 0}, last[3] = {0, 0, 0};
         for (int k = 0; k < dimensions; ++k) {
             x[k] = (position(3 * std::int64_t(v) + k) - l.grid.origin[k]) / l.step[k];
@@ -48,7 +51,6 @@ void Attributes::interpolate(const Patch& patch, const ParticleStore& store, con
             first[k] = static_cast<int>(math::floor((x[k] - support) / 2));
             last[k] = static_cast<int>(math::floor((x[k] + support) / 2));
         }
-        double sum = 0, u[3] = {0, 0, 0}, pressure = 0, weights[most_liquids] = {};
         for (int bz = first[2]; bz <= last[2]; ++bz) {
             for (int by = first[1]; by <= last[1]; ++by) {
                 for (int tx = first[0] >> 2; tx <= last[0] >> 2; ++tx) {
@@ -74,6 +76,7 @@ void Attributes::interpolate(const Patch& patch, const ParticleStore& store, con
                     }
                 }
             }
+        }
         }
         int which = 0;
         for (int k = 1; k < most_liquids; ++k) {

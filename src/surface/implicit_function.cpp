@@ -98,19 +98,16 @@ void ImplicitFunction::sum_splines(const Lattice& lattice, const Points& points,
     const auto px = p.place[0], py = p.place[1], pz = p.place[2];
     const double hx = to_h[0], hy = to_h[1], hz = to_h[2];
     const int per_tile = lattice.bins_per_tile();
-    // One work item: a layer of 8 x 8 nodes of a tile.
-    Kokkos::parallel_for("treacle::sum_splines", own_ * depth, KOKKOS_LAMBDA(int item) {
-        const int s = own(item / depth), layer = item % depth;
+    Kokkos::parallel_for("treacle::sum_splines", own_, KOKKOS_LAMBDA(int item) {
+        const int s = own(item);
         int c[3];
         window.cell(tiles(s), c);
-        double sum[64];
+        double sum[512];
         for (double& one : sum) one = 0;
-        const int node[3] = {tile_edge * c[0], tile_edge * c[1], tile_edge * c[2] + layer};
         int first[3], last[3]; // bins
         for (int k = 0; k < 3; ++k) {
-            const int end = k < 2 ? node[k] + tile_edge - 1 : node[k];
-            first[k] = static_cast<int>(math::floor((node[k] - support) / 2));
-            last[k] = static_cast<int>(math::floor((end + support) / 2));
+            first[k] = static_cast<int>(math::floor((tile_edge * c[k] - support) / 2));
+            last[k] = static_cast<int>(math::floor((tile_edge * (c[k] + 1) - 1 + support) / 2));
         }
         if (dimensions == 2) first[2] = last[2] = 0;
         for (int bz = first[2]; bz <= last[2]; ++bz) {
@@ -124,21 +121,26 @@ void ImplicitFunction::sum_splines(const Lattice& lattice, const Points& points,
                     const int begin = p.begin(row + math::max(first[0] - 4 * tx, 0));
                     const int end = p.begin(row + math::min(last[0] - 4 * tx, 3) + 1);
                     for (int i = begin; i < end; ++i) {
-                        const double wz = dimensions == 3 ? cubic_spline((node[2] - pz(i)) * hz) : 1;
-                        if (wz == 0) continue;
-                        const double x = (node[0] - px(i)) * hx, y = (node[1] - py(i)) * hy;
+                        const double x = (tile_edge * c[0] - px(i)) * hx, y = (tile_edge * c[1] - py(i)) * hy;
+                        const double z = (tile_edge * c[2] - pz(i)) * hz;
                         double wx[8], wy[8];
                         for (int k = 0; k < 8; ++k) wx[k] = cubic_spline(x + k * hx);
-                        for (int k = 0; k < 8; ++k) wy[k] = wz * cubic_spline(y + k * hy);
-                        for (int j = 0; j < 8; ++j) {
-                            for (int k = 0; k < 8; ++k) sum[8 * j + k] += wy[j] * wx[k];
+                        for (int k = 0; k < 8; ++k) wy[k] = cubic_spline(y + k * hy);
+                        for (int m = 0; m < depth; ++m) {
+                            const double wz = dimensions == 3 ? cubic_spline(z + m * hz) : 1;
+                            if (wz == 0) continue;
+                            double* layer = sum + 64 * m;
+                            for (int j = 0; j < 8; ++j) {
+                                const double w = wz * wy[j];
+                                for (int k = 0; k < 8; ++k) layer[8 * j + k] += w * wx[k];
+                            }
                         }
                     }
                 }
             }
         }
-        const std::int64_t to = (std::int64_t(s) * depth + layer) * 64;
-        for (int k = 0; k < 64; ++k) {
+        const std::int64_t to = std::int64_t(s) * depth * 64;
+        for (int k = 0; k < depth * 64; ++k) {
             const double u = sum[k] * scale;
             fraction(to + k) = u;
             value(to + k) = (u - 0.5) / slope;
@@ -146,71 +148,105 @@ void ImplicitFunction::sum_splines(const Lattice& lattice, const Points& points,
     });
 }
 
+namespace {
+constexpr int most_taps = tile_edge - 1;                // on either side
+constexpr int block_edge = tile_edge + 2 * most_taps;   // nodes that a tile's are filtered from
+
+struct Taps {
+    double weight[3][2 * most_taps + 1];
+    int reach[3];
+};
+
+// Number of a node behind a wall's face: that of its mirror image.
+KOKKOS_INLINE_FUNCTION int mirrored(const Lattice& l, int axis, int node) {
+    if (l.mirror[0][axis] && node < l.lo[axis]) return 2 * l.lo[axis] - node;
+    if (l.mirror[1][axis] && node > l.hi[axis]) return 2 * l.hi[axis] - node;
+    return node;
+}
+
+// The smoothed indicator of a line of nodes along x, from `reach` before a tile to `reach` behind it.
+KOKKOS_INLINE_FUNCTION void read_line(const NodeField& field, const Lattice& l, int tile, int y, int z, int reach, double width,
+                                      double* line) {
+    const bool plain = (!l.mirror[0][0] || tile_edge * tile - reach >= l.lo[0]) &&
+                       (!l.mirror[1][0] || tile_edge * (tile + 1) + reach - 1 <= l.hi[0]);
+    const int count = tile_edge + 2 * reach;
+    if (plain) {
+        for (int t = tile - 1; t <= tile + 1; ++t) {
+            const int node[3] = {tile_edge * t, y, z};
+            const int s = field.slot(node);
+            const int begin = math::max(0, tile_edge * (t - tile) + reach);
+            const int end = math::min(count, tile_edge * (t - tile + 1) + reach);
+            if (s < 0) {
+                for (int i = begin; i < end; ++i) line[i] = s == tile_full ? far : -far;
+            } else {
+                const double* from = &field.value(std::int64_t(s) * field.nodes() + field.local(node));
+                for (int i = begin; i < end; ++i) line[i] = from[i - reach - tile_edge * (t - tile)];
+            }
+        }
+    } else {
+        for (int i = 0; i < count; ++i) {
+            const int node[3] = {mirrored(l, 0, tile_edge * tile + i - reach), y, z};
+            line[i] = field.at(node);
+        }
+    }
+    for (int i = 0; i < count; ++i) line[i] = math::min(1.0, math::max(0.0, 0.5 + line[i] / width));
+}
+} // namespace
+
 // Van Cittert: F += (u - B_h * H(F)) / B_h(0), with H the indicator of F > 0 smoothed over the interface's width. Nodes
 // behind walls mirror those before them.
 void ImplicitFunction::deconvolve(const Lattice& lattice, const Options& options) {
-    constexpr int most = 12; // taps on either side
     const int dimensions = lattice.dimensions, depth = lattice.depth();
-    struct Taps {
-        double weight[3][2 * most + 1];
-        int reach[3];
-    } taps;
+    Taps taps;
     for (int k = 0; k < 3; ++k) {
         const double to_h = lattice.step[k] / (options.kernel_width * options.spacing);
-        taps.reach[k] = k < dimensions ? std::min(most, std::min(tile_edge - 1, static_cast<int>(std::ceil(2 / to_h)) - 1)) : 0;
+        taps.reach[k] = k < dimensions ? std::min(most_taps, static_cast<int>(std::ceil(2 / to_h)) - 1) : 0;
         double sum = 0;
-        for (int m = -taps.reach[k]; m <= taps.reach[k]; ++m) sum += taps.weight[k][m + most] = cubic_spline(m * to_h);
-        for (int m = -taps.reach[k]; m <= taps.reach[k]; ++m) taps.weight[k][m + most] /= sum;
+        for (int m = -taps.reach[k]; m <= taps.reach[k]; ++m) sum += taps.weight[k][m + taps.reach[k]] = cubic_spline(m * to_h);
+        for (int m = 0; m <= 2 * taps.reach[k]; ++m) taps.weight[k][m] /= sum;
     }
     const double slope = (2.0 / 3) / options.kernel_width, width = options.interface_width;
     const auto field = field_;
     const auto fraction = fraction_, next = next_;
     const auto own = own_slots_, tiles = tiles_;
     const auto l = lattice;
-    Kokkos::parallel_for("treacle::deconvolve", own_ * depth, KOKKOS_LAMBDA(int item) {
-        const int s = own(item / depth), layer = item % depth;
+    Kokkos::parallel_for("treacle::deconvolve", own_, KOKKOS_LAMBDA(int item) {
+        const int s = own(item);
         int c[3];
         field.window.cell(tiles(s), c);
-        constexpr int edge = tile_edge + 2 * (tile_edge - 1);
-        double sums[tile_edge][tile_edge];
-        for (auto& row : sums) {
-            for (double& one : row) one = 0;
-        }
-        double columns[edge][tile_edge]; // summed along x
-        for (int mz = -taps.reach[2]; mz <= taps.reach[2]; ++mz) {
-            const double wz = taps.weight[2][mz + most];
-            for (int j = -taps.reach[1]; j < tile_edge + taps.reach[1]; ++j) {
-                double line[edge];
-                int node[3] = {0, tile_edge * c[1] + j, dimensions == 3 ? tile_edge * c[2] + layer + mz : 0};
-                for (int k = 1; k < 3; ++k) {
-                    if (l.mirror[0][k] && node[k] < l.lo[k]) node[k] = 2 * l.lo[k] - node[k];
-                    if (l.mirror[1][k] && node[k] > l.hi[k]) node[k] = 2 * l.hi[k] - node[k];
+        const int rx = taps.reach[0], ry = taps.reach[1], rz = taps.reach[2];
+        double planes[block_edge][tile_edge][tile_edge]; // filtered along x and y
+        for (int z = 0; z < depth + 2 * rz; ++z) {
+            double rows[block_edge][tile_edge]; // filtered along x
+            const int node_z = dimensions == 3 ? mirrored(l, 2, tile_edge * c[2] + z - rz) : 0;
+            for (int y = 0; y < tile_edge + 2 * ry; ++y) {
+                double line[block_edge];
+                read_line(field, l, c[0], mirrored(l, 1, tile_edge * c[1] + y - ry), node_z, rx, width, line);
+                double sum[tile_edge] = {0, 0, 0, 0, 0, 0, 0, 0};
+                for (int m = 0; m <= 2 * rx; ++m) {
+                    for (int i = 0; i < tile_edge; ++i) sum[i] += taps.weight[0][m] * line[i + m];
                 }
-                for (int i = -taps.reach[0]; i < tile_edge + taps.reach[0]; ++i) {
-                    node[0] = tile_edge * c[0] + i;
-                    if (l.mirror[0][0] && node[0] < l.lo[0]) node[0] = 2 * l.lo[0] - node[0];
-                    if (l.mirror[1][0] && node[0] > l.hi[0]) node[0] = 2 * l.hi[0] - node[0];
-                    const double indicator = 0.5 + field.at(node) / width;
-                    line[i + taps.reach[0]] = math::min(1.0, math::max(0.0, indicator));
+                for (int i = 0; i < tile_edge; ++i) rows[y][i] = sum[i];
+            }
+            for (int y = 0; y < tile_edge; ++y) {
+                double sum[tile_edge] = {0, 0, 0, 0, 0, 0, 0, 0};
+                for (int m = 0; m <= 2 * ry; ++m) {
+                    for (int i = 0; i < tile_edge; ++i) sum[i] += taps.weight[1][m] * rows[y + m][i];
+                }
+                for (int i = 0; i < tile_edge; ++i) planes[z][y][i] = sum[i];
+            }
+        }
+        const std::int64_t to = std::int64_t(s) * depth * 64;
+        for (int z = 0; z < depth; ++z) {
+            for (int y = 0; y < tile_edge; ++y) {
+                double sum[tile_edge] = {0, 0, 0, 0, 0, 0, 0, 0};
+                for (int m = 0; m <= 2 * rz; ++m) {
+                    for (int i = 0; i < tile_edge; ++i) sum[i] += taps.weight[2][m] * planes[z + m][y][i];
                 }
                 for (int i = 0; i < tile_edge; ++i) {
-                    double sum = 0;
-                    for (int m = 0; m <= 2 * taps.reach[0]; ++m) sum += taps.weight[0][m - taps.reach[0] + most] * line[i + m];
-                    columns[j + taps.reach[1]][i] = sum;
+                    const std::int64_t k = to + 64 * z + 8 * y + i;
+                    next(k) = field.value(k) + (fraction(k) - sum[i]) / slope;
                 }
-            }
-            for (int j = 0; j < tile_edge; ++j) {
-                for (int m = 0; m <= 2 * taps.reach[1]; ++m) {
-                    const double w = wz * taps.weight[1][m - taps.reach[1] + most];
-                    for (int i = 0; i < tile_edge; ++i) sums[j][i] += w * columns[j + m][i];
-                }
-            }
-        }
-        const std::int64_t to = (std::int64_t(s) * depth + layer) * 64;
-        for (int j = 0; j < tile_edge; ++j) {
-            for (int i = 0; i < tile_edge; ++i) {
-                const std::int64_t k = to + 8 * j + i;
-                next(k) = field.value(k) + (fraction(k) - sums[j][i]) / slope;
             }
         }
     });

@@ -1,5 +1,6 @@
 #pragma once
 #include "surface/points.hpp"
+#include "surface/solids.hpp"
 #include "surface/tile_halo.hpp"
 
 namespace treacle::surface {

@@ -4,6 +4,7 @@
 #include "kokkos/bounds.hpp"
 #include "surface/components.hpp"
 #include "surface/numbering.hpp"
+#include "surface/solid_images.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -11,6 +12,8 @@
 namespace treacle::surface {
 
 namespace {
+constexpr int velocity = 2, pressure = 3, liquid = 4, image = 5; // fields of the store
+
 // Layers of cells beside a rank's own that its smoothed vertices depend on: one a step, and one for normals.
 int layers_for(const Options& options) { return 2 * options.smoothing_passes + 1; }
 
@@ -35,6 +38,8 @@ Mesher::Mesher(const Comm& comm, const Domain& domain, const Options& options)
     store_.add<Array3>("velocity", "m/s", FieldRole::state);
     store_.add<Array<double>>("pressure", "Pa", FieldRole::state);
     store_.add<Array<int>>("liquid", "", FieldRole::state);
+    store_.add<Array<std::int64_t>>("image", "", FieldRole::state);
+    sources_ = {velocity, pressure, liquid};
 }
 
 Mesher::~Mesher() = default;
@@ -44,9 +49,9 @@ void Mesher::take(const ParticleRows& particles) {
     store_.resize_owned(n);
     const auto& x = store_.position();
     const auto& id = store_.id();
-    const auto& u = store_.get<Array3>(2);
-    const auto& p = store_.get<Array<double>>(3);
-    const auto& l = store_.get<Array<int>>(4);
+    const auto& u = store_.get<Array3>(velocity);
+    const auto& p = store_.get<Array<double>>(pressure);
+    const auto& l = store_.get<Array<int>>(liquid);
     const auto hx = Kokkos::create_mirror_view(x), hu = Kokkos::create_mirror_view(u);
     const auto hid = Kokkos::create_mirror_view(id);
     const auto hp = Kokkos::create_mirror_view(p);
@@ -69,12 +74,12 @@ void Mesher::take(const ParticleRows& particles) {
     Kokkos::deep_copy(id, hid);
     Kokkos::deep_copy(p, hp);
     Kokkos::deep_copy(l, hl);
+    Kokkos::deep_copy(store_.get<Array<std::int64_t>>(image), std::int64_t(0));
     if (comm_.any(!finite)) throw InputError({"surface", "a particle's position is not finite", "the run has diverged", "take an earlier frame"});
-    sources_ = {2, 3, 4};
 }
 
-// Tiles to ranks by particles, particles to their ranks, sorted, with those of the neighbouring tiles as ghosts.
-void Mesher::distribute() {
+// Tiles to ranks by particles.
+void Mesher::cut_domain() {
     const auto x = store_.position();
     int none = 0;
     const auto bounds = reduce_bounds("treacle::surface_bounds", 0, store_.owned(), none,
@@ -110,11 +115,16 @@ void Mesher::distribute() {
         }
         decomposition_->recut(cells, weights);
     }
+}
+
+// Particles to their ranks, sorted, with those of the neighbouring tiles as ghosts.
+void Mesher::distribute() {
+    const auto& grid = lattice_.grid;
     migration_.to_owner(store_, *decomposition_);
     sort_.sort(store_, grid, decomposition_->box(), cells_);
     halo_.connect(*decomposition_);
     halo_.rebuild(store_, cells_);
-    halo_.gather(store_, {2, 3, 4});
+    halo_.gather(store_, {velocity, pressure, liquid, image});
 }
 
 const Mesh& Mesher::build(const ParticleRows& particles, const Solids& solids) {
@@ -125,12 +135,14 @@ const Mesh& Mesher::build(const ParticleRows& particles, const Solids& solids) {
     mesh_ = {};
     mesh_.dimensions = domain_.dimensions;
     if (total == 0) return mesh_;
+    const double support = 2 * options_.kernel_width * options_.spacing;
+    const Solids* cut = solids.bodies.empty() ? nullptr : &solids;
+    cut_domain();
+    if (cut != nullptr) add_solid_images(store_, image, solids, support, lattice_);
     distribute();
     const CellBox box = decomposition_->box();
     const CellBox window = box.empty() ? CellBox{} : grown(box, 1, lattice_.dimensions);
-    const Solids* cut = solids.bodies.empty() ? nullptr : &solids;
-    const double support = 2 * options_.kernel_width * options_.spacing;
-    const auto& points = points_.build(store_, lattice_, window, support, cut);
+    const auto& points = points_.build(store_, image, lattice_, window, support);
     function_.build(*decomposition_, lattice_, points, options_, cut);
     triangulation_.build(lattice_, box, function_, layers_for(options_));
     auto& patch = triangulation_.patch();

@@ -4,6 +4,7 @@
 #include "surface/attributes.hpp"
 #include "surface/mesh.hpp"
 #include "surface/smoothing.hpp"
+#include "surface/solids.hpp"
 
 #include <memory>
 #include <span>
@@ -33,8 +34,8 @@ public:
 
 private:
     void take(const ParticleRows& particles);
+    void cut_domain();
     void distribute();
-    void write_mesh(const std::vector<char>& kept);
 
     Comm comm_;
     Domain domain_;

@@ -2,8 +2,6 @@
 
 #include "kokkos/scan.hpp"
 
-#include <vector>
-
 namespace treacle::surface {
 
 void PointBuilder::reserve_points(int n) {
@@ -14,7 +12,7 @@ void PointBuilder::reserve_points(int n) {
     grow(image_);
 }
 
-void PointBuilder::take_particles(const ParticleStore& store) {
+void PointBuilder::take_particles(const ParticleStore& store, int image_field) {
     const int n = store.total();
     n_ = 0;
     reserve_points(n);
@@ -23,78 +21,15 @@ void PointBuilder::take_particles(const ParticleStore& store) {
     const auto id = store.id();
     const auto x0 = x_[0], x1 = x_[1], x2 = x_[2];
     const auto source = source_;
-    const auto ids = id_, image = image_;
+    const auto ids = id_, image = image_, mirrored = store.get<Array<std::int64_t>>(image_field);
     Kokkos::parallel_for("treacle::surface_points", n, KOKKOS_LAMBDA(int i) {
         x0(i) = x(i, 0);
         x1(i) = x(i, 1);
         x2(i) = x(i, 2);
         source(i) = i;
         ids(i) = id(i);
-        image(i) = 0;
+        image(i) = mirrored(i);
     });
-}
-
-// Images of particles x nearer to a solid than the support: x - 2 s n, with the signed distance s and its normal n. They
-// stay where the surface that they were mirrored at is the nearest one, which in thin solids is the half on this side.
-void PointBuilder::mirror_in_solids(const Solids& solids, double support, const Lattice& lattice, const CellBox& window) {
-    constexpr double nearest = 0.7; // least depth of an image over the particle's distance
-    std::int64_t code = 7;
-    for (const auto& solid : solids.bodies) {
-        const auto h0 = on_host(x_[0]), h1 = on_host(x_[1]), h2 = on_host(x_[2]);
-        const auto sources = on_host(source_);
-        const auto ids = on_host(id_), images = on_host(image_);
-        std::vector<std::array<double, 3>> places;
-        std::vector<int> from;
-        // A solid farther from a tile's middle than half its diagonal and the support has no image of its particles.
-        std::vector<signed char> near(static_cast<std::size_t>(window.size()), -1);
-        for (int i = 0; i < n_; ++i) {
-            const Vec3 x{h0(i), h1(i), h2(i)};
-            int c[3] = {0, 0, 0};
-            Vec3 middle{0, 0, 0};
-            double diagonal = 0;
-            for (int k = 0; k < lattice.dimensions; ++k) {
-                const double width = lattice.step[k] * tile_edge;
-                const auto axis = static_cast<std::size_t>(k);
-                c[k] = static_cast<int>(std::floor((x[axis] - lattice.grid.origin[k]) / width));
-                middle[axis] = lattice.grid.origin[k] + (c[k] + 0.5) * width;
-                diagonal += width * width;
-            }
-            if (!window.contains(c)) continue;
-            auto& close = near[static_cast<std::size_t>(window.index(c[0], c[1], c[2]))];
-            if (close < 0) close = solid.distance(middle) < 0.51 * std::sqrt(diagonal) + support ? 1 : 0;
-            if (close == 0) continue;
-            const double s = solid.distance(x);
-            if (s <= 0 || s >= support) continue;
-            const Vec3 n = solid.normal(x);
-            const Vec3 image{x[0] - 2 * s * n[0], x[1] - 2 * s * n[1], x[2] - 2 * s * n[2]};
-            if (solid.distance(image) > -nearest * s) continue;
-            places.push_back({image[0], image[1], image[2]});
-            from.push_back(i);
-        }
-        const int added = static_cast<int>(from.size());
-        reserve_points(n_ + added);
-        auto g0 = on_host(x_[0]), g1 = on_host(x_[1]), g2 = on_host(x_[2]);
-        auto new_source = on_host(source_);
-        auto new_id = on_host(id_), new_image = on_host(image_);
-        for (int m = 0; m < added; ++m) {
-            const auto& p = places[static_cast<std::size_t>(m)];
-            const int i = from[static_cast<std::size_t>(m)], to = n_ + m;
-            g0(to) = p[0];
-            g1(to) = p[1];
-            g2(to) = p[2];
-            new_source(to) = sources(i);
-            new_id(to) = ids(i);
-            new_image(to) = images(i) * 512 + code;
-        }
-        Kokkos::deep_copy(x_[0], g0);
-        Kokkos::deep_copy(x_[1], g1);
-        Kokkos::deep_copy(x_[2], g2);
-        Kokkos::deep_copy(source_, new_source);
-        Kokkos::deep_copy(id_, new_id);
-        Kokkos::deep_copy(image_, new_image);
-        n_ += added;
-        code = code < 500 ? code + 1 : code;
-    }
 }
 
 void PointBuilder::mirror_at_walls(const Lattice& lattice, double support, int axis) {
@@ -226,10 +161,9 @@ void PointBuilder::order_bins() {
     });
 }
 
-const Points& PointBuilder::build(const ParticleStore& store, const Lattice& lattice, const CellBox& window,
-                                  double support, const Solids* solids) {
-    take_particles(store);
-    if (solids != nullptr) mirror_in_solids(*solids, support, lattice, window);
+const Points& PointBuilder::build(const ParticleStore& store, int image_field, const Lattice& lattice, const CellBox& window,
+                                  double support) {
+    take_particles(store, image_field);
     for (int k = 0; k < lattice.dimensions; ++k) mirror_at_walls(lattice, support, k);
     sort_into_bins(lattice, window);
     return points_;

@@ -1,7 +1,6 @@
 #pragma once
 #include "kokkos/particle_store.hpp"
 #include "surface/lattice.hpp"
-#include "surface/solids.hpp"
 
 namespace treacle::surface {
 
@@ -22,14 +21,13 @@ struct Points {
 // Builds the points. Kept between frames for its arrays.
 class PointBuilder {
 public:
-    // `window`: this rank's tiles and a layer around them. `support`: of the kernel [m]. `support_cells`: the same in
-    // lattice cells, along each axis.
-    const Points& build(const ParticleStore& store, const Lattice& lattice, const CellBox& window, double support,
-                        const Solids* solids);
+    // `window`: this rank's tiles and a layer around them. `support`: of the kernel [m]. `image_field`: not 0 for images in
+    // solids (solid_images.hpp).
+    const Points& build(const ParticleStore& store, int image_field, const Lattice& lattice, const CellBox& window,
+                        double support);
 
     // Kernels (public for nvcc).
-    void take_particles(const ParticleStore& store);
-    void mirror_in_solids(const Solids& solids, double support, const Lattice& lattice, const CellBox& window);
+    void take_particles(const ParticleStore& store, int image_field);
     void mirror_at_walls(const Lattice& lattice, double support, int axis);
     void sort_into_bins(const Lattice& lattice, const CellBox& window);
     void order_bins();

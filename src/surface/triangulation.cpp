@@ -106,7 +106,7 @@ void Triangulation::mark_vertices(const View& view, const Array<int>& tiles, int
             const bool inside = view.field.value(at) > 0;
             for (int k = 0; k < l.dimensions; ++k) {
                 if (inside && (node[k] == l.lo[k] || node[k] == l.hi[k])) bits |= 1 << cut_bit;
-                if (node[k] == l.hi[k]) continue;
+                if (node[k] == l.hi[k] || node[k] == view.cells.hi[k]) continue; // no cell has the edge
                 ++node[k];
                 if ((view.field.at(node) > 0) != inside) bits |= 1 << k;
                 --node[k];

@@ -105,9 +105,7 @@ double edge_width(const cv::Mat& picture, const Points& points, const Board& boa
     return widest;
 }
 
-enum class Effort { quick, thorough };
-
-Points find_corners(const cv::Mat& picture, const Board& board, Effort effort) {
+Points find_corners(const cv::Mat& picture, const Board& board) {
     const double scale = std::min(1.0, double(largest_search) / std::max(picture.cols, picture.rows));
     cv::Mat small = picture;
     if (scale < 1) cv::resize(picture, small, {}, scale, scale, cv::INTER_AREA);
@@ -115,7 +113,7 @@ Points find_corners(const cv::Mat& picture, const Board& board, Effort effort) {
     Points points;
     const int flags = cv::CALIB_CB_ADAPTIVE_THRESH | cv::CALIB_CB_NORMALIZE_IMAGE;
     if (!cv::findChessboardCorners(small, size, points, flags | cv::CALIB_CB_FAST_CHECK) &&
-        (effort == Effort::quick || !cv::findChessboardCornersSB(small, size, points, cv::CALIB_CB_NORMALIZE_IMAGE)))
+        !cv::findChessboardCornersSB(small, size, points, cv::CALIB_CB_NORMALIZE_IMAGE))
         return {};
     if (scale < 1) {
         refine(small, points, board, {});
@@ -194,12 +192,10 @@ std::vector<Vec3> board_points(const Board& board) {
     return out;
 }
 
-namespace {
-
-std::optional<BoardView> find(const Photo& photo, const Board& board, const BoardSearch& search, Effort effort) {
+std::optional<BoardView> find_board(const Photo& photo, const Board& board, const BoardSearch& search) {
     const cv::Mat picture = matrix_of(photo);
     const bool chessboard = board.kind == BoardKind::chessboard;
-    Points points = chessboard ? find_corners(picture, board, effort) : find_circles(picture, board);
+    Points points = chessboard ? find_corners(picture, board) : find_circles(picture, board);
     if (points.size() != std::size_t(board.count()) || !is_inside(points, picture)) return {};
     BoardView view;
     if (chessboard) {
@@ -214,24 +210,13 @@ std::optional<BoardView> find(const Photo& photo, const Board& board, const Boar
     return view;
 }
 
-} // namespace
-
-std::optional<BoardView> find_board(const Photo& photo, const Board& board, const BoardSearch& search) {
-    return find(photo, board, search, Effort::thorough);
-}
-
-std::optional<Board> find_other_size(const Photo& photo, const Board& board, OtherSizes sizes) {
-    std::vector<std::array<int, 2>> changes{{2, 0}, {0, 2}, {1, 1}, {1, 0}, {0, 1}};
-    if (sizes == OtherSizes::all)
-        for (const auto& [columns, rows] : std::vector<std::array<int, 2>>{{1, -1}, {-1, 1}, {-1, 0}, {0, -1}, {-1, -1}, {-2, 0}, {0, -2}})
-            changes.push_back({columns, rows});
-    for (const auto& [columns, rows] : changes) {
-        Board other = board;
-        other.columns += columns;
-        other.rows += rows;
-        if (other.columns > 2 && other.rows > 2 && find(photo, other, {}, Effort::quick)) return other;
-    }
-    return {};
+std::optional<std::array<int, 2>> size_of_chessboard(const Photo& photo) {
+    cv::Mat picture = matrix_of(photo), size;
+    const double scale = std::min(1.0, double(largest_search) / std::max(picture.cols, picture.rows));
+    if (scale < 1) cv::resize(picture, picture, {}, scale, scale, cv::INTER_AREA);
+    Points points;
+    if (!cv::findChessboardCornersSB(picture, {4, 3}, points, cv::CALIB_CB_LARGER | cv::CALIB_CB_NORMALIZE_IMAGE, size)) return {};
+    return std::array<int, 2>{std::max(size.cols, size.rows), std::min(size.cols, size.rows)};
 }
 
 } // namespace treacle::video

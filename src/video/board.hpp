@@ -56,9 +56,8 @@ struct BoardSearch {
 // Points to sub-pixel accuracy; nothing where the board is not seen as a whole.
 std::optional<BoardView> find_board(const Photo& photo, const Board& board, const BoardSearch& search = {});
 
-// Another size of the board that is seen in the picture, by up to two rows or columns off: larger ones, of which the
-// board given is a part, first, then, with `all`, others.
-enum class OtherSizes { larger, all };
-std::optional<Board> find_other_size(const Photo& photo, const Board& board, OtherSizes sizes);
+// Numbers of inner corners of the chessboard in a picture, whatever its size, the larger one first; nothing where there is
+// none of at least 4 x 3.
+std::optional<std::array<int, 2>> size_of_chessboard(const Photo& photo);
 
 } // namespace treacle::video

@@ -3,6 +3,7 @@
 #include "base/error.hpp"
 #include "base/text.hpp"
 #include "video/camera_matrix.hpp"
+#include "video/contour_noise.hpp"
 #include "video/pose_algebra.hpp"
 #include "video/vector.hpp"
 
@@ -13,7 +14,8 @@ namespace treacle::video {
 
 namespace {
 
-constexpr int rounds = 30;
+constexpr int rounds = 22, last_rounds = 3; // the last ones with correlated errors
+constexpr double coarse_correlation = 25;    // [points] of the rounds before
 constexpr double narrowest = 4;   // [pixels] of the search, or five deviations
 constexpr double tukey = 4.685;   // deviations beyond which a point has no weight
 constexpr double floor_noise = 0.1; // [pixels] of outlines of masks
@@ -121,26 +123,16 @@ Normal equations(const scene::CameraModel& camera, const std::vector<ContourPoin
     return out;
 }
 
-// Number of neighbouring points that count as one: 1 + 2 sum of the autocorrelation up to its first small value.
-double correlated_points(const std::vector<ContourPoint>& contour, const std::vector<Match>& matches, double deviation) {
-    constexpr std::size_t longest = 200;
-    std::vector<double> products(longest, 0.0), counts(longest, 0.0);
-    for (std::size_t i = 0; i < matches.size(); ++i)
-        for (std::size_t lag = 0; lag < longest && i + lag < matches.size(); ++lag) {
-            const auto &a = matches[i], &b = matches[i + lag];
-            if (contour[a.point].piece != contour[b.point].piece) break;
-            const double w = (weight_of(a.displacement, deviation) > 0 && weight_of(b.displacement, deviation) > 0) ? 1 : 0;
-            products[lag] += w * a.displacement * b.displacement;
-            counts[lag] += w;
-        }
-    const double variance = products[0] / std::max(counts[0], 1.0);
-    double sum = 1;
-    for (std::size_t lag = 1; lag < longest && counts[lag] > 0; ++lag) {
-        const double rho = products[lag] / counts[lag] / std::max(variance, 1e-300);
-        if (rho < 0.05) break;
-        sum += 2 * rho;
+// The equations of the points that fit, for the estimate with correlated errors.
+std::vector<OutlineEquation> fitting_equations(const scene::CameraModel& camera, const std::vector<ContourPoint>& contour,
+                                               const std::vector<Match>& matches, double deviation) {
+    std::vector<OutlineEquation> out;
+    for (const auto& match : matches) {
+        if (std::abs(match.displacement) > 4 * deviation) continue;
+        const auto& point = contour[match.point];
+        out.push_back({match.displacement, cv::Matx<double, 1, 2>(point.normal[0], point.normal[1]) * pixel_jacobian(camera, match.foot), point.pixel, point.normal});
     }
-    return sum;
+    return out;
 }
 
 PoseMatrix prior_of(const CameraRecord& start, const ContourPoseOptions& options) {
@@ -167,38 +159,39 @@ ContourPose refine_on_contour(const CameraRecord& given, const SeenSolid& solid,
     ContourPose out;
     auto& pose = out.estimate.pose = *start.pose;
     out.overlap_before = overlap(look_at(unchecked_camera(start.lens, pose), {solid}).mask(), silhouette.mask);
-    double search = options.search, deviation = search, pieces = 1;
+    double search = options.search, deviation = search;
     std::vector<Match> matches;
     Normal normal;
+    OutlineFit fit;
     for (int round = 0; round < rounds; ++round) {
         const auto camera = unchecked_camera(start.lens, pose);
         // Far from the end a part of the outline will do.
-        const bool fine = round + 12 > rounds;
+        const bool fine = round + last_rounds >= rounds;
         matches = match_outlines(camera, solid, contour, search, fine ? 1 : std::max<std::size_t>(1, contour.size() / 150));
         if (matches.size() < 20)
             throw InputError({silhouette.name, "the outline of " + solid.name + " lies nowhere near that of the silhouette",
                               "the pose is too far off, or the frame shows something else", "look at the overlay; give a better pose by points"});
         deviation = spread_of(matches);
-        pieces = fine ? correlated_points(contour, matches, deviation) : 25;
-        normal = equations(camera, contour, matches, deviation, round + 1 == rounds && start.covariance.has_value());
-        const PoseMatrix data = (1 / (deviation * deviation * pieces)) * normal.information;
-        const PoseVector from_start = change_between(*start.pose, pose);
-        const cv::Matx<double, 6, 1> pull = prior * from_start;
-        cv::Matx<double, 6, 1> gradient;
-        for (int i = 0; i < 6; ++i) gradient(i) = normal.gradient[i] / (deviation * deviation * pieces) - pull(i);
-        out.estimate.covariance = covariance_of(inverse(data + prior));
-        if (round + 1 == rounds) break;
-        const cv::Matx<double, 6, 1> step = inverse(data + prior) * gradient;
-        pose = changed(pose, PoseVector(step.val));
-        search = std::max({0.75 * search, narrowest, 5 * deviation});
-        search = std::min(search, options.search);
+        const PoseVector to_start = change_between(pose, *start.pose);
+        if (fine) {
+            fit = fit_outline(fitting_equations(camera, contour, matches, deviation), prior, to_start);
+            normal = equations(camera, contour, matches, deviation, start.covariance.has_value());
+            if (round + 1 < rounds) pose = changed(pose, fit.change);
+        } else {
+            normal = equations(camera, contour, matches, deviation, false);
+            const double variance = deviation * deviation * coarse_correlation;
+            const cv::Matx<double, 6, 1> step =
+                inverse((1 / variance) * normal.information + prior) * ((1 / variance) * normal.gradient + PoseVector((prior * to_start).val));
+            pose = changed(pose, PoseVector(step.val));
+        }
+        search = std::min(std::max({0.75 * search, narrowest, 5 * deviation}), options.search);
     }
+    PoseMatrix covariance = fit.covariance;
     if (start.covariance) {
-        const cv::Matx<double, 6, 12> by_lens =
-            (1 / (deviation * deviation * pieces)) * matrix_of(out.estimate.covariance) * normal.across;
-        out.estimate.covariance = covariance_of(
-            matrix_of(out.estimate.covariance) + by_lens * cv::Matx<double, 12, 12>(start.covariance->values.data()) * by_lens.t());
+        const cv::Matx<double, 6, 12> by_lens = inverse(normal.information) * normal.across;
+        covariance += by_lens * cv::Matx<double, 12, 12>(start.covariance->values.data()) * by_lens.t();
     }
+    out.estimate.covariance = covariance_of(covariance);
     std::size_t fitting = 0;
     double squares = 0, weights = 0;
     for (const auto& match : matches) {
@@ -207,10 +200,11 @@ ContourPose refine_on_contour(const CameraRecord& given, const SeenSolid& solid,
         squares += w * match.displacement * match.displacement;
         weights += w;
     }
-    out.estimate.noise = deviation;
+    out.estimate.noise = std::max(fit.deviation, 0.0);
     out.estimate.rms = std::sqrt(squares / std::max(weights, 1e-300));
     out.mean = normal.mean;
-    out.correlation = pieces;
+    out.correlation = fit.correlation;
+    out.pieces = fit.pieces;
     out.points = contour.size();
     out.fitting = double(fitting) / double(contour.size());
     out.overlap_after = overlap(look_at(unchecked_camera(start.lens, pose), {solid}).mask(), silhouette.mask);

@@ -11,9 +11,10 @@ struct ContourPoseOptions {
 };
 
 struct ContourPose {
-    PoseEstimate estimate;      // `noise`: [pixels] robust deviation of the signed displacements
+    PoseEstimate estimate;      // `noise`: [pixels] deviation of the signed displacements
     double mean = 0;            // [pixels] signed displacement that is left, the solid's outline outside of the picture's: > 0
-    double correlation = 0;     // [pixels] along the outline over which displacements are alike
+    double correlation = 0;     // [pixels] over which displacements are alike
+    double pieces = 0;          // number of independent pieces that the outline counts as
     double fitting = 0;         // fraction of the outline that the solid explains
     double overlap_before = 0, overlap_after = 0; // intersection over union of both silhouettes
     std::size_t points = 0;
@@ -21,11 +22,9 @@ struct ContourPose {
 
 // Refines a pose such that the outline of a solid, projected, meets that of a silhouette: iterated closest points along
 // the normals of the silhouette's outline, within a search that narrows, each round a Gauss-Newton step in signed
-// displacements with Tukey's weights and the start's covariance as a prior.
-//
-// Covariance: (J^T W J / (s^2 l) + prior^-1)^-1 with s the robust deviation of the displacements and l the number of
-// neighbouring points over which they are correlated (twice their integrated autocorrelation): the outline counts as
-// independent pieces, never as independent pixels.
+// displacements with Tukey's weights and the start's covariance as a prior. The last rounds and the covariance take the
+// errors as correlated along the outline, over a length that follows from the residuals (contour_noise.hpp): it counts as
+// independent pieces, never as independent pixels. The covariance of the lens counts as well.
 //
 // InputError for a silhouette of another size than the camera's pictures, and where less than a fifth of the outline finds
 // the solid's.

@@ -124,6 +124,7 @@ TEST(Surface, OfABlockLiesOnFloorAndWalls) {
         return wall ? 0 : front ? std::abs(x[0] - 6) : top ? std::abs(x[2] - 5) : 0;
     });
     EXPECT_LT(off, 0.1);
+    RecordProperty("block_off_spacings", std::to_string(off));
     for (double& t : touching) t = Comm::world().max(t);
     EXPECT_EQ(touching[0] + touching[1] + touching[2], 3);
 }
@@ -135,6 +136,8 @@ TEST(Surface, OfALayerAtRestIsFlat) {
         const auto made = make(cloud, box({0, 0, 0}, {12, 12, 12}));
         const double off = worst(made.mesh, [&](const Vec3& x, std::size_t) { return x[2] > 4.5 && x[0] > 0.1 && x[0] < 11.9 && x[1] > 0.1 && x[1] < 11.9 ? std::abs(x[2] - 6) : 0; });
         EXPECT_LT(off, jitter == 0 ? 0.02 : 0.35);
+        RecordProperty(jitter == 0 ? "layer_off_spacings" : "disordered_layer_off_spacings", std::to_string(off));
+        RecordProperty(jitter == 0 ? "layer_mean_height_off" : "disordered_layer_mean_height_off", std::to_string(made.summary.volume / 144 - 6));
         EXPECT_NEAR(made.summary.volume, 12 * 12 * 6, 12 * 12 * (jitter == 0 ? 0.01 : 0.03));
     }
 }
@@ -206,10 +209,15 @@ TEST(Surface, DoesNotDependOnTheRanks) {
     auto domain = box({-14, -14, -10}, {14, 14, 10});
     domain.sides[0] = domain.sides[1] = Side::periodic;
     domain.sides[5] = Side::open;
-    const auto made = make(cloud, domain);
+    scene::Shape post;
+    post.min = {3, -3, -10};
+    post.max = {5, 2, -7};
+    Solids solids;
+    solids.bodies.push_back({scene::SolidRegion(post)});
+    const auto made = make(cloud, domain, options(), solids);
     EXPECT_TRUE(closed(world, made.mesh));
     Mesher alone(Comm::self(), domain, options());
-    const auto& whole = alone.build(cloud.rows());
+    const auto& whole = alone.build(cloud.rows(), solids);
     EXPECT_EQ(made.mesh.total_vertices, whole.total_vertices);
     EXPECT_EQ(made.mesh.total_triangles, whole.total_triangles);
     EXPECT_EQ(made.summary.volume, alone.summary().volume);
