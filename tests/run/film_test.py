@@ -22,7 +22,7 @@ liquids:
   - {name: syrup, density: 1000, viscosity: 5, shapes: [{box: {min: [0, 0, 0], max: [0.12, 0.2, 0.2]}}]}
 bodies:
   - {name: post, shape: {box: {min: [0.2, 0.02, 0], max: [0.24, 0.06, 0.25]}}}
-time: {end: 0.2 s}
+time: {end: 0.12 s}
 output: {interval: 20 ms}
 cameras:
   - {name: front, width: 320, height: 240, position: [0.2, -0.9, 0.2], target: [0.2, 0.1, 0.12]}
@@ -65,16 +65,16 @@ class Film(Workplace):
         self.run_scene("block.yaml", "run", 2, {})
         options = ["--rate", 24, "--lead", 0.25, "--codec", "lossless", "--exposure", 0.01, "--readout", 0.01]
         self.treacle("film", "run", "--out", "one", *options)
-        self.treacle("film", "run", "--out", "three", *options, ranks=3)
-        self.assertEqual(sorted(os.listdir(self.path("one"))), sorted(os.listdir(self.path("three"))))
+        self.treacle("film", "run", "--out", "two", *options, ranks=2)
+        self.assertEqual(sorted(os.listdir(self.path("one"))), sorted(os.listdir(self.path("two"))))
         for name in os.listdir(self.path("one")):
-            self.assertEqual(self.content("one", name), self.content("three", name), name)
+            self.assertEqual(self.content("one", name), self.content("two", name), name)
         with open(self.path("one", "film.json")) as file:
             self.assertEqual(json.load(file)["camera"]["width"], 320)
         rows = self.rows("one/film.csv")
         self.treacle("silhouettes", "one/film.mp4", "--out", "found")
         last, seen = self.masks("one", len(rows))[-1] > 0, self.masks("found", len(rows))[-1] > 0
-        self.assertGreater(last.sum(), 3000)
+        self.assertGreater(last.sum(), 1500)
         self.assertGreater(numpy.logical_and(last, seen).sum() / numpy.logical_or(last, seen).sum(), 0.97)
 
     def test_bad_options_leave_nothing(self):
