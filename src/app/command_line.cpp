@@ -542,7 +542,7 @@ CommandLine read_command_line(const Words& arguments) {
     try {
         program.parse(std::move(words));
     } catch (const CLI::CallForHelp&) {
-        return {"", print(used().help(&used() == &program ? "" : "treacle " + used().get_name()))};
+        return {"", print(used().help(&used() == &program ? "" : std::string("treacle")))};
     } catch (const CLI::ParseError& error) {
         throw explain(used(), error);
     }
