@@ -71,6 +71,22 @@ KOKKOS_INLINE_FUNCTION void link_edges(const double value[8], int next[12]) {
     }
 }
 
+// Takes the polygons out of next[12]: calls add(edge) for each edge of one in turn, then end().
+template <class Add, class End>
+KOKKOS_INLINE_FUNCTION void follow_polygons(int next[12], const Add& add, const End& end) {
+    for (int e = 0; e < 12; ++e) {
+        if (next[e] < 0) continue;
+        int at = e;
+        do {
+            add(at);
+            const int to = next[at];
+            next[at] = -1;
+            at = to;
+        } while (at != e);
+        end();
+    }
+}
+
 // Triangles of one polygon, shortest in the sum of their diagonals, none of which lies in a face of the cell: a diagonal
 // there could be the other cell's as well, and an edge of four triangles. Returns their number; -1 when there is no such
 // triangulation. `length(i, j)`: of the diagonal between two vertices of the polygon.

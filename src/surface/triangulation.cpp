@@ -117,6 +117,22 @@ void Triangulation::mark_vertices(const View& view, const Array<int>& tiles, int
     });
 }
 
+namespace {
+// link_edges() of a cell of the lattice; false for one that the surface does not pass.
+KOKKOS_INLINE_FUNCTION bool link_cell(const Triangulation::View& view, const int c[3], int next[12]) {
+    double value[8];
+    int signs = 0;
+    for (int k = 0; k < 8; ++k) {
+        const int node[3] = {c[0] + (k & 1), c[1] + (k >> 1 & 1), c[2] + (k >> 2)};
+        value[k] = view.value(node);
+        signs |= (value[k] > 0 ? 1 : 0) << k;
+    }
+    if (signs == 0 || signs == 255) return false;
+    link_edges(value, next);
+    return true;
+}
+} // namespace
+
 // Cells one of whose polygons has no triangulation without a vertex in the middle; one polygon of a cell at most.
 void Triangulation::mark_centres(const View& view, const Array<int>& tiles, int slots) {
     const int per_slot = cells_per_slot(view.lattice.dimensions);
@@ -126,31 +142,17 @@ void Triangulation::mark_centres(const View& view, const Array<int>& tiles, int 
         int tile[3], c[3];
         view.field.window.cell(tiles(static_cast<int>(item / per_slot)), tile);
         if (!view.cell(tile, static_cast<int>(item % per_slot), c) || view.lattice.outside(c)) return;
-        double value[8];
-        int signs = 0;
-        for (int k = 0; k < 8; ++k) {
-            const int node[3] = {c[0] + (k & 1), c[1] + (k >> 1 & 1), c[2] + (k >> 2)};
-            value[k] = view.value(node);
-            signs |= (value[k] > 0 ? 1 : 0) << k;
-        }
-        if (signs == 0 || signs == 255) return;
-        int next[12];
-        link_edges(value, next);
-        for (int e = 0; e < 12; ++e) {
-            if (next[e] < 0) continue;
-            int n = 0, faces[12], at = e;
-            do {
-                faces[n++] = edge_faces(at);
-                const int to = next[at];
-                next[at] = -1;
-                at = to;
-            } while (at != e);
+        int next[12], n = 0, faces[12];
+        if (!link_cell(view, c, next)) return;
+        follow_polygons(next, [&](int edge) { faces[n++] = edge_faces(edge); }, [&] {
             int triangles[10][3];
-            if (n < 8 || triangulate_polygon(n, faces, [](int, int) { return 1.0; }, triangles) >= 0) continue;
-            const std::int64_t node = std::int64_t(view.field.slot(c)) * view.field.nodes() + view.field.local(c);
-            mask(node) |= 1 << centre_bit;
-            first(node) = bits_below(mask(node), 5);
-        }
+            if (n >= 8 && triangulate_polygon(n, faces, [](int, int) { return 1.0; }, triangles) < 0) {
+                const std::int64_t node = std::int64_t(view.field.slot(c)) * view.field.nodes() + view.field.local(c);
+                mask(node) |= 1 << centre_bit;
+                first(node) = bits_below(mask(node), 5);
+            }
+            n = 0;
+        });
     });
 }
 
@@ -210,31 +212,18 @@ namespace {
 // Calls visit(polygon) for each polygon of a cell.
 template <class Visit>
 KOKKOS_INLINE_FUNCTION void for_each_polygon(const Triangulation::View& view, const int c[3], const Visit& visit) {
-    double value[8];
-    int signs = 0;
-    for (int k = 0; k < 8; ++k) {
-        const int node[3] = {c[0] + (k & 1), c[1] + (k >> 1 & 1), c[2] + (k >> 2)};
-        value[k] = view.value(node);
-        signs |= (value[k] > 0 ? 1 : 0) << k;
-    }
-    if (signs == 0 || signs == 255) return;
     int next[12];
-    link_edges(value, next);
-    for (int e = 0; e < 12; ++e) {
-        if (next[e] < 0) continue;
-        Polygon polygon;
-        int at = e;
-        do {
-            const int corner = edge_corner(at);
-            const int node[3] = {c[0] + (corner & 1), c[1] + (corner >> 1 & 1), c[2] + (corner >> 2)};
-            polygon.add(view.edge_vertex(node, at / 4), edge_faces(at));
-            const int to = next[at];
-            next[at] = -1;
-            at = to;
-        } while (at != e);
+    if (!link_cell(view, c, next)) return;
+    Polygon polygon;
+    follow_polygons(next, [&](int edge) {
+        const int corner = edge_corner(edge);
+        const int node[3] = {c[0] + (corner & 1), c[1] + (corner >> 1 & 1), c[2] + (corner >> 2)};
+        polygon.add(view.edge_vertex(node, edge / 4), edge_faces(edge));
+    }, [&] {
         polygon.close();
         if (polygon.n >= 3) visit(polygon);
-    }
+        polygon = Polygon();
+    });
 }
 
 // Segments of a cell in 2D: each from a vertex to the next with the liquid on its left.

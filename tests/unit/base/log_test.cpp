@@ -1,17 +1,12 @@
+#include "file_content.hpp"
 #include "base/log.hpp"
 
 #include <gtest/gtest.h>
 
-#include <array>
-
 namespace treacle {
 namespace {
 
-std::string content(std::FILE* file) {
-    std::rewind(file);
-    std::array<char, 1000> buffer;
-    return {buffer.data(), std::fread(buffer.data(), 1, buffer.size(), file)};
-}
+using test::content;
 
 TEST(Log, WritesLinesAndWarnings) {
     std::FILE* file = std::tmpfile();

@@ -1,17 +1,13 @@
+#include "file_content.hpp"
 #include "base/progress.hpp"
 
-#include <array>
 #include <gtest/gtest.h>
 #include <regex>
 
 namespace treacle {
 namespace {
 
-std::string content(std::FILE* file) {
-    std::rewind(file);
-    std::array<char, 1000> buffer;
-    return {buffer.data(), std::fread(buffer.data(), 1, buffer.size(), file)};
-}
+using test::content;
 
 TEST(Progress, EndsWithALineForScriptsWhereThereIsNoTerminal) {
     std::FILE* file = std::tmpfile();

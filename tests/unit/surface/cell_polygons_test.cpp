@@ -70,33 +70,27 @@ TEST(CellPolygons, OfNeighboursMeetOnTheirFace) {
 
 TEST(CellPolygons, TrianglesAvoidTheFacesOrTakeOneCentre) {
     for_each_case([](const double value[8]) {
-        int next[12], without = 0;
+        int next[12], faces[12], n = 0, without = 0;
         link_edges(value, next);
-        for (int e = 0; e < 12; ++e) {
-            if (next[e] < 0) continue;
-            int n = 0, faces[12], at = e;
-            do {
-                faces[n++] = edge_faces(at);
-                const int to = next[at];
-                next[at] = -1;
-                at = to;
-            } while (at != e);
+        follow_polygons(next, [&](int edge) { faces[n++] = edge_faces(edge); }, [&] {
+            const int edges = n;
+            n = 0;
             int triangles[10][3];
-            const int count = triangulate_polygon(n, faces, [](int, int) { return 1.0; }, triangles);
+            const int count = triangulate_polygon(edges, faces, [](int, int) { return 1.0; }, triangles);
             if (count < 0) {
                 ++without;
-                EXPECT_GE(n, 8);
-                continue;
+                EXPECT_GE(edges, 8);
+                return;
             }
-            ASSERT_EQ(count, n - 2);
+            ASSERT_EQ(count, edges - 2);
             for (int t = 0; t < count; ++t) {
                 for (int k = 0; k < 3; ++k) {
                     const int i = triangles[t][k], j = triangles[t][(k + 1) % 3];
-                    const bool side = (i + 1) % n == j || (j + 1) % n == i;
+                    const bool side = (i + 1) % edges == j || (j + 1) % edges == i;
                     EXPECT_TRUE(side || (faces[i] & faces[j]) == 0);
                 }
             }
-        }
+        });
         EXPECT_LE(without, 1);
     });
 }

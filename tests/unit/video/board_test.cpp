@@ -1,3 +1,4 @@
+#include "../refusal.hpp"
 #include "../own_folder.hpp"
 #include "base/error.hpp"
 #include "video/board_pictures.hpp"
@@ -16,6 +17,7 @@ using namespace treacle::video;
 namespace fs = std::filesystem;
 
 namespace {
+using test::refusal;
 
 constexpr int width = 640, height = 480;
 
@@ -46,16 +48,7 @@ protected:
         auto board = read_board(text);
         board.spacing = 0.025;
         return find_boards(paths, board, {});
-    }
-    std::string refusal(const std::function<void()>& act) {
-        try {
-            act();
-        } catch (const InputError& error) {
-            return error.what();
-        }
-        return "";
-    }
-    test::OwnFolder folder_;
+    }    test::OwnFolder folder_;
 };
 
 } // namespace

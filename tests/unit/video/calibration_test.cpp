@@ -1,3 +1,4 @@
+#include "../refusal.hpp"
 #include "base/error.hpp"
 #include "shared_data.hpp"
 #include "video/board_pictures.hpp"
@@ -12,6 +13,7 @@ using namespace treacle::scene;
 using namespace treacle::video;
 
 namespace {
+using test::refusal;
 
 Lens true_lens() { return {1280, 720, 1100, 1105, 645, 355, {-0.12, 0.06, 0.0005, -0.0007, -0.01, 0, 0, 0}}; }
 
@@ -49,15 +51,6 @@ std::vector<BoardPicture> pictures(std::size_t count, double noise, unsigned see
         if (inside) out.push_back(picture);
     }
     return out;
-}
-
-std::string refusal(const std::function<void()>& act) {
-    try {
-        act();
-    } catch (const InputError& error) {
-        return error.what();
-    }
-    return "";
 }
 
 } // namespace

@@ -1,3 +1,4 @@
+#include "../refusal.hpp"
 #include "../own_folder.hpp"
 #include "base/error.hpp"
 #include "video/contour_pose.hpp"
@@ -16,6 +17,7 @@ using namespace treacle::scene;
 using namespace treacle::video;
 
 namespace {
+using test::refusal;
 
 Lens some_lens() { return {640, 480, 600, 602, 322, 238, {-0.12, 0.06, 0.0005, -0.0007, -0.01, 0, 0, 0}}; }
 
@@ -85,15 +87,6 @@ double largest_shift(const CameraPose& a, const CameraPose& b) {
         out = std::max(out, std::hypot(first.project(x).x - second.project(x).x, first.project(x).y - second.project(x).y));
     }
     return out;
-}
-
-std::string refusal(const std::function<void()>& act) {
-    try {
-        act();
-    } catch (const InputError& error) {
-        return error.what();
-    }
-    return "";
 }
 
 } // namespace
