@@ -7,7 +7,7 @@
 
 namespace treacle::app {
 
-// What the command line gives; texts are read by calibrate_camera().
+// Arguments of the command line; texts are read by calibrate_camera().
 struct CalibrateRequest {
     // The lens: from pictures of a board, or from a camera file.
     std::vector<std::string> pictures; // files, folders

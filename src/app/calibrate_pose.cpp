@@ -65,7 +65,7 @@ Vec3 read_vector(const std::string& text, const Unit& unit, const std::string& o
     return out;
 }
 
-// Where the points of the board lie in the scene.
+// Positions of the points of the board in the scene.
 std::vector<Vec3> board_places(const std::string& text, const video::Board& board) {
     const std::string option = "--board-in-scene";
     std::vector<std::string> parts{""};

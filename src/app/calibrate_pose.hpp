@@ -5,7 +5,7 @@
 
 namespace treacle::app {
 
-// Whether the request asks for a pose, an overlay or the vertical.
+// True for a request of a pose, an overlay or the vertical.
 bool asks_for_pose(const CalibrateRequest& request);
 
 // Finds the pose that the request asks for, refines it, prints how well it is known, draws the overlay. InputError.

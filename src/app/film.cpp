@@ -174,7 +174,7 @@ private:
     double far_ = 0;
 };
 
-// What rank 0 writes.
+// Files that rank 0 writes.
 class FilmFolder {
 public:
     FilmFolder(const FilmRequest& request, const std::filesystem::path& out, const scene::CameraModel& model)

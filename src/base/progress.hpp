@@ -7,7 +7,7 @@
 
 namespace treacle {
 
-// How far a long command is: a bar on a terminal; elsewhere, at most every 5 s and at the end, a line that scripts read:
+// Progress of a long command: a bar on a terminal; elsewhere, at most every 5 s and at the end, a line that scripts read:
 // "progress TASK done=120 total=300 seconds=12.4 remaining=18.6".
 class Progress {
 public:

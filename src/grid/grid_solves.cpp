@@ -128,7 +128,7 @@ void GridStep::go_back(StepReport& report) {
     pressure_.take_back();
 }
 
-// Whether liquid separates from walls above it in the first projection of a step.
+// Separation from walls above after the first projection of a step; returns whether any cell separates anew. Collective.
 bool GridStep::separates() {
     const auto& gravity = setup_.domain.gravity;
     if (setup_.options.pressure.ceilings == Ceilings::adhere || !(scene::length(gravity) > 0)) return false;

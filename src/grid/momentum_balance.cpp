@@ -50,14 +50,14 @@ struct SumLoop {
     }
 };
 
-// Whether something else than its loads decides how a body moves.
+// True for a body whose motion something else than its loads decides.
 bool is_constrained(const rigid::RigidBodies& bodies, std::size_t b) {
     const auto& setup = bodies.setup();
     if (!bodies.dynamic(b) || std::ranges::any_of(setup.bodies[b].locked, [](bool is) { return is; })) return true;
     return std::ranges::any_of(setup.joints, [b](const auto& joint) { return joint.body == b || joint.other == static_cast<int>(b); });
 }
 
-// What hangs together on this rank, cells and bodies, and the least number in each set over all ranks.
+// Connected cells and bodies on this rank, and the least number in each set over all ranks.
 struct Labels {
     DisjointSets sets;
     std::vector<double> label; // [members], of the least member of a set
