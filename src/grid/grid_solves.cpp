@@ -130,14 +130,16 @@ void GridStep::go_back(StepReport& report) {
 
 // Separation from walls above after the first projection of a step; returns whether any cell separates anew. Collective.
 bool GridStep::separates() {
-    const auto& gravity = setup_.domain.gravity;
-    if (setup_.options.pressure.ceilings == Ceilings::adhere || !(scene::length(gravity) > 0)) return false;
     return separation_.find(comm_, {cells_halo_, pressure_.system(), pressure_.pressures(), distance_,
-                                    pressure_.components().closed_rows(), gravity, grid_.dx});
+                                    pressure_.components().closed_rows(), setup_.domain.gravity, grid_.dx});
 }
 
 // (P), (L)
 void GridStep::project_first(StepReport& report, double dt) {
+    if (setup_.options.pressure.ceilings == Ceilings::adhere || !(scene::length(setup_.domain.gravity) > 0)) {
+        project(report, dt, Pressure::Surface::tense);
+        return;
+    }
     keep_start(report);
     project(report, dt, Pressure::Surface::tense);
     for (int pass = 1; pass <= most_separations && separates(); ++pass) {
