@@ -11,14 +11,17 @@
 #include "app/manual.hpp"
 #include "app/render.hpp"
 #include "app/run.hpp"
+#include "app/study_commands.hpp"
 #include "app/video_commands.hpp"
 #include "base/text.hpp"
 #include "base/units.hpp"
 #include "scene/materials.hpp"
+#include "study/study.hpp"
 
 #include <CLI/CLI.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cstdio>
 #include <memory>
 
@@ -33,6 +36,7 @@ using Command = std::function<ExitCode(const Comm&)>;
 struct Chosen {
     std::string petsc;
     std::function<Command()> make;
+    std::function<ExitCode()> alone; // in the place of the command, without MPI
 };
 
 Command print(const std::string& text) {
@@ -72,7 +76,7 @@ struct SourceWords {
     Words overrides, data;
 
     InputSource source(const Comm& comm) const {
-        return {find_scene(comm, scene), overrides, {data.begin(), data.end()}};
+        return {find_scene(comm, scene), overrides, {data.begin(), data.end()}, {}};
     }
 };
 
@@ -173,15 +177,17 @@ void add_check(CLI::App& program, Chosen& chosen) {
 void add_manuals(CLI::App& program, Chosen& chosen) {
     struct SchemaWords {
         std::string key;
-        bool json = false;
+        bool json = false, study = false;
     };
     auto words = std::make_shared<SchemaWords>();
     auto& app = *program.add_subcommand("schema", "The manual of the scene file.");
     auto* key =
         app.add_option("key", words->key, "One key or block, such as liquids.viscosity")->type_name("KEY");
     app.add_flag("--json", words->json, "A JSON Schema, for editors")->excludes(key);
+    app.add_flag("--study", words->study, "Of the study file, in the place of the scene's");
     app.callback([words, &chosen] {
         chosen.make = [words]() -> Command {
+            if (words->study) return print(words->json ? study::study_schema() : study::study_manual(words->key));
             return print(words->json ? schema_json() : schema_text(words->key));
         };
     });
@@ -454,6 +460,8 @@ void add_commands(CLI::App& program, Chosen& chosen, const Words& arguments) {
     add_info(program, chosen);
     add_export(program, chosen);
     add_render(program, chosen);
+    add_study_commands(program, {[&chosen](std::function<Command()> make) { chosen.make = std::move(make); },
+                                 [&chosen](std::function<ExitCode()> alone) { chosen.alone = std::move(alone); }});
     add_video_commands(program, [&chosen](std::function<Command()> make) { chosen.make = std::move(make); });
     add_calibrate(program, chosen);
     add_bench(program, chosen);
@@ -528,7 +536,7 @@ CommandLine read_command_line(const Words& arguments) {
     bool version = false;
     program.add_flag("--version", version, "Version of the program, its sources, compiler and libraries");
     add_commands(program, chosen, arguments);
-    if (arguments.size() < 2) return {"", print(program.help())};
+    if (arguments.size() < 2) return {"", print(program.help()), {}};
     auto words = join_values({arguments.begin() + 1, arguments.end()});
     const auto known = command_names(program);
     if (words.front().front() != '-' && std::ranges::find(known, words.front()) == known.end()) {
@@ -542,13 +550,18 @@ CommandLine read_command_line(const Words& arguments) {
     try {
         program.parse(std::move(words));
     } catch (const CLI::CallForHelp&) {
-        return {"", print(used().help(&used() == &program ? "" : std::string("treacle")))};
+        return {"", print(used().help(&used() == &program ? "" : std::string("treacle"))), {}};
     } catch (const CLI::ParseError& error) {
         throw explain(used(), error);
     }
-    if (version) return {"", [](const Comm& comm) { return print(version_text())(comm); }};
-    if (!chosen.make) return {"", print(program.help())};
-    return {chosen.petsc, chosen.make()};
+    if (version) return {"", [](const Comm& comm) { return print(version_text())(comm); }, {}};
+    if (!chosen.make) return {"", print(program.help()), {}};
+    return {chosen.petsc, chosen.make(), chosen.alone};
+}
+
+bool may_go_alone(const Words& arguments) {
+    constexpr std::array names{"sweep", "study"};
+    return arguments.size() > 1 && std::ranges::find(names, arguments[1]) != names.end();
 }
 
 } // namespace treacle::app

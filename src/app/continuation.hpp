@@ -10,11 +10,6 @@ namespace treacle::app {
 // checkpoint belongs to all inputs of one hash.
 std::string state_hash(Input input);
 
-// A change of an input: "time.end=20 s", and what asked for it: "--until 20 s", "--set time.end=20 s".
-struct Change {
-    std::string assignment, origin;
-};
-
 // The input of a run that goes on, from the text of its effective.yaml. Throws InputError, as parse() and for changes of
 // what the state or the tables of the run depend on.
 Input continued_input(const std::string& text, const std::string& name, const std::vector<Change>& changes);

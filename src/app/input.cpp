@@ -29,6 +29,7 @@ void MethodOptions::declare(Declaration& d) {
 Input load_input(const InputSource& source) {
     auto document = Document::load(source.scene);
     for (const auto& assignment : source.overrides) document.set(assignment);
+    for (const auto& change : source.changes) document.set(change.assignment, change.origin);
     Input input;
     parse(document, input);
     return input;

@@ -18,11 +18,17 @@ struct Input {
     void declare(Declaration& d);
 };
 
-// Where an input comes from, as the command line gives it.
+// A change of an input: "time.end=20 s", and what asked for it: "--until 20 s", "study.yaml:12: viscosity".
+struct Change {
+    std::string assignment, origin;
+};
+
+// Where an input comes from, as the command line or a study gives it.
 struct InputSource {
     std::filesystem::path scene;
-    std::vector<std::string> overrides;               // "a.b.c=value"
+    std::vector<std::string> overrides;               // "a.b.c=value", of --set
     std::vector<std::filesystem::path> data_folders;  // of --data; TREACLE_DATA is added
+    std::vector<Change> changes;                      // after the overrides
 };
 
 // Reads and validates; throws InputError with all problems.

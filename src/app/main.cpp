@@ -1,11 +1,13 @@
 #include "app/command_line.hpp"
 #include "app/end_together.hpp"
+#include "app/study_commands.hpp"
 #include "kokkos/runtime.hpp"
 #include "solve/runtime.hpp"
 
 #include <csignal>
 #include <cstdio>
 #include <cstring>
+#include <new>
 #include <optional>
 
 namespace {
@@ -45,11 +47,32 @@ ExitCode run_program(const Comm& comm, const std::vector<std::string>& arguments
     });
 }
 
+// A study outside of MPI starts each of its runs as a process of its own. Nothing when the command needs MPI, or is
+// started on ranks.
+std::optional<ExitCode> run_alone(const std::vector<std::string>& arguments) {
+    if (app::started_on_ranks() || !app::may_go_alone(arguments)) return {};
+    try {
+        const auto line = app::read_command_line(arguments);
+        if (!line.alone) return {};
+        return line.alone();
+    } catch (const Error& error) {
+        std::fprintf(stderr, "%s\n", error.what());
+        return error.code();
+    } catch (const std::bad_alloc&) {
+        std::fprintf(stderr, "out of memory\n");
+        return ExitCode::out_of_memory;
+    } catch (const std::exception& error) {
+        std::fprintf(stderr, "%s\n", error.what());
+        return ExitCode::simulation_failed;
+    }
+}
+
 } // namespace
 
 int main(int argc, char** argv) {
-    const MpiRuntime mpi(argc, argv);
     std::signal(SIGPIPE, SIG_IGN); // a reader of the output that goes away does not end a run
+    if (const auto code = run_alone({argv, argv + argc})) return static_cast<int>(*code);
+    const MpiRuntime mpi(argc, argv);
     const Comm comm = Comm::world();
     std::vector<std::string> arguments;
     std::vector<char*> of_kokkos;

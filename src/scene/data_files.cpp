@@ -3,6 +3,7 @@
 #include "base/error.hpp"
 
 #include <cstdlib>
+#include <set>
 #include <utility>
 
 namespace treacle::scene {
@@ -72,15 +73,32 @@ void resolve(Shape& shape, const std::vector<fs::path>& search_path, Outcome& ou
     }
 }
 
+// Every shape of a scene, not their parts.
+template <class S, class F>
+void for_each_shape(S& scene, const F& look) {
+    for (auto& liquid : scene.liquids) {
+        for (auto& shape : liquid.shapes) look(shape);
+        for (auto& part : liquid.viscosity_regions) look(part.shape);
+    }
+    for (auto& body : scene.bodies) look(body.shape);
+}
+
+void add_mesh_files(const Shape& shape, std::set<std::string>& files) {
+    for (const auto& part : shape.parts) add_mesh_files(part, files);
+    if (shape.kind == ShapeKind::mesh) files.insert(shape.file);
+}
+
 } // namespace
+
+std::vector<std::string> mesh_files(const Scene& scene) {
+    std::set<std::string> files;
+    for_each_shape(scene, [&](const Shape& shape) { add_mesh_files(shape, files); });
+    return {files.begin(), files.end()};
+}
 
 std::vector<std::string> resolve_data_files(Scene& scene, const std::vector<fs::path>& search_path) {
     Outcome outcome;
-    for (auto& liquid : scene.liquids) {
-        for (auto& shape : liquid.shapes) resolve(shape, search_path, outcome);
-        for (auto& part : liquid.viscosity_regions) resolve(part.shape, search_path, outcome);
-    }
-    for (auto& body : scene.bodies) resolve(body.shape, search_path, outcome);
+    for_each_shape(scene, [&](Shape& shape) { resolve(shape, search_path, outcome); });
     if (!outcome.missing.empty()) throw InputError(std::move(outcome.missing));
     return outcome.replaced;
 }

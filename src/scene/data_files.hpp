@@ -22,4 +22,7 @@ std::filesystem::path find_data_file(const std::filesystem::path& name,
 std::vector<std::string> resolve_data_files(Scene& scene,
                                             const std::vector<std::filesystem::path>& search_path);
 
+// The files of the scene's meshes, sorted, each once: absolute after resolve_data_files().
+std::vector<std::string> mesh_files(const Scene& scene);
+
 } // namespace treacle::scene

@@ -1,0 +1,95 @@
+#include "app/forward.hpp"
+
+#include "app/run.hpp"
+#include "app/study_scenes.hpp"
+#include "study/forward_files.hpp"
+#include "study/readings.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <sys/resource.h>
+
+namespace treacle::app {
+
+namespace {
+struct Asked {
+    study::ForwardRequest request;
+    study::Study study;
+    std::vector<study::Assignment> assignments;
+    std::filesystem::path scene;
+};
+
+Asked read_asked(const std::filesystem::path& folder) {
+    Asked out;
+    out.request = study::read_request(folder);
+    const auto where = (folder / "params.yaml").string();
+    out.study = study::load_study(out.request.study);
+    const auto scene = std::ranges::find(out.study.scenes, out.request.run.scene, &study::StudyScene::name);
+    std::vector<std::string> names;
+    for (const auto& parameter : out.study.parameters) names.push_back(parameter.name);
+    if (scene == out.study.scenes.end() || names != out.request.parameters) {
+        throw InputError({where, "does not fit " + out.request.study.string(), "the study's scenes or parameters have changed since it was written",
+                          "ask for the runs again"});
+    }
+    out.scene = out.study.scene_file(*scene);
+    out.assignments = study::assignments_of(out.study, *scene, out.request.run.values);
+    const auto key = study::run_key(read_study_scene(out.scene, out.assignments), out.study.runs.ranks, study::program_identity());
+    if (out.request.run.key.empty()) out.request.run.key = key;
+    if (out.request.run.key != key) {
+        throw InputError({where, "asks for another run than its scene gives now", "the scene, a mesh, the study or this program has changed since",
+                          "ask for the runs again"});
+    }
+    return out;
+}
+
+double peak_bytes(const Comm& comm) {
+    struct rusage usage{};
+    getrusage(RUSAGE_SELF, &usage);
+    return comm.sum(1024.0 * double(usage.ru_maxrss));
+}
+
+ExitCode run_asked(const Comm& comm, const std::filesystem::path& folder, const Asked& asked) {
+    const auto start = std::chrono::steady_clock::now();
+    RunRequest request;
+    request.source = source_of(asked.scene, asked.assignments);
+    request.out = folder / "run";
+    request.existing = io::ExistingFiles::overwrite;
+    request.command = {"treacle", "forward", folder.string()};
+    const auto code = run_scene(comm, request);
+    if (code != ExitCode::ok) return code;
+    const double peak = peak_bytes(comm);
+    comm.guard_root([&] {
+        const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+        study::write_result(folder, {asked.request.run.number, asked.request.run.key, study::read_figures(asked.study, folder / "run"), seconds, peak});
+    });
+    return code;
+}
+} // namespace
+
+ExitCode forward_run(const Comm& comm, const std::filesystem::path& folder) {
+    Asked asked;
+    bool done = false;
+    comm.guard([&] {
+        asked = read_asked(folder);
+        if (comm.size() != asked.study.runs.ranks) {
+            throw InputError({folder.string(), "is run on " + std::to_string(comm.size()) + " ranks",
+                              "the study's runs have " + std::to_string(asked.study.runs.ranks) + " (runs.ranks), and digits may differ between numbers of ranks",
+                              "start it with mpiexec -n " + std::to_string(asked.study.runs.ranks) + ", or change the study"});
+        }
+        done = study::read_result(folder, asked.request.run.key).has_value();
+    });
+    if (done) {
+        if (comm.is_root()) std::printf("%s is done\n", folder.c_str());
+        return ExitCode::ok;
+    }
+    comm.guard_root([&] { std::filesystem::remove(folder / "FAIL"); });
+    try {
+        return run_asked(comm, folder, asked);
+    } catch (const Error& error) {
+        if (comm.is_root()) study::write_failure(folder, error.what());
+        throw;
+    }
+}
+
+} // namespace treacle::app

@@ -1,0 +1,83 @@
+#include "app/study_scenes.hpp"
+
+#include "base/options.hpp"
+#include "base/text.hpp"
+#include "io/manifest.hpp"
+#include "scene/data_files.hpp"
+
+#include <algorithm>
+#include <fstream>
+#include <iterator>
+#include <map>
+
+namespace treacle::app {
+
+namespace {
+// Hash of a file's content; a study reads its meshes many times over.
+const std::string& content_hash(const std::string& path) {
+    struct Known {
+        std::filesystem::file_time_type time;
+        std::string hash;
+    };
+    static std::map<std::string, Known> known;
+    std::error_code ignored;
+    const auto time = std::filesystem::last_write_time(path, ignored);
+    auto& entry = known[path];
+    if (entry.hash.empty() || entry.time != time) {
+        std::ifstream file(path, std::ios::binary);
+        entry = {time, io::text_hash({std::istreambuf_iterator<char>(file), {}})};
+    }
+    return entry.hash;
+}
+
+void check_readings(const study::Study& study, const study::StudyScene& one, const Input& input, std::vector<Diagnostic>& problems) {
+    std::vector<std::string> names;
+    for (const auto& measurement : input.scene.measurements) names.push_back(measurement.name);
+    for (const auto& reading : study.read) {
+        if (reading.measurement.empty() || std::ranges::find(names, reading.measurement) != names.end()) continue;
+        const auto close = nearest(reading.measurement, names);
+        problems.push_back({reading.where, "the scene " + one.name + " has no measurement " + reading.measurement,
+                            names.empty() ? "it has none at all" : "it has " + join(names, ", "),
+                            close ? "did you mean " + *close + "?" : "add it to the scene's `measurements`"});
+    }
+}
+} // namespace
+
+InputSource source_of(const std::filesystem::path& scene, const std::vector<study::Assignment>& assignments) {
+    InputSource source{scene, {}, {}, {}};
+    for (const auto& one : assignments) source.changes.push_back({one.text, one.origin});
+    return source;
+}
+
+study::SceneFacts read_study_scene(const std::filesystem::path& scene, const std::vector<study::Assignment>& assignments) {
+    const auto input = load_scene(source_of(scene, assignments));
+    study::SceneFacts facts{effective(input), input.scene.time.end};
+    for (const auto& file : scene::mesh_files(input.scene)) {
+        const auto hash = "content " + content_hash(file);
+        for (auto at = facts.content.find(file); at != std::string::npos; at = facts.content.find(file, at + hash.size())) {
+            facts.content.replace(at, file.size(), hash);
+        }
+    }
+    return facts;
+}
+
+study::Study load_checked_study(const std::filesystem::path& path, const std::vector<std::string>& overrides) {
+    auto study = study::load_study(path, overrides);
+    std::vector<Diagnostic> problems;
+    for (const auto& one : study.scenes) {
+        const auto file = study.scene_file(one);
+        if (!std::filesystem::exists(file)) {
+            problems.push_back({one.where, "the scene " + file.string() + " is not there", "names of files are taken from the study's folder", "check its name"});
+            continue;
+        }
+        try {
+            check_readings(study, one, load_scene({file, one.set, {}, {}}), problems);
+        } catch (const InputError& error) {
+            problems.insert(problems.end(), error.diagnostics().begin(), error.diagnostics().end());
+        }
+    }
+    if (!problems.empty()) throw InputError(problems);
+    return study;
+}
+
+} // namespace treacle::app

@@ -1,0 +1,21 @@
+#pragma once
+#include "app/study_scenes.hpp"
+#include "base/error.hpp"
+
+namespace treacle::app {
+
+struct SweepRequest {
+    std::filesystem::path study;
+    std::filesystem::path out;           // default: out/<name of the study's folder or file>
+    std::vector<std::string> overrides;  // of the study: "runs.lanes=2"
+    bool retry_failed = false;
+};
+
+// `treacle sweep` in a process without MPI: does the runs of the study that are not done, and writes table.csv, table.h5
+// and a plot of each figure against each parameter. Exit code 0 when all runs are done, 3 when some failed, 5 when stopped.
+ExitCode sweep_study(const SweepRequest& request);
+
+// out/<name>, beside where the program is started.
+std::filesystem::path study_folder(const std::filesystem::path& study, const std::filesystem::path& out);
+
+} // namespace treacle::app

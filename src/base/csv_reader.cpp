@@ -1,0 +1,64 @@
+#include "base/csv_reader.hpp"
+
+#include "base/error.hpp"
+#include "base/text.hpp"
+
+#include <algorithm>
+#include <fstream>
+#include <limits>
+
+namespace treacle {
+
+namespace {
+std::vector<std::string> split(const std::string& line) {
+    std::vector<std::string> words;
+    for (std::size_t from = 0; from <= line.size();) {
+        const auto comma = std::min(line.find(',', from), line.size());
+        words.push_back(line.substr(from, comma - from));
+        from = comma + 1;
+    }
+    return words;
+}
+} // namespace
+
+std::string without_unit(const std::string& column) { return column.substr(0, column.find(" [")); }
+
+const std::vector<double>* CsvColumns::find(const std::string& name) const {
+    for (std::size_t i = 0; i < names.size(); ++i) {
+        if (names[i] == name || without_unit(names[i]) == name) return &values[i];
+    }
+    return nullptr;
+}
+
+const std::vector<double>& CsvColumns::column(const std::string& name) const {
+    if (const auto* found = find(name)) return *found;
+    const auto close = nearest(name, names);
+    throw InputError({path.string(), "has no column " + name, "its columns are " + join(names, ", "),
+                      close ? "did you mean " + *close + "?" : "name one of them"});
+}
+
+CsvColumns read_csv(const std::filesystem::path& path) {
+    std::ifstream file(path);
+    if (!file) throw InputError({path.string(), "cannot be read", "", "check its name"});
+    CsvColumns out{path, {}, {}};
+    std::string line;
+    // A row without its line break was cut off: getline then ends at the end of the file.
+    for (int number = 1; std::getline(file, line) && !file.eof(); ++number) {
+        const auto words = split(line);
+        if (number == 1) {
+            out.names = words;
+            out.values.resize(words.size());
+            continue;
+        }
+        if (words.size() != out.names.size()) {
+            throw InputError({path.string() + ":" + std::to_string(number), "has " + std::to_string(words.size()) + " values",
+                              "the header names " + std::to_string(out.names.size()), "the file was damaged"});
+        }
+        for (std::size_t i = 0; i < words.size(); ++i) {
+            out.values[i].push_back(read_number(words[i]).value_or(std::numeric_limits<double>::quiet_NaN()));
+        }
+    }
+    return out;
+}
+
+} // namespace treacle

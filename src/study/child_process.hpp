@@ -1,0 +1,51 @@
+#pragma once
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <sys/types.h>
+#include <vector>
+
+namespace treacle::study {
+
+// How a program ended.
+struct Ending {
+    int exit_code = 0;
+    int signal = 0; // that ended it; 0: none
+};
+
+// A program started by this one, in a process group of its own, which ends with this process whatever ends that. Its
+// environment has no word of a job step or of MPI ranks that this process may be part of, so that it starts as from a
+// terminal; it is the first to go when memory runs out. Needs a process with one thread and without MPI.
+class ChildProcess {
+public:
+    // Output and errors go into `log`, which is replaced. Throws SimulationError when the program cannot be started.
+    ChildProcess(const std::vector<std::string>& command, const std::filesystem::path& log);
+    // Ends it, with all that it has started.
+    ~ChildProcess();
+    ChildProcess(const ChildProcess&) = delete;
+    ChildProcess& operator=(const ChildProcess&) = delete;
+
+    // Whether it has ended, and how. Does not wait.
+    const std::optional<Ending>& poll();
+    // Asks it and all that it has started to end (SIGTERM).
+    void ask_to_end();
+    // Ends it and all that it has started at once (SIGKILL).
+    void kill();
+    // Memory that it and all that it has started hold [bytes].
+    double resident_bytes() const;
+
+private:
+    std::vector<pid_t> family() const; // with its descendants
+    void signal_all(int signal);
+
+    pid_t pid_ = 0;
+    std::optional<Ending> ending_;
+};
+
+// "ended with exit code 3", "was ended by signal 9 (Killed)"
+std::string describe(const Ending& ending);
+
+// The names of environment variables that a child must not inherit: those of ranks of MPI and of Slurm's job steps.
+bool is_of_a_launcher(const std::string& variable);
+
+} // namespace treacle::study

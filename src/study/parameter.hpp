@@ -1,0 +1,64 @@
+#pragma once
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace treacle {
+class Declaration;
+}
+
+namespace treacle::study {
+
+enum class Scale { linear, log };
+
+// A number as a study file writes it: "12 Pa.s" is 12 with the unit "Pa.s". No unit is known here; the scene's
+// own reader checks it.
+struct Quantity {
+    double value = 0;
+    std::string unit;
+};
+std::optional<Quantity> read_number_and_unit(const std::string& text);
+
+// A value of the scenes that a study varies.
+struct Parameter {
+    std::string name;
+    std::string key;                 // of the scenes, "liquids.syrup.viscosity"
+    std::vector<std::string> range;  // lower and upper end, or empty
+    std::vector<std::string> values; // those that a grid takes, numbers or words
+    std::string start;               // of a search
+    Scale scale = Scale::linear;
+    int points = 0; // of the range that a grid takes
+    std::string where;
+
+    // From the range, or without one from the values; in `unit`.
+    bool numeric = false;
+    double lower = 0, upper = 0;
+    std::string unit;
+
+    void declare(Declaration& d);
+
+    bool has_range() const { return numeric && range.size() == 2; }
+    // As it stands in a scene: "12 Pa.s". The shortest text that reads back as the same double.
+    std::string word(double value) const;
+    // The number of such a word; nothing for words that are none.
+    std::optional<double> number(const std::string& word) const;
+    // The value at a share in [0, 1] of the way from the lower to the upper end, on the parameter's scale.
+    double at(double share) const;
+    // "viscosity [Pa.s]"
+    std::string column() const;
+
+private:
+    void settle(Declaration& d);
+};
+
+// A length, density, ... that was measured: it stands in the scenes with its value, and its uncertainty is known.
+struct Measured {
+    std::string name, key;
+    std::string value;      // "1.42 g/cm3"
+    std::string plus_minus; // standard deviation, in the same unit
+    std::string where;
+
+    void declare(Declaration& d);
+};
+
+} // namespace treacle::study

@@ -1,0 +1,30 @@
+#pragma once
+#include "study/journal.hpp"
+#include "study/lanes.hpp"
+
+#include <span>
+
+namespace treacle::study {
+
+// How far a study is.
+struct StudyStatus {
+    std::size_t asked = 0, done = 0, failed = 0;
+    std::vector<LaneProgress> running;
+    int lanes = 0;
+    double seconds = 0;      // of the clock, of this sitting
+    double mean_seconds = 0; // of a run that is done; 0: none is
+    double left = -1;        // [s]; negative: not known
+};
+
+StudyStatus count_runs(const Journal& journal, std::span<const std::int64_t> runs);
+
+// From the mean time of finished runs, or of the share of its simulated time [s] that the fastest one has done.
+double time_left(const StudyStatus& status, std::size_t fresh, double simulated_end);
+
+// "12 done, 2 running, 1 failed of 40, 3 min 20 s left"
+std::string describe(const StudyStatus& status);
+
+// status.json, for other programs. Throws SimulationError.
+void write_status(const std::filesystem::path& path, const StudyStatus& status);
+
+} // namespace treacle::study

@@ -1,0 +1,311 @@
+#include "study/study_runs.hpp"
+
+#include "base/error.hpp"
+#include "base/file.hpp"
+#include "base/text.hpp"
+#include "io/manifest.hpp"
+#include "study/forward_files.hpp"
+#include "study/status.hpp"
+
+#include <algorithm>
+#include <fstream>
+#include <map>
+#include <thread>
+#include <unistd.h>
+
+namespace treacle::study {
+
+namespace {
+constexpr double stop_grace = 20; // [s] for runs that are asked to end
+
+std::vector<std::string> split_words(const std::string& text) {
+    std::vector<std::string> words;
+    for (std::size_t from = 0; from < text.size();) {
+        const auto begin = text.find_first_not_of(' ', from);
+        if (begin == std::string::npos) break;
+        from = std::min(text.find(' ', begin), text.size());
+        words.push_back(text.substr(begin, from - begin));
+    }
+    return words;
+}
+
+std::string replaced(std::string text, const std::string& what, const std::string& by) {
+    for (auto at = text.find(what); at != std::string::npos; at = text.find(what, at + by.size())) text.replace(at, what.size(), by);
+    return text;
+}
+
+double bytes_of(const std::filesystem::path& folder) {
+    std::error_code ignored;
+    double sum = 0;
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(folder, ignored)) {
+        const auto size = entry.is_regular_file(ignored) ? entry.file_size(ignored) : 0;
+        if (!ignored) sum += double(size);
+    }
+    return sum;
+}
+
+std::string host_name() {
+    char name[256] = "";
+    ::gethostname(name, sizeof name - 1);
+    return name;
+}
+
+// The last line of a run's log that says something: the error that ended it.
+std::string last_words(const std::filesystem::path& log) {
+    std::ifstream file(log);
+    std::string line, last;
+    while (std::getline(file, line)) {
+        if (line.find_first_not_of(" \t\r-") != std::string::npos) last = line;
+    }
+    return last;
+}
+
+std::string reason_of(const LaneResult& result, const RunOptions& options, const std::filesystem::path& folder) {
+    switch (result.end) {
+    case LaneEnd::time_limit: return "took longer than the time limit of " + format_duration(options.time_limit);
+    case LaneEnd::hang: return "took no step for " + format_number(options.hang_factor) + " mean steps";
+    case LaneEnd::memory: return "held more than " + format_bytes(std::uint64_t(options.memory * 1e9)) + " of memory";
+    default: break;
+    }
+    const auto told = read_failure(folder);
+    if (!told.empty()) return told;
+    const auto words = last_words(folder / "log.txt");
+    if (result.ending.signal == 0 && !words.empty()) return words;
+    return describe(result.ending) + (words.empty() ? "" : ", last: " + words);
+}
+
+RunStatus status_of(const LaneResult& result) {
+    switch (result.end) {
+    case LaneEnd::time_limit: return RunStatus::timed_out;
+    case LaneEnd::hang: return RunStatus::hung;
+    case LaneEnd::memory: return RunStatus::out_of_memory;
+    default: break;
+    }
+    if (result.ending.signal != 0) return RunStatus::killed;
+    switch (static_cast<ExitCode>(result.ending.exit_code)) {
+    case ExitCode::bad_input: return RunStatus::bad_input;
+    case ExitCode::out_of_memory: return RunStatus::out_of_memory;
+    default: break;
+    }
+    // A launcher tells the signal of a rank so.
+    return result.ending.exit_code > 128 && result.ending.exit_code < 160 ? RunStatus::killed : RunStatus::failed;
+}
+
+int cores() { return std::max(1, int(std::thread::hardware_concurrency())); }
+} // namespace
+
+std::vector<Assignment> assignments_of(const Study& study, const StudyScene& scene, const Point& values) {
+    std::vector<Assignment> out;
+    for (const auto& text : scene.set) out.push_back({text, scene.where + ": set " + text});
+    for (const auto& one : study.measured) out.push_back({one.key + "=" + one.value, one.where + ": " + one.name});
+    for (std::size_t i = 0; i < study.parameters.size(); ++i) {
+        const auto& parameter = study.parameters[i];
+        out.push_back({parameter.key + "=" + values.at(i), parameter.where + ": " + parameter.name + " = " + values[i]});
+    }
+    return out;
+}
+
+std::string program_identity() {
+    const auto build = io::build_info();
+    return "treacle " + build.version + " (" + build.commit + ", " + build.state + ", " + build.compiler + ", " + build.type + ")";
+}
+
+std::string run_key(const SceneFacts& facts, int ranks, const std::string& program) {
+    return io::text_hash(program + "\nranks " + std::to_string(ranks) + "\n" + facts.content);
+}
+
+JournalOwner owner_of(const Study& study, const std::string& program) {
+    std::string text;
+    for (const auto& scene : study.scenes) text += "scene " + scene.name + "\n";
+    for (const auto& parameter : study.parameters) text += "parameter " + parameter.name + " " + parameter.key + "\n";
+    return {io::text_hash(text), program};
+}
+
+Candidate candidate_of(const Study& study, const StudyScene& scene, const Point& values, const SceneReader& read_scene) {
+    const auto facts = read_scene(study.scene_file(scene), assignments_of(study, scene, values));
+    return {scene.name, values, run_key(facts, study.runs.ranks, program_identity()), facts.end};
+}
+
+std::vector<Candidate> candidates_of(const Study& study, const std::vector<Point>& points, const SceneReader& read_scene) {
+    std::vector<Candidate> out;
+    std::vector<Diagnostic> problems;
+    for (const auto& point : points) {
+        for (const auto& scene : study.scenes) {
+            try {
+                out.push_back(candidate_of(study, scene, point, read_scene));
+            } catch (const InputError& error) {
+                // What is wrong with every point is told once.
+                for (const auto& problem : error.diagnostics()) {
+                    const bool known = std::ranges::any_of(problems, [&](const Diagnostic& one) { return one.text() == problem.text(); });
+                    if (!known) problems.push_back(problem);
+                }
+            }
+        }
+    }
+    if (!problems.empty()) throw InputError(problems);
+    return out;
+}
+
+namespace {
+const std::filesystem::path& made(const std::filesystem::path& folder) {
+    std::error_code failed;
+    std::filesystem::create_directories(folder / "runs", failed);
+    if (failed) throw InputError({folder.string(), "cannot be made", failed.message(), "choose another folder with --out"});
+    return folder;
+}
+} // namespace
+
+StudyRuns::StudyRuns(const Study& study, StudySetup setup, Log& log)
+    : study_(study), setup_(std::move(setup)), log_(log), lock_(made(setup_.folder)), journal_(Journal::open(setup_.folder, owner_of(study, program_identity()))),
+      program_(program_identity()), lane_count_(study.runs.lanes > 0 ? study.runs.lanes : std::max(1, cores() / study.runs.ranks)),
+      start_(std::chrono::steady_clock::now()), last_report_(start_) {
+    if (!lock_.warning().empty()) log_.warn(lock_.warning());
+    for (const auto& other : study_.runs.reuse) {
+        const auto folder = std::filesystem::path(other).is_absolute() ? std::filesystem::path(other) : study_.path.parent_path() / other;
+        others_.emplace_back(folder, Journal::read(folder));
+    }
+}
+
+std::filesystem::path StudyRuns::run_folder(std::int64_t number) const { return setup_.folder / "runs" / request_folder(number); }
+
+std::int64_t StudyRuns::ask(const Candidate& candidate) {
+    simulated_end_ = candidate.end;
+    if (const auto* known = journal_.find(candidate.key)) return known->number;
+    return journal_.ask(candidate.scene, candidate.values, candidate.key).number;
+}
+
+// A result that is there although the journal has none: this program was ended in between.
+bool StudyRuns::adopt_finished(std::int64_t number) {
+    const auto& run = journal_.runs()[std::size_t(number - 1)];
+    if (const auto result = read_result(run_folder(number), run.key)) {
+        RunOutcome outcome{number, RunStatus::done, "", result->figures, result->seconds, result->peak_bytes, bytes_of(run_folder(number)), 0, utc_now(), host_name(), ""};
+        tidy(number);
+        journal_.finish(outcome);
+        return true;
+    }
+    for (const auto& [folder, other] : others_) {
+        const auto* same = other.find(run.key);
+        const auto* outcome = same ? other.outcome(same->number) : nullptr;
+        if (!outcome || outcome->status != RunStatus::done) continue;
+        auto copy = *outcome;
+        copy.number = number;
+        if (copy.folder.empty()) copy.folder = (folder / "runs" / request_folder(same->number)).string();
+        journal_.finish(copy);
+        return true;
+    }
+    return false;
+}
+
+void StudyRuns::start(std::int64_t number, Lanes& lanes) const {
+    const auto folder = run_folder(number);
+    std::filesystem::remove_all(folder);
+    const auto& run = journal_.runs()[std::size_t(number - 1)];
+    std::vector<std::string> names;
+    for (const auto& parameter : study_.parameters) names.push_back(parameter.name);
+    write_request(folder, {study_.path, run, names});
+    auto launcher = study_.runs.launcher;
+    const auto ranks = std::to_string(study_.runs.ranks);
+    if (launcher.empty() && study_.runs.ranks > 1) launcher = "mpiexec -n {ranks}";
+    auto command = split_words(replaced(launcher, "{ranks}", ranks));
+    command.insert(command.end(), {setup_.program.string(), "forward", folder.string()});
+    lanes.start({number, folder, command});
+}
+
+// Removes what the study does not keep.
+void StudyRuns::tidy(std::int64_t number) const {
+    if (study_.runs.keep == Keep::everything) return;
+    const auto run = run_folder(number) / "run";
+    std::error_code ignored;
+    if (study_.runs.keep == Keep::nothing) std::filesystem::remove_all(run, ignored);
+    for (const char* name : {"frames", "checkpoints"}) std::filesystem::remove_all(run / name, ignored);
+}
+
+RunOutcome StudyRuns::settle(const LaneResult& result) const {
+    const auto folder = run_folder(result.number);
+    const auto& run = journal_.runs()[std::size_t(result.number - 1)];
+    RunOutcome out;
+    out.number = result.number;
+    out.seconds = result.seconds;
+    out.peak_bytes = result.peak_bytes;
+    out.lane = result.lane;
+    out.started = result.started;
+    out.host = host_name();
+    std::optional<ForwardResult> read;
+    if (result.end == LaneEnd::none && result.ending.signal == 0 && result.ending.exit_code == 0) read = read_result(folder, run.key);
+    if (read) {
+        out.figures = read->figures;
+        out.peak_bytes = std::max(out.peak_bytes, read->peak_bytes);
+    } else {
+        out.status = status_of(result);
+        out.reason = reason_of(result, study_.runs, folder);
+    }
+    tidy(result.number);
+    out.bytes = bytes_of(folder);
+    return out;
+}
+
+void StudyRuns::check_disk() const {
+    if (study_.runs.disk <= 0) return;
+    double sum = 0;
+    for (const auto& run : journal_.runs()) {
+        if (const auto* outcome = journal_.outcome(run.number); outcome && outcome->folder.empty()) sum += outcome->bytes;
+    }
+    if (sum < study_.runs.disk * 1e9) return;
+    throw SimulationError({setup_.folder.string(), "the runs take " + format_bytes(std::uint64_t(sum)),
+                           "runs.disk allows " + format_bytes(std::uint64_t(study_.runs.disk * 1e9)),
+                           "raise it, keep less (runs.keep), or remove folders of runs that are done; then start again"});
+}
+
+StudyEnd StudyRuns::run(std::span<const std::int64_t> runs, bool retry_failed) {
+    journal_.sync();
+    std::vector<std::int64_t> waiting;
+    for (const auto number : runs) {
+        const auto* outcome = journal_.outcome(number);
+        const bool again = outcome && retry_failed && outcome->status != RunStatus::done;
+        if ((outcome && !again) || (!outcome && adopt_finished(number))) continue;
+        if (std::ranges::find(waiting, number) == waiting.end()) waiting.push_back(number);
+    }
+    if (waiting.empty()) return StudyEnd::complete;
+    Lanes lanes(lane_count_, {study_.runs.time_limit, study_.runs.hang_factor, study_.runs.hang_least, study_.runs.memory * 1e9});
+    std::size_t next = 0;
+    const auto take = [&](const std::vector<LaneResult>& results) {
+        for (const auto& result : results) {
+            // A run that was asked to end has no outcome; it is done again.
+            if (result.end != LaneEnd::stop || (result.ending.exit_code == 0 && result.ending.signal == 0)) journal_.finish(settle(result));
+        }
+    };
+    const auto stop_file = setup_.folder / "STOP";
+    for (;;) {
+        while (next < waiting.size() && lanes.free() > 0) {
+            check_disk();
+            start(waiting[next++], lanes);
+        }
+        if (lanes.idle()) break;
+        take(lanes.wait(1.0));
+        report(runs, waiting.size(), lanes);
+        std::error_code ignored;
+        if (lanes.stop_asked() || std::filesystem::remove(stop_file, ignored)) {
+            log_.clear_progress();
+            log_.line("asked to stop: ending the runs under way; the same command goes on from here");
+            take(lanes.stop(stop_grace));
+            return StudyEnd::stopped;
+        }
+    }
+    log_.clear_progress();
+    return StudyEnd::complete;
+}
+
+void StudyRuns::report(std::span<const std::int64_t> runs, std::size_t fresh, Lanes& lanes) {
+    const auto now = std::chrono::steady_clock::now();
+    if (std::chrono::duration<double>(now - last_report_).count() < 1) return;
+    last_report_ = now;
+    StudyStatus status = count_runs(journal_, runs);
+    status.running = lanes.progress();
+    status.lanes = lane_count_;
+    status.seconds = std::chrono::duration<double>(now - start_).count();
+    status.left = time_left(status, fresh, simulated_end_);
+    write_status(setup_.folder / "status.json", status);
+    log_.progress(double(status.done + status.failed) / double(std::max<std::size_t>(1, runs.size())), describe(status));
+}
+
+} // namespace treacle::study
