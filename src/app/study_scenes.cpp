@@ -1,5 +1,6 @@
 #include "app/study_scenes.hpp"
 
+#include "base/error.hpp"
 #include "base/options.hpp"
 #include "base/text.hpp"
 #include "io/manifest.hpp"

@@ -4,6 +4,7 @@
 #include "base/text.hpp"
 #include "io/table_file.hpp"
 #include "study/plots.hpp"
+#include "study/status.hpp"
 
 #include <numeric>
 #include <set>

@@ -5,12 +5,19 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 
 namespace treacle::study {
 
 namespace {
-// What a sample of a parameter needs of it, for messages.
 constexpr const char* unit_cure = "write all of them in the same unit, as in [0.1 Pa.s, 100 Pa.s]";
+
+// To 12 digits: 10 in the place of 10.000000000000002.
+double plain_number(double value) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%.12g", value);
+    return read_number(text).value_or(value);
+}
 
 bool is_of_number(char c) { return (c >= '0' && c <= '9') || c == '.' || c == '+' || c == '-'; }
 } // namespace
@@ -91,8 +98,7 @@ std::optional<double> Parameter::number(const std::string& word) const {
 double Parameter::at(double share) const {
     if (share <= 0) return lower;
     if (share >= 1) return upper;
-    if (scale == Scale::linear) return lower + share * (upper - lower);
-    return lower * std::exp(share * std::log(upper / lower));
+    return plain_number(scale == Scale::linear ? lower + share * (upper - lower) : lower * std::exp(share * std::log(upper / lower)));
 }
 
 std::string Parameter::column() const { return name + (unit.empty() ? "" : " [" + unit + "]"); }

@@ -40,8 +40,11 @@ std::vector<std::string> write_plots(const std::filesystem::path& folder, const 
         const auto values = numbers_of(table, parameter.column());
         if (std::ranges::none_of(values, [](double v) { return v == v; })) continue;
         for (const auto& figure : table.figures) {
-            const Chart chart{study.title, {parameter.column(), parameter.scale == Scale::log ? AxisScale::log : AxisScale::linear},
-                              {figure, AxisScale::linear}, series_of(study, table, parameter.column(), figure)};
+            Chart chart;
+            chart.title = study.title;
+            chart.x = {parameter.column(), parameter.scale == Scale::log ? AxisScale::log : AxisScale::linear};
+            chart.y.label = figure;
+            chart.series = series_of(study, table, parameter.column(), figure);
             names.push_back(file_word(figure) + "_over_" + file_word(parameter.name) + ".svg");
             std::filesystem::create_directories(folder);
             write_file_atomically(folder / names.back(), svg(chart));
