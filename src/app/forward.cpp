@@ -49,6 +49,16 @@ double peak_bytes(const Comm& comm) {
     return comm.sum(1024.0 * double(usage.ru_maxrss));
 }
 
+// None where a column is not there: the run is good all the same, and the study's reading can be mended without another.
+std::vector<study::Figure> figures_of(const study::Study& study, const std::filesystem::path& run) {
+    try {
+        return study::read_figures(study, run);
+    } catch (const InputError& error) {
+        std::fprintf(stderr, "warning: %s\n", error.what());
+        return {};
+    }
+}
+
 ExitCode run_asked(const Comm& comm, const std::filesystem::path& folder, const Asked& asked) {
     const auto start = std::chrono::steady_clock::now();
     RunRequest request;
@@ -61,7 +71,7 @@ ExitCode run_asked(const Comm& comm, const std::filesystem::path& folder, const 
     const double peak = peak_bytes(comm);
     comm.guard_root([&] {
         const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-        study::write_result(folder, {asked.request.run.number, asked.request.run.key, study::read_figures(asked.study, folder / "run"), seconds, peak});
+        study::write_result(folder, {asked.request.run.number, asked.request.run.key, figures_of(asked.study, folder / "run"), seconds, peak});
     });
     return code;
 }

@@ -147,10 +147,7 @@ void TimeLoop::write_due(Outputs& outputs, const StepFigures& report) {
         next_line_ += output.log_interval;
         line = true;
     }
-    if (line) {
-        outputs.flush();
-        report_progress(report);
-    }
+    if (line) report_progress(report);
     bool due = finished() && keeps_checkpoints();
     if (output.checkpoint_interval > 0 && now >= output.checkpoint_interval * double(progress_.checkpoints + 1)) {
         progress_.checkpoints = static_cast<std::int64_t>(std::floor(now / output.checkpoint_interval));
@@ -194,6 +191,7 @@ void TimeLoop::take_step(Outputs& outputs) {
     outputs.write_step(progress_, report, totals_);
     outputs.write_bodies(progress_, report);
     outputs.write_measurements(progress_);
+    outputs.flush(); // who watches the run sees each step
     write_due(outputs, report);
 }
 

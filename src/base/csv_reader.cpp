@@ -33,8 +33,7 @@ const std::vector<double>* CsvColumns::find(const std::string& name) const {
 const std::vector<double>& CsvColumns::column(const std::string& name) const {
     if (const auto* found = find(name)) return *found;
     const auto close = nearest(name, names);
-    throw InputError({path.string(), "has no column " + name, "its columns are " + join(names, ", "),
-                      close ? "did you mean " + *close + "?" : "name one of them"});
+    throw InputError({path.string(), "has no column " + name, "", close ? "did you mean " + *close + "?" : "its columns are " + join(names, ", ")});
 }
 
 CsvColumns read_csv(const std::filesystem::path& path) {

@@ -1,6 +1,8 @@
 #include "study/readings.hpp"
 
 #include "base/csv_reader.hpp"
+#include "base/error.hpp"
+#include "base/text.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -34,6 +36,13 @@ std::string with_unit_of(const std::string& name, const std::string& column) {
     return name.find(" [") != std::string::npos || unit == std::string::npos ? name : name + column.substr(unit);
 }
 } // namespace
+
+bool are_read(const Study& study, const std::vector<Figure>& figures) {
+    if (study.read.empty()) return !figures.empty();
+    return std::ranges::equal(study.read, figures, [](const Reading& reading, const Figure& figure) {
+        return without_unit(reading.name) == without_unit(figure.name);
+    });
+}
 
 double statistic(const std::vector<double>& all_times, const std::vector<double>& all_values, Statistic at, double time) {
     // Rows between two measurements of a slower one are empty.
@@ -74,6 +83,11 @@ std::vector<Figure> read_figures(const Study& study, const std::filesystem::path
     for (const auto& reading : study.read) {
         const auto& source = table(reading.table.empty() ? "measurements" : reading.table);
         const auto& column = reading.measurement.empty() ? reading.column : reading.measurement;
+        if (!source.find(column)) {
+            const auto close = nearest(column, source.names);
+            throw InputError({reading.where, source.path.string() + " has no column " + column, "",
+                              close ? "did you mean " + *close + "?" : "its columns are " + join(source.names, ", ")});
+        }
         const auto& values = source.column(column);
         const auto place = std::size_t(&values - source.values.data());
         figures.push_back({with_unit_of(reading.name, source.names[place]),

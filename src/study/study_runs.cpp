@@ -5,6 +5,7 @@
 #include "base/text.hpp"
 #include "io/manifest.hpp"
 #include "study/forward_files.hpp"
+#include "study/readings.hpp"
 #include "study/status.hpp"
 
 #include <algorithm>
@@ -244,6 +245,20 @@ RunOutcome StudyRuns::settle(const LaneResult& result) const {
     return out;
 }
 
+void StudyRuns::read_again(std::int64_t number) {
+    const auto* outcome = journal_.outcome(number);
+    if (!outcome || outcome->status != RunStatus::done || are_read(study_, outcome->figures)) return;
+    const auto run = (outcome->folder.empty() ? run_folder(number) : std::filesystem::path(outcome->folder)) / "run";
+    if (!std::filesystem::exists(run / "steps.csv")) {
+        log_.warn("run " + std::to_string(number) + " has other figures than the study reads, and its tables were not kept");
+        return;
+    }
+    auto fresh = *outcome;
+    fresh.figures = read_figures(study_, run);
+    if (fresh.figures.empty()) return;
+    journal_.finish(fresh);
+}
+
 void StudyRuns::check_disk() const {
     if (study_.runs.disk <= 0) return;
     double sum = 0;
@@ -262,7 +277,10 @@ StudyEnd StudyRuns::run(std::span<const std::int64_t> runs, bool retry_failed) {
     for (const auto number : runs) {
         const auto* outcome = journal_.outcome(number);
         const bool again = outcome && retry_failed && outcome->status != RunStatus::done;
-        if ((outcome && !again) || (!outcome && adopt_finished(number))) continue;
+        if ((outcome && !again) || (!outcome && adopt_finished(number))) {
+            read_again(number);
+            continue;
+        }
         if (std::ranges::find(waiting, number) == waiting.end()) waiting.push_back(number);
     }
     if (waiting.empty()) return StudyEnd::complete;
@@ -271,7 +289,9 @@ StudyEnd StudyRuns::run(std::span<const std::int64_t> runs, bool retry_failed) {
     const auto take = [&](const std::vector<LaneResult>& results) {
         for (const auto& result : results) {
             // A run that was asked to end has no outcome; it is done again.
-            if (result.end != LaneEnd::stop || (result.ending.exit_code == 0 && result.ending.signal == 0)) journal_.finish(settle(result));
+            if (result.end == LaneEnd::stop && (result.ending.exit_code != 0 || result.ending.signal != 0)) continue;
+            journal_.finish(settle(result));
+            read_again(result.number);
         }
     };
     const auto stop_file = setup_.folder / "STOP";

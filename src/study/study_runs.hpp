@@ -62,7 +62,8 @@ public:
     // The number of this run: that of the same run asked for before, or the next one.
     std::int64_t ask(const Candidate& candidate);
     // Does those of the runs that have no outcome yet, on all lanes, in their order. Failed ones stay so, unless they are to
-    // be retried. Outcomes are the same on any number of lanes.
+    // be retried. Outcomes are the same on any number of lanes. Throws InputError for a figure that a run's tables do not
+    // have; the runs that are done stay so.
     StudyEnd run(std::span<const std::int64_t> runs, bool retry_failed = false);
 
     const Journal& journal() const { return journal_; }
@@ -75,6 +76,7 @@ private:
     bool adopt_finished(std::int64_t number); // from its folder, or another study's
     void start(std::int64_t number, Lanes& lanes) const;
     void tidy(std::int64_t number) const;
+    void read_again(std::int64_t number); // where the study reads other figures than before
     void report(std::span<const std::int64_t> runs, std::size_t fresh, Lanes& lanes);
     void check_disk() const;
 
