@@ -43,8 +43,35 @@ TEST(CmaBounds, LeaveNoBias) {
     for (const double at : {0.0, 0.01, 0.1, 0.5, 3.99, 4.0}) {
         const Found found = find(at, BoundHandling::transform);
         EXPECT_LT(found.error, 1e-4) << at;
-        EXPECT_LT(found.evaluations, 2.0 * middle.evaluations) << at; // measured: 0.8 to 1.5
+        EXPECT_LT(found.evaluations, 1.5 * middle.evaluations) << at; // measured: 1.15 to 1.27
     }
+}
+
+// Mean of the centres after ten generations, from the start's 1.95 on; its standard error is below 0.01.
+double bias_on_the_way(BoundHandling bounds) {
+    double sum = 0;
+    constexpr int seeds = 200;
+    for (int seed = 1; seed <= seeds; ++seed) {
+        auto given = axes(2, 2, 1);
+        for (Axis& axis : given) {
+            axis.lower = 0;
+            axis.upper = 4;
+        }
+        CmaOptions options;
+        options.seed = std::uint64_t(seed);
+        options.bounds = bounds;
+        options.limits.generations = 10;
+        CmaEs search(given, options);
+        minimise(search, [](const Point& x) { return sphere({x[0] - 0.05, x[1] - 0.05}); });
+        for (const double c : search.centre()) sum += (c - 0.05) / (2 * seeds);
+    }
+    return sum;
+}
+
+// Resampling holds the mean away from a bound near the answer: measured 0.19 against -0.01.
+TEST(CmaBounds, DoNotHoldTheMeanAwayOnItsWay) {
+    EXPECT_LT(std::abs(bias_on_the_way(BoundHandling::transform)), 0.04);
+    EXPECT_GT(bias_on_the_way(BoundHandling::resample), 0.12);
 }
 
 TEST(CmaBounds, AStartOnABoundIsTheFirstCentre) {

@@ -104,7 +104,7 @@ TEST(CmaEs, EndsWhenNothingHasAValue) {
     EXPECT_FALSE(search.best());
 }
 
-// Runs that end at the cut cost about a tenth less, and the answer stays.
+// About 16 % of the candidates end at the cut, and the answer stays.
 TEST(CmaEs, FindsTheSameWithRunsThatEndEarly) {
     CmaEs search(axes(5, 1, 1), seeded(3));
     int ended = 0;
@@ -120,7 +120,7 @@ TEST(CmaEs, FindsTheSameWithRunsThatEndEarly) {
         search.tell(values);
     }
     EXPECT_LT(search.best()->value, 1e-9);
-    EXPECT_GT(ended, search.evaluations() / 50);
+    EXPECT_GT(ended, search.evaluations() / 10);
 }
 
 } // namespace
