@@ -1,0 +1,145 @@
+#include "search/bracketing.hpp"
+
+#include "functions.hpp"
+
+#include <gtest/gtest.h>
+#include <set>
+
+namespace treacle::search {
+namespace {
+
+using Curve = std::function<double(double)>;
+
+Axis axis(double start, double tolerance = 0.01) {
+    Axis out;
+    out.lower = -7;
+    out.upper = 7;
+    out.start = start;
+    out.tolerance = tolerance;
+    return out;
+}
+
+Function of(const Curve& f) {
+    return [f](const Point& x) { return f(x[0]); };
+}
+
+constexpr double starts[] = {0.3, 0.7, 1.3, 2.0, 3.3, -1.1, -2.7};
+
+// The most evaluations of all starts; each must end within the tolerance of the least value at 0.
+std::int64_t most_evaluations(const Curve& f, double tolerance = 0.01) {
+    std::int64_t most = 0;
+    for (const double start : starts) {
+        Bracketing search(axis(start, tolerance));
+        minimise(search, of(f));
+        EXPECT_NEAR(search.best()->point[0], 0, 1.000001 * tolerance) << "from " << start;
+        EXPECT_EQ(search.stopped()->name, "tolx");
+        most = std::max(most, search.evaluations());
+    }
+    return most;
+}
+
+// Brent's method with neither the lattice nor the corner needs 8 and 16.
+TEST(Bracketing, NeedsFewEvaluations) {
+    EXPECT_LE(most_evaluations([](double x) { return x * x; }), 8);
+    EXPECT_LE(most_evaluations([](double x) { return std::abs(x); }), 12);
+    EXPECT_LE(most_evaluations([](double x) { return x < 0 ? -3 * x : x; }), 12);
+    EXPECT_LE(most_evaluations([](double x) { return std::sqrt(4e-4 + x * x); }), 12); // a rounded corner
+    EXPECT_LE(most_evaluations([](double x) { return x * x + 0.1 * x * x * x + 0.02 * std::pow(x, 4); }), 12);
+    EXPECT_LE(most_evaluations([](double x) { return std::abs(std::exp(-0.11 * x) - 1); }), 14); // a drain's speed
+}
+
+TEST(Bracketing, FindsWhatNoModelDescribes) {
+    EXPECT_LE(most_evaluations([](double x) { return std::sqrt(std::abs(x)); }), 16);
+    EXPECT_LE(most_evaluations([](double x) { return std::pow(x, 4); }), 24);
+    EXPECT_LE(most_evaluations([](double x) { return std::abs(x); }, 1e-6), 16);
+}
+
+TEST(Bracketing, PointsLieOnALattice) {
+    Bracketing search(axis(0.3, 0.02));
+    for (const Point& x : minimise(search, of([](double x) { return std::cosh(x); }))) {
+        const double number = (x[0] - 0.3) / 0.01;
+        EXPECT_NEAR(number, std::round(number), 1e-9);
+    }
+}
+
+TEST(Bracketing, AsksForTheStartAndBothItsSidesAtOnce) {
+    Bracketing search(axis(0.5));
+    EXPECT_EQ(search.ask(), (std::vector<Point>{{0.5}, {-0.5}, {1.5}}));
+}
+
+// With lanes for what may be asked next, many rounds are answered by runs that are there already.
+TEST(Bracketing, SpeculationSavesRounds) {
+    std::size_t asked = 0, waited = 0;
+    for (const double start : starts) {
+        Bracketing search(axis(start));
+        std::set<Point> known;
+        while (!search.stopped()) {
+            const auto points = search.ask();
+            bool wait = false;
+            for (const Point& x : points) wait = known.insert(x).second || wait;
+            ++asked;
+            waited += wait;
+            for (const Point& x : search.speculate()) known.insert(x);
+            search.tell(values_of(points, of([](double x) { return std::sqrt(4e-4 + x * x); })));
+        }
+    }
+    EXPECT_LT(double(waited), 0.75 * double(asked)); // measured 0.61
+}
+
+TEST(Bracketing, SpeculationChangesNothing) {
+    Bracketing with(axis(2)), without(axis(2));
+    const auto f = of([](double x) { return std::abs(std::exp(-0.11 * x) - 1); });
+    while (!with.stopped()) {
+        ASSERT_EQ(with.ask(), without.ask());
+        with.speculate();
+        const auto values = values_of(with.ask(), f);
+        with.tell(values);
+        without.tell(values);
+    }
+    EXPECT_TRUE(without.stopped());
+}
+
+TEST(Bracketing, NamesABoundThatTheLeastValueIsAt) {
+    for (const double sign : {-1.0, 1.0}) {
+        Bracketing search(axis(1));
+        minimise(search, of([sign](double x) { return std::exp(sign * x); }));
+        EXPECT_EQ(search.stopped()->name, "bound");
+        EXPECT_EQ(search.best()->point[0], -7 * sign);
+    }
+    Bracketing at_bound(axis(7));
+    minimise(at_bound, of([](double x) { return (x - 6.5) * (x - 6.5); }));
+    EXPECT_EQ(at_bound.stopped()->name, "tolx");
+    EXPECT_NEAR(at_bound.best()->point[0], 6.5, 0.01);
+}
+
+TEST(Bracketing, EndsWhereTheObjectiveFallsForEver) {
+    Bracketing search(Axis{});
+    minimise(search, of([](double x) { return -x; }));
+    EXPECT_EQ(search.stopped()->name, "growth");
+}
+
+TEST(Bracketing, RunsThatFailAreWallsAndBoundsEnterNoModel) {
+    Bracketing search(axis(3));
+    while (!search.stopped()) {
+        std::vector<Value> values;
+        for (const Point& x : search.ask()) {
+            const double f = (x[0] - 0.2) * (x[0] - 0.2);
+            values.push_back(x[0] < 0 ? Value::failed() : f > 1 ? Value::at_least(1) : Value::measured(f));
+        }
+        search.tell(values);
+    }
+    EXPECT_NEAR(search.best()->point[0], 0.2, 0.01);
+    Bracketing hopeless(axis(3));
+    minimise(hopeless, of([](double) { return std::nan(""); }));
+    EXPECT_EQ(hopeless.stopped()->kind, StopKind::failed);
+}
+
+TEST(Bracketing, EndsOnAPlateau) {
+    Bracketing search(axis(3));
+    minimise(search, of([](double x) { return std::floor(std::abs(x) * 2); }));
+    EXPECT_EQ(search.best()->value, 0);
+    EXPECT_LE(search.evaluations(), 40);
+}
+
+} // namespace
+} // namespace treacle::search
