@@ -2,6 +2,7 @@
 
 #include "app/run.hpp"
 #include "app/study_scenes.hpp"
+#include "study/child_process.hpp"
 #include "study/forward_files.hpp"
 #include "study/readings.hpp"
 
@@ -24,7 +25,7 @@ Asked read_asked(const std::filesystem::path& folder) {
     Asked out;
     out.request = study::read_request(folder);
     const auto where = (folder / "params.yaml").string();
-    out.study = study::load_study(out.request.study);
+    out.study = study::load_study(out.request.study, out.request.overrides);
     const auto scene = std::ranges::find(out.study.scenes, out.request.run.scene, &study::StudyScene::name);
     std::vector<std::string> names;
     for (const auto& parameter : out.study.parameters) names.push_back(parameter.name);
@@ -77,7 +78,8 @@ ExitCode run_asked(const Comm& comm, const std::filesystem::path& folder, const 
 }
 } // namespace
 
-ExitCode forward_run(const Comm& comm, const std::filesystem::path& folder) {
+namespace {
+ExitCode answer(const Comm& comm, const std::filesystem::path& folder) {
     Asked asked;
     bool done = false;
     comm.guard([&] {
@@ -94,10 +96,16 @@ ExitCode forward_run(const Comm& comm, const std::filesystem::path& folder) {
         return ExitCode::ok;
     }
     comm.guard_root([&] { std::filesystem::remove(folder / "FAIL"); });
+    return run_asked(comm, folder, asked);
+}
+} // namespace
+
+ExitCode forward_run(const Comm& comm, const std::filesystem::path& folder) {
+    study::end_with_parent();
     try {
-        return run_asked(comm, folder, asked);
+        return answer(comm, folder);
     } catch (const Error& error) {
-        if (comm.is_root()) study::write_failure(folder, error.what());
+        if (comm.is_root() && std::filesystem::exists(folder / "params.yaml")) study::write_failure(folder, error.what());
         throw;
     }
 }

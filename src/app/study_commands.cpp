@@ -1,6 +1,8 @@
 #include "app/study_commands.hpp"
 
 #include "app/forward.hpp"
+#include "app/study_history.hpp"
+#include "app/study_plan.hpp"
 #include "app/sweep.hpp"
 
 #include <CLI/CLI.hpp>
@@ -13,13 +15,11 @@ namespace treacle::app {
 namespace {
 using Command = std::function<ExitCode(const Comm&)>;
 
-// A study's file, or the study.yaml in a folder.
-std::filesystem::path find_study(const std::string& name) {
-    std::filesystem::path path = name;
-    if (std::filesystem::is_directory(path)) path /= "study.yaml";
-    if (std::filesystem::exists(path)) return path;
-    throw InputError({path.string(), "there is no such file", "a study is a YAML file, or a folder with study.yaml",
-                      "`treacle schema --study` describes it"});
+Command refuse_ranks(const std::string& command) {
+    return [command](const Comm&) -> ExitCode {
+        throw InputError({command, "is started on ranks", "it starts a process for each run itself",
+                          "start it without mpiexec; runs.ranks is the number of ranks of each run"});
+    };
 }
 
 struct SweepWords {
@@ -38,12 +38,38 @@ void add_sweep(CLI::App& program, const ChooseStudyCommand& choose) {
     app.callback([words, choose] {
         const auto sweep = [words] { return sweep_study({find_study(words->study), words->out, words->overrides, !words->retry.empty()}); };
         choose.alone(sweep);
-        choose.on_ranks([]() -> Command {
-            return [](const Comm&) -> ExitCode {
-                throw InputError({"treacle sweep", "is started on ranks", "it starts a process for each run itself",
-                                  "start it without mpiexec; runs.ranks is the number of ranks of each run"});
-            };
-        });
+        choose.on_ranks([]() -> Command { return refuse_ranks("treacle sweep"); });
+    });
+}
+
+// `history` and `plan` in the place of two commands, as `bench` has its kinds.
+void add_study(CLI::App& program, const ChooseStudyCommand& choose) {
+    struct StudyWords {
+        std::string kind;
+        HistoryRequest history;
+        std::vector<std::string> overrides;
+    };
+    auto words = std::make_shared<StudyWords>();
+    auto& app = *program.add_subcommand("study", "What a study holds, and what it will take.");
+    app.add_option("kind", words->kind, "history: the journal as a table; plan: runs, core-hours and bytes of the sweep, from one coarse run that is "
+                                        "done for it")
+        ->required()
+        ->check(CLI::IsMember({"history", "plan"}))
+        ->type_name("KIND");
+    app.add_option("study", words->history.study, "YAML file, or a folder with study.yaml; history: or the folder of results")->required()->type_name("STUDY|DIR");
+    app.add_option("--out", words->history.out, "Folder of the study's results (default: out/NAME)")->type_name("DIR");
+    app.add_option("--set", words->overrides, "plan: override a key of the study: runs.lanes=2. May be given several times.")->allow_extra_args(false);
+    app.add_option("--csv", words->history.csv, "history: write the table into this file as well")->type_name("FILE");
+    app.add_option("--merge", words->history.merge, "history: take over the finished runs of another study's folder first")->type_name("DIR");
+    app.add_option("--drop", words->history.drop, "history: a run, or all that failed, lose their outcome and are done again by the next sweep")
+        ->type_name("RUN|failed");
+    app.callback([words, choose] {
+        const auto run = [words] {
+            if (words->kind == "history") return show_history(words->history);
+            return plan_study(find_study(words->history.study), words->history.out, words->overrides);
+        };
+        choose.alone(run);
+        choose.on_ranks([]() -> Command { return refuse_ranks("treacle study"); });
     });
 }
 
@@ -67,6 +93,7 @@ bool started_on_ranks() {
 
 void add_study_commands(CLI::App& program, const ChooseStudyCommand& choose) {
     add_sweep(program, choose);
+    add_study(program, choose);
     add_forward(program, choose);
 }
 

@@ -1,5 +1,6 @@
 #include "app/sweep.hpp"
 
+#include "app/study_memory.hpp"
 #include "base/log.hpp"
 #include "base/text.hpp"
 #include "io/table_file.hpp"
@@ -12,8 +13,6 @@
 namespace treacle::app {
 
 namespace {
-std::filesystem::path this_program() { return std::filesystem::read_symlink("/proc/self/exe"); }
-
 io::TableFile hdf5_of(const study::Table& table) {
     io::TableFile out;
     for (std::size_t i = 0; i < table.header.size(); ++i) {
@@ -49,6 +48,19 @@ void tell_failures(Log& log, const study::Journal& journal, const std::vector<st
 }
 } // namespace
 
+std::filesystem::path this_program() { return std::filesystem::read_symlink("/proc/self/exe"); }
+
+std::filesystem::path find_study(const std::filesystem::path& name) {
+    const auto path = std::filesystem::is_directory(name) ? name / "study.yaml" : name;
+    if (std::filesystem::exists(path)) return path;
+    throw InputError({path.string(), "there is no such file", "a study is a YAML file, or a folder with study.yaml",
+                      "`treacle schema --study` describes it"});
+}
+
+std::vector<study::Candidate> sweep_candidates(const study::Study& study) {
+    return study::candidates_of(study, study::sweep_points(study), read_study_scene);
+}
+
 std::filesystem::path study_folder(const std::filesystem::path& study, const std::filesystem::path& out) {
     if (!out.empty()) return std::filesystem::absolute(out).lexically_normal();
     const auto name = study.stem() == "study" ? std::filesystem::absolute(study).parent_path().filename() : study.stem();
@@ -57,13 +69,17 @@ std::filesystem::path study_folder(const std::filesystem::path& study, const std
 
 ExitCode sweep_study(const SweepRequest& request) {
     const auto study = load_checked_study(request.study, request.overrides);
-    const auto points = study::sweep_points(study);
-    const auto candidates = study::candidates_of(study, points, read_study_scene);
+    const auto candidates = sweep_candidates(study);
+    study::check_launcher(study);
+    check_memory(study, candidates);
     const auto folder = study_folder(study.path, request.out);
 
     Log log(Voice::speaks);
-    study::StudyRuns runs(study, {folder, this_program()}, log);
     std::vector<std::int64_t> numbers;
+    const study::StudyRuns* under_way = nullptr;
+    const auto tell_table = [&] { write_tables(folder, table_of(study, under_way->journal(), numbers)); };
+    study::StudyRuns runs(study, {folder, this_program(), tell_table}, log);
+    under_way = &runs;
     std::set<std::int64_t> seen; // points that give the same run are one row
     for (const auto& candidate : candidates) {
         const auto number = runs.ask(candidate);

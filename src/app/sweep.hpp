@@ -15,6 +15,15 @@ struct SweepRequest {
 // and a plot of each figure against each parameter. Exit code 0 when all runs are done, 3 when some failed, 5 when stopped.
 ExitCode sweep_study(const SweepRequest& request);
 
+// The runs of the study's sweep: every point in every scene. Throws InputError.
+std::vector<study::Candidate> sweep_candidates(const study::Study& study);
+
+// A study's file, or the study.yaml in a folder. Throws InputError when it is not there.
+std::filesystem::path find_study(const std::filesystem::path& name);
+
+// The executable of this process.
+std::filesystem::path this_program();
+
 // out/<name>, beside where the program is started.
 std::filesystem::path study_folder(const std::filesystem::path& study, const std::filesystem::path& out);
 
