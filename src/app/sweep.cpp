@@ -67,6 +67,22 @@ std::filesystem::path study_folder(const std::filesystem::path& study, const std
     return std::filesystem::absolute(std::filesystem::path("out") / name).lexically_normal();
 }
 
+ExitCode write_results(const study::Study& study, const study::Journal& journal, const std::vector<std::int64_t>& runs,
+                       const std::filesystem::path& folder, Log& log) {
+    const auto table = table_of(study, journal, runs);
+    write_tables(folder, table);
+    study::write_plots(folder / "plots", study, table);
+    const auto status = count_runs(journal, runs);
+    write_status(folder / "status.json", status);
+    tell_failures(log, journal, runs);
+    log.line(std::to_string(status.done) + " of " + std::to_string(runs.size()) + " runs done, " + std::to_string(status.failed) +
+             " failed; " + (folder / "table.csv").string());
+    if (status.done + status.failed < runs.size()) return ExitCode::stopped;
+    if (status.failed == 0) return ExitCode::ok;
+    log.line("`--retry failed` does those again");
+    return ExitCode::simulation_failed;
+}
+
 ExitCode sweep_study(const SweepRequest& request) {
     const auto study = load_checked_study(request.study, request.overrides);
     const auto candidates = sweep_candidates(study);
@@ -87,18 +103,8 @@ ExitCode sweep_study(const SweepRequest& request) {
     }
     log.line(std::to_string(numbers.size()) + " runs on " + std::to_string(runs.lanes()) + " lanes in " + folder.string());
     const auto end = runs.run(numbers, request.retry_failed);
-    const auto table = table_of(study, runs.journal(), numbers);
-    write_tables(folder, table);
-    study::write_plots(folder / "plots", study, table);
-
-    const auto status = count_runs(runs.journal(), numbers);
-    tell_failures(log, runs.journal(), numbers);
-    log.line(std::to_string(status.done) + " of " + std::to_string(numbers.size()) + " runs done, " + std::to_string(status.failed) +
-             " failed; " + (folder / "table.csv").string());
-    if (end == study::StudyEnd::stopped) return ExitCode::stopped;
-    if (status.failed == 0) return ExitCode::ok;
-    log.line("`treacle sweep " + request.study.string() + " --retry failed` does those again");
-    return ExitCode::simulation_failed;
+    const auto code = write_results(study, runs.journal(), numbers, folder, log);
+    return end == study::StudyEnd::stopped ? ExitCode::stopped : code;
 }
 
 } // namespace treacle::app

@@ -24,6 +24,11 @@ std::filesystem::path find_study(const std::filesystem::path& name);
 // The executable of this process.
 std::filesystem::path this_program();
 
+// Tables and plots of these runs, and a line each for those that failed. Exit code 0 when all are done, 3 when some failed, 5
+// when some have no outcome.
+ExitCode write_results(const study::Study& study, const study::Journal& journal, const std::vector<std::int64_t>& runs,
+                       const std::filesystem::path& folder, Log& log);
+
 // out/<name>, beside where the program is started.
 std::filesystem::path study_folder(const std::filesystem::path& study, const std::filesystem::path& out);
 
