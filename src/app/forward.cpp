@@ -60,13 +60,14 @@ std::vector<study::Figure> figures_of(const study::Study& study, const std::file
     }
 }
 
-ExitCode run_asked(const Comm& comm, const std::filesystem::path& folder, const Asked& asked) {
+ExitCode run_asked(const Comm& comm, const std::filesystem::path& folder, const Asked& asked, const Company& company) {
     const auto start = std::chrono::steady_clock::now();
     RunRequest request;
     request.source = source_of(asked.scene, asked.assignments);
     request.out = folder / "run";
     request.existing = io::ExistingFiles::overwrite;
     request.command = {"treacle", "forward", folder.string()};
+    request.company = company;
     const auto code = run_scene(comm, request);
     if (code != ExitCode::ok) return code;
     const double peak = peak_bytes(comm);
@@ -79,7 +80,7 @@ ExitCode run_asked(const Comm& comm, const std::filesystem::path& folder, const 
 } // namespace
 
 namespace {
-ExitCode answer(const Comm& comm, const std::filesystem::path& folder) {
+ExitCode answer(const Comm& comm, const std::filesystem::path& folder, const Company& company) {
     Asked asked;
     bool done = false;
     comm.guard([&] {
@@ -96,14 +97,14 @@ ExitCode answer(const Comm& comm, const std::filesystem::path& folder) {
         return ExitCode::ok;
     }
     comm.guard_root([&] { std::filesystem::remove(folder / "FAIL"); });
-    return run_asked(comm, folder, asked);
+    return run_asked(comm, folder, asked, company);
 }
 } // namespace
 
-ExitCode forward_run(const Comm& comm, const std::filesystem::path& folder) {
+ExitCode forward_run(const Comm& comm, const std::filesystem::path& folder, const Company& company) {
     study::end_with_parent();
     try {
-        return answer(comm, folder);
+        return answer(comm, folder, company);
     } catch (const Error& error) {
         if (comm.is_root() && std::filesystem::exists(folder / "params.yaml")) study::write_failure(folder, error.what());
         throw;

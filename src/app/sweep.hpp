@@ -24,6 +24,9 @@ std::filesystem::path find_study(const std::filesystem::path& name);
 // The executable of this process.
 std::filesystem::path this_program();
 
+// Asks for runs; the numbers of those that differ, in their order: points that give the same run are one row.
+std::vector<std::int64_t> ask_once(study::StudyRuns& runs, const std::vector<study::Candidate>& candidates);
+
 // Tables and plots of these runs, and a line each for those that failed. Exit code 0 when all are done, 3 when some failed, 5
 // when some have no outcome.
 ExitCode write_results(const study::Study& study, const study::Journal& journal, const std::vector<std::int64_t>& runs,
