@@ -15,8 +15,8 @@
 #include "app/video_commands.hpp"
 #include "base/text.hpp"
 #include "base/units.hpp"
+#include "identify/study_file.hpp"
 #include "scene/materials.hpp"
-#include "study/study.hpp"
 
 #include <CLI/CLI.hpp>
 
@@ -187,7 +187,7 @@ void add_manuals(CLI::App& program, Chosen& chosen) {
     app.add_flag("--study", words->study, "Of the study file, in the place of the scene's");
     app.callback([words, &chosen] {
         chosen.make = [words]() -> Command {
-            if (words->study) return print(words->json ? study::study_schema() : study::study_manual(words->key));
+            if (words->study) return print(words->json ? identify::study_schema() : identify::study_manual(words->key));
             return print(words->json ? schema_json() : schema_text(words->key));
         };
     });
@@ -560,7 +560,7 @@ CommandLine read_command_line(const Words& arguments) {
 }
 
 bool may_go_alone(const Words& arguments) {
-    constexpr std::array names{"sweep", "study"};
+    constexpr std::array names{"sweep", "identify", "study"};
     return arguments.size() > 1 && std::ranges::find(names, arguments[1]) != names.end();
 }
 

@@ -1,6 +1,7 @@
 #include "app/study_commands.hpp"
 
 #include "app/forward.hpp"
+#include "app/identify.hpp"
 #include "app/sweep.hpp"
 
 #include <CLI/CLI.hpp>
@@ -47,6 +48,24 @@ void add_sweep(CLI::App& program, const ChooseStudyCommand& choose) {
     });
 }
 
+void add_identify(CLI::App& program, const ChooseStudyCommand& choose) {
+    auto words = std::make_shared<SweepWords>();
+    auto& app = *program.add_subcommand("identify", "Find the parameters with which a study's scenes look like its films, with an interval. The same "
+                                                    "command goes on where it was stopped.");
+    app.add_option("study", words->study, "YAML file, or a folder with study.yaml")->required()->type_name("STUDY");
+    app.add_option("--out", words->out, "Folder for the results (default: out/NAME)")->type_name("DIR");
+    app.add_option("--set", words->overrides, "Override a key of the study: search.evaluations=30. May be given several times.")->allow_extra_args(false);
+    app.callback([words, choose] {
+        choose.alone([words] { return identify_study({find_study(words->study), words->out, words->overrides, false}); });
+        choose.on_ranks([]() -> Command {
+            return [](const Comm&) -> ExitCode {
+                throw InputError({"treacle identify", "is started on ranks", "it starts a process for each run itself",
+                                  "start it without mpiexec; runs.ranks is the number of ranks of each run"});
+            };
+        });
+    });
+}
+
 void add_forward(CLI::App& program, const ChooseStudyCommand& choose) {
     auto folder = std::make_shared<std::string>();
     auto& app = *program.add_subcommand("forward", "One run of a study, as the params.yaml of its folder asks for it; the figures go into its "
@@ -67,6 +86,7 @@ bool started_on_ranks() {
 
 void add_study_commands(CLI::App& program, const ChooseStudyCommand& choose) {
     add_sweep(program, choose);
+    add_identify(program, choose);
     add_forward(program, choose);
 }
 

@@ -12,8 +12,6 @@
 namespace treacle::app {
 
 namespace {
-std::filesystem::path this_program() { return std::filesystem::read_symlink("/proc/self/exe"); }
-
 io::TableFile hdf5_of(const study::Table& table) {
     io::TableFile out;
     for (std::size_t i = 0; i < table.header.size(); ++i) {
@@ -33,11 +31,6 @@ io::TableFile hdf5_of(const study::Table& table) {
     return out;
 }
 
-void write_tables(const std::filesystem::path& folder, const study::Table& table) {
-    study::write_table(folder / "table.csv", table);
-    io::write_table_file(folder / "table.h5", hdf5_of(table));
-}
-
 // Those of the table's runs that failed, a line each.
 void tell_failures(Log& log, const study::Journal& journal, const std::vector<std::int64_t>& runs) {
     for (const auto number : runs) {
@@ -49,6 +42,13 @@ void tell_failures(Log& log, const study::Journal& journal, const std::vector<st
 }
 } // namespace
 
+std::filesystem::path this_program() { return std::filesystem::read_symlink("/proc/self/exe"); }
+
+void write_tables(const std::filesystem::path& folder, const study::Table& table) {
+    study::write_table(folder / "table.csv", table);
+    io::write_table_file(folder / "table.h5", hdf5_of(table));
+}
+
 std::filesystem::path study_folder(const std::filesystem::path& study, const std::filesystem::path& out) {
     if (!out.empty()) return std::filesystem::absolute(out).lexically_normal();
     const auto name = study.stem() == "study" ? std::filesystem::absolute(study).parent_path().filename() : study.stem();
@@ -56,9 +56,11 @@ std::filesystem::path study_folder(const std::filesystem::path& study, const std
 }
 
 ExitCode sweep_study(const SweepRequest& request) {
-    const auto study = load_checked_study(request.study, request.overrides);
+    const auto file = load_checked_study(request.study, request.overrides);
+    const auto& study = file.study;
+    const StudyScenes scenes(file);
     const auto points = study::sweep_points(study);
-    const auto candidates = study::candidates_of(study, points, read_study_scene);
+    const auto candidates = study::candidates_of(study, points, scenes.reader());
     const auto folder = study_folder(study.path, request.out);
 
     Log log(Voice::speaks);

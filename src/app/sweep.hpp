@@ -1,6 +1,7 @@
 #pragma once
 #include "app/study_scenes.hpp"
 #include "base/error.hpp"
+#include "study/table.hpp"
 
 namespace treacle::app {
 
@@ -14,6 +15,12 @@ struct SweepRequest {
 // `treacle sweep` in a process without MPI: does the runs of the study that are not done, and writes table.csv, table.h5
 // and a plot of each figure against each parameter. Exit code 0 when all runs are done, 3 when some failed, 5 when stopped.
 ExitCode sweep_study(const SweepRequest& request);
+
+// The executable, absolute.
+std::filesystem::path this_program();
+
+// table.csv and table.h5.
+void write_tables(const std::filesystem::path& folder, const study::Table& table);
 
 // out/<name>, beside where the program is started.
 std::filesystem::path study_folder(const std::filesystem::path& study, const std::filesystem::path& out);

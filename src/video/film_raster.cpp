@@ -182,7 +182,7 @@ private:
 FilmDrawing draw_liquid(const FilmMesh& mesh, const CameraModel& camera, const FilmShot& shot, const FilmDepth& hidden) {
     const int width = camera.lens().width, height = camera.lens().height, n = shot.samples;
     const auto pixels = std::size_t(width) * std::size_t(height);
-    FilmDrawing out{{std::vector<float>(pixels, 0), std::vector<float>(3 * pixels, 0)}, {width, height, std::vector<std::uint8_t>(pixels, mask_background)}};
+    FilmDrawing out{{std::vector<float>(pixels, 0), std::vector<float>(3 * pixels, 0)}, {width, height, std::vector<std::uint8_t>(pixels, mask_background)}, FilmDepth(pixels, far_away)};
     const float weight = 1 / float(n * n * shot.instants);
     for (int instant = 0; instant < shot.instants; ++instant) {
         const double share = shot.instants > 1 ? (instant + 0.5) / shot.instants - 0.5 : 0;
@@ -198,7 +198,9 @@ FilmDrawing draw_liquid(const FilmMesh& mesh, const CameraModel& camera, const F
                     out.light.coverage[pixel] += weight;
                     for (std::size_t c = 0; c < 3; ++c)
                         out.light.liquid[3 * pixel + c] += weight * (float(shot.colour[c]) * buffer.diffuse[i] + float(shot.gloss) * buffer.highlight[i]);
-                    if (2 * instant + 1 == shot.instants && k == n * n / 2) out.mask.pixels[pixel] = mask_liquid;
+                    if (2 * instant + 1 != shot.instants || k != n * n / 2) continue;
+                    out.mask.pixels[pixel] = mask_liquid;
+                    out.depth[pixel] = buffer.depth[i];
                 }
             }
     }

@@ -33,6 +33,7 @@ using FilmDepth = std::vector<float>;
 struct FilmDrawing {
     FilmLight light;
     Mask mask; // pixels whose centre is liquid at the middle of the exposure, not hidden
+    FilmDepth depth; // of the liquid at the centres of the mask's pixels, 1e30 beside them
 };
 
 // Draws triangles with a depth buffer, vertices through the lens, edges straight. A sample belongs to a triangle by the
