@@ -1,6 +1,7 @@
 #include "search/rungs.hpp"
 
 #include "base/error.hpp"
+#include "search/matrix.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -78,16 +79,30 @@ double largest_difference(std::span<const Rung> rungs) {
     return most->value - least->value;
 }
 
-// Standard deviation of the value at the fit's order that the noise of each rung makes: the value is linear in them.
-double noise_of_value(std::vector<Rung> rungs, double order, double noise) {
+// Standard deviation of the value that the noise of each rung makes, by way of the order too.
+double noise_of_value(std::vector<Rung> rungs, const Fit& found, double noise) {
     double sum = 0;
-    for (Rung& rung : rungs) rung.value = 0;
     for (Rung& rung : rungs) {
-        rung.value = noise;
-        sum += std::pow(fit_at(rungs, order).value, 2);
-        rung.value = 0;
+        const double before = rung.value;
+        rung.value += noise;
+        sum += std::pow(fit(rungs).value_or(fit_at(rungs, found.order)).value - found.value, 2);
+        rung.value = before;
     }
     return std::sqrt(sum);
+}
+
+// The value at spacing zero of value + a h + b h^2 (R3).
+double value_of_two_orders(std::span<const Rung> rungs) {
+    Matrix a(rungs.size(), 3);
+    std::vector<double> values;
+    for (std::size_t k = 0; k < rungs.size(); ++k) {
+        const double h = rungs[k].spacing / rungs[0].spacing;
+        a(k, 0) = 1;
+        a(k, 1) = h;
+        a(k, 2) = h * h;
+        values.push_back(rungs[k].value);
+    }
+    return least_squares(std::move(a), std::move(values))[0];
 }
 
 // Deviation of the fit by its degrees of freedom; three rungs have none left.
@@ -110,14 +125,18 @@ Extrapolation extrapolate(std::span<const Rung> given, double noise) {
     if (largest_difference(rungs) <= 2 * noise)
         return from_difference(rungs, noise, "the rungs differ by no more than their noise");
     const auto found = fit(rungs);
-    if (!found) return from_difference(rungs, noise, "no order between 0.5 and 2.1 is observed");
+    if (!found) {
+        auto out = from_difference(rungs, noise, "no order between 0.5 and 2.1 is observed");
+        out.deviation = std::max(out.deviation, std::abs(value_of_two_orders(rungs) - out.value));
+        return out;
+    }
     Extrapolation out;
     out.value = found->value;
     out.order = found->order;
     out.correction = out.value - rungs[0].value;
     const double miss = std::abs(found->value + found->slope - rungs[0].value);
     const double bound = safety * std::abs(out.correction) + deviation_of(*found, rungs.size()) + miss; // (R2)
-    out.deviation = std::max(std::hypot(0.5 * bound, noise_of_value(rungs, out.order, noise)), noise);
+    out.deviation = std::max(std::hypot(0.5 * bound, noise_of_value(rungs, *found, noise)), noise);
     out.text = "the order observed over " + std::to_string(rungs.size()) + " rungs";
     return out;
 }
