@@ -19,6 +19,7 @@ ExitCode identify_study(const SweepRequest& request) {
     const auto file = load_checked_study(request.study, request.overrides);
     require_experiments(file);
     const StudyScenes scenes(file);
+    identify::check_searched(file, scenes.reader());
     const auto priors = experiment_priors(file);
     const auto folder = study_folder(file.study.path, request.out);
     Log log(Voice::speaks);

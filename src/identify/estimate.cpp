@@ -181,7 +181,7 @@ int correlation_frames(const EvaluatedRun& run, const Layout& layout, const Vect
     return 200;
 }
 
-// Eighths of the picture around the middle of a frame's contour: parts that share no noise.
+// Sixths of the picture around the middle of a frame's contour: parts that share no noise.
 std::vector<int> sectors(const EvaluatedRun& run, const Layout& layout) {
     std::map<std::pair<std::size_t, int>, std::array<double, 3>> sums;
     for (const auto& row : layout.rows) {
@@ -196,7 +196,7 @@ std::vector<int> sectors(const EvaluatedRun& run, const Layout& layout) {
         const auto& s = at(run, row);
         const auto& sum = sums[{row.experiment, s.frame}];
         const double angle = std::atan2(s.y - sum[1] / sum[2], s.x - sum[0] / sum[2]);
-        out.push_back(std::min(7, int((angle + 3.14159265358979) / 0.785398163397448)));
+        out.push_back(std::min(5, int((angle + 3.14159265358979) / 1.04719755119660)));
     }
     return out;
 }
@@ -218,29 +218,37 @@ std::vector<int> blocks_of(const EvaluatedRun& run, const Layout& layout, const 
     return out;
 }
 
-// Sum over blocks of the outer product of their scores G^T W r.
-Matrix scores_of(const Fit& fit, const Matrix& g, const std::vector<int>& blocks) {
+// What leaving out each block changes of the parameters, [blocks][parameters]: (A - A_b)^-1 G_b^T W_b r_b.
+Matrix block_changes(const Fit& fit, const Matrix& g, const Matrix& information, const std::vector<int>& blocks) {
     const int count = *std::ranges::max_element(blocks) + 1;
-    Matrix scores = Matrix::Zero(count, g.cols());
-    for (Eigen::Index i = 0; i < g.rows(); ++i) scores.row(blocks[std::size_t(i)]) += fit.weights[i] * fit.left[i] * g.row(i);
-    // Few blocks scatter.
-    return scores.transpose() * scores * (count > 1 ? double(count) / double(count - 1) : 1.0);
+    const auto n = g.cols();
+    std::vector<Matrix> shares(std::size_t(count), Matrix::Zero(n, n));
+    Matrix scores = Matrix::Zero(count, n);
+    for (Eigen::Index i = 0; i < g.rows(); ++i) {
+        const auto b = std::size_t(blocks[std::size_t(i)]);
+        shares[b] += fit.weights[i] * g.row(i).transpose() * g.row(i);
+        scores.row(Eigen::Index(b)) += fit.weights[i] * fit.left[i] * g.row(i);
+    }
+    Matrix whole = information;
+    for (const auto& share : shares) whole += share;
+    Matrix out(count, n);
+    for (int b = 0; b < count; ++b) out.row(b) = (whole - shares[std::size_t(b)]).ldlt().solve(scores.row(b).transpose()).transpose();
+    return out * (count > 1 ? std::sqrt(double(count - 1) / double(count)) : 1.0);
 }
 
 // Variance of the parameters by blocks over that by independent segments, the largest.
-double inflation(const Fit& fit, const Matrix& g, const std::vector<int>& blocks, Eigen::Index p) {
+double inflation(const Fit& fit, const Matrix& g, const Matrix& changes, Eigen::Index p) {
     const Matrix& a = fit.inverse;
-    const Matrix by_blocks = a * scores_of(fit, g, blocks) * a;
     const Matrix weighted = fit.weights.cwiseProduct(fit.left).asDiagonal() * g;
     const Matrix independent = a * (weighted.transpose() * weighted) * a;
     double most = 0;
-    for (Eigen::Index k = 0; k < p; ++k) most = std::max(most, independent(k, k) > 0 ? by_blocks(k, k) / independent(k, k) : 0.0);
+    for (Eigen::Index k = 0; k < p; ++k) most = std::max(most, independent(k, k) > 0 ? changes.col(k).squaredNorm() / independent(k, k) : 0.0);
     return most;
 }
 
-VarianceParts parts_of(Eigen::Index k, Eigen::Index p, const Matrix& pixels, const Matrix& a, const Matrix& information, std::size_t experiments) {
+VarianceParts parts_of(Eigen::Index k, Eigen::Index p, const Matrix& changes, const Matrix& a, const Matrix& information, std::size_t experiments) {
     VarianceParts out;
-    out.pixels = pixels(k, k);
+    out.pixels = changes.col(k).squaredNorm();
     for (std::size_t e = 0; e < experiments; ++e) {
         const auto part = [&](int first, int count) {
             const auto at_view = p + Eigen::Index(e) * view_count + first;
@@ -268,12 +276,29 @@ double contour_objective(const EvaluatedRun& run, const std::vector<ViewInformat
     return 0.5 * sum / double(r.size());
 }
 
-Estimate estimate(const std::vector<EvaluatedRun>& runs, const std::vector<ViewInformation>& priors) {
+double VarianceParts::total() const {
+    double sum = pixels + time + contour + camera + resolution + noise;
+    for (const auto& [name, part] : measured) sum += part;
+    return sum;
+}
+
+double ninety_percent(const VarianceParts& parts, double freedom) {
+    constexpr double z = 1.6449;
+    const double total = parts.total();
+    if (!(parts.pixels > 0)) return z;
+    const double n = freedom * (total / parts.pixels) * (total / parts.pixels);
+    // Expansion of the quantile in 1 / n (Abramowitz & Stegun 26.7.5).
+    const double z3 = z * z * z, z5 = z3 * z * z, z7 = z5 * z * z;
+    return z + (z3 + z) / (4 * n) + (5 * z5 + 16 * z3 + 3 * z) / (96 * n * n) + (3 * z7 + 19 * z5 + 17 * z3 - 15 * z) / (384 * n * n * n);
+}
+
+Estimate estimate(const std::vector<EvaluatedRun>& runs, const std::vector<ViewInformation>& priors, const EvaluatedRun* instead) {
     if (runs.empty()) throw InputError({"identify", "has no good run", "all have failed", "look at their reasons in the table"});
     const auto layout = layout_of(runs.front());
     const auto size = sizes(runs.front(), layout);
     const auto p = runs.front().point.size();
-    const auto best = std::ranges::min_element(runs, {}, [&](const EvaluatedRun& run) { return contour_objective(run, priors); });
+    const auto least = std::ranges::min_element(runs, {}, [&](const EvaluatedRun& run) { return contour_objective(run, priors); });
+    const auto* best = instead ? instead : &*least;
     const auto views = view_matrix(*best, layout);
     const auto information = prior_matrix(priors, p);
 
@@ -286,6 +311,11 @@ Estimate estimate(const std::vector<EvaluatedRun>& runs, const std::vector<ViewI
         const Vector reach = Vector::Constant(p, 0.3);
         for (int round = 0; round < 12; ++round) {
             model = local_model(runs, layout, out.point, reach);
+            if (instead) {
+                const Vector way = out.point - instead->point;
+                model.value = displacements(*instead, layout) + model.gradient * way;
+                if (p == 1) model.value -= 0.5 * way[0] * way[0] * model.square; // the gradient is that of the point, not of the run
+            }
             g << model.gradient, views;
             result = fit(model.value, g, size, information, 0, 3, dilution);
             const Vector step = result.x.head(p);
@@ -300,17 +330,18 @@ Estimate estimate(const std::vector<EvaluatedRun>& runs, const std::vector<ViewI
     const auto blocks = blocks_of(*best, layout, sector, 2 * out.block_frames);
     out.blocks = std::size_t(*std::ranges::max_element(blocks)) + 1;
     // Segments that share their noise must not outvote what is known of the view.
-    settle(std::max(1.0, inflation(result, g, blocks, p)));
+    settle(std::max(1.0, inflation(result, g, block_changes(result, g, information, blocks), p)));
 
-    const Matrix& a = result.inverse;
-    const Matrix pixels = a * scores_of(result, g, blocks) * a;
-    const Matrix prior = a * information * a;
-    out.covariance = (pixels + prior).topLeftCorner(p, p);
-    for (Eigen::Index k = 0; k < p; ++k) out.parts.push_back(parts_of(k, p, pixels, a, information, priors.size()));
+    const Matrix changes = block_changes(result, g, information, blocks);
+    for (Eigen::Index k = 0; k < p; ++k) {
+        out.parts.push_back(parts_of(k, p, changes, result.inverse, information, priors.size()));
+        const auto squares = changes.col(k).array().square();
+        out.freedom.push_back(std::max(1.0, squares.sum() * squares.sum() / std::max(1e-300, squares.square().sum()) - 1));
+    }
     for (std::size_t e = 0; e < priors.size(); ++e) out.view.push_back(result.x.segment(p + Eigen::Index(e) * view_count, view_count));
     out.noise = result.noise;
     out.runs = model.runs;
-    const double deviation = std::sqrt(out.covariance(0, 0));
+    const double deviation = std::sqrt(out.parts.front().total());
     const double slope = model.gradient.col(0).norm();
     out.curvature = slope > 0 ? 0.5 * deviation * model.square.norm() / slope : 0;
     std::map<std::pair<std::size_t, int>, std::array<double, 3>> frames;

@@ -42,6 +42,10 @@ void SearchSettings::declare(Declaration& d) {
     d.integer("evaluations", evaluations, range_at_least(3), "Runs of each scene at most.");
     d.number("tolerance", tolerance, unit::none, range_above(0), "Relative change of the parameters at which the search ends.");
     d.integer("seed", seed, range_at_least(0), "Of the random numbers of cma_es.");
+    d.texts("rungs", rungs, "Spacings of the scenes, the coarsest first: [8 mm, 5.6 mm, 4 mm]. The search runs with the first, one run each with the "
+                            "others corrects its answer, and their differences say how far it is from that of spacing 0. Without them the "
+                            "interval lacks the error of the resolution.");
+    d.integer("noise_runs", noise_runs, range_between(0, 8), "Runs with the first spacing changed by 1.5 to 6 %, of which the scatter of the answer is the numerical noise.");
 }
 
 } // namespace treacle::identify

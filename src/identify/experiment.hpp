@@ -44,6 +44,8 @@ struct SearchSettings {
     int evaluations = 20;    // at most
     double tolerance = 0.01; // of the parameters, relative
     int seed = 1;
+    std::vector<std::string> rungs; // spacings of the scenes, the coarsest first: the search's, then those that correct it
+    int noise_runs = 4;             // of the search's spacing, changed a little, that measure the numerical noise
 
     void declare(Declaration& d);
 };

@@ -41,6 +41,7 @@ study::Chart objective_chart(const StudyFile& file, const Identification& identi
     chart.y = {mismatch ? "E" : "objective", study::AxisScale::log};
     study::ChartSeries dots;
     for (const auto& trial : identification.trials) {
+        if (trial.purpose != "search" && trial.purpose != "around the answer") continue; // of another spacing or measured value
         dots.x.push_back(trial.values.front());
         dots.y.push_back(mismatch ? trial.mismatch : trial.objective);
     }
@@ -78,6 +79,33 @@ study::Chart convergence_chart(const StudyFile& file, const Identification& iden
     return chart;
 }
 
+// The parts of a variance by their names, the sum last.
+std::vector<std::pair<std::string, double>> shares(const VarianceParts& parts, bool rungs) {
+    std::vector<std::pair<std::string, double>> out{{"pixels", parts.pixels}, {"time zero", parts.time}, {"contour", parts.contour}, {"camera", parts.camera}};
+    if (rungs) out.insert(out.end(), {{"resolution", parts.resolution}, {"noise", parts.noise}});
+    out.insert(out.end(), parts.measured.begin(), parts.measured.end());
+    out.emplace_back("all", parts.total());
+    return out;
+}
+
+std::string rungs_text(const StudyFile& file, const Identification& identification) {
+    if (!file.has_rungs()) {
+        return "<p class=\"warn\">The runs have one resolution: the interval lacks its error. Give search.rungs, three spacings or more.</p>\n";
+    }
+    std::string out = "<h2>Resolution</h2>\n<table>";
+    std::vector<std::string> head{"spacing"};
+    for (std::size_t k = 0; k < file.searched; ++k) head.push_back(file.study.parameters[k].column());
+    out += row(head, "th");
+    for (const auto& rung : identification.rungs) {
+        std::vector<std::string> cells{rung.spacing};
+        for (const double value : rung.values) cells.push_back(digits(value, 5));
+        out += row(cells);
+    }
+    out += "</table>\n";
+    for (const auto& correction : identification.corrections) out += "<p>" + correction.text + "</p>\n";
+    return out;
+}
+
 std::string html(const StudyFile& file, const Identification& identification) {
     const auto title = file.study.title.empty() ? std::string("Identification") : file.study.title;
     std::string out = "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>" + title +
@@ -90,21 +118,24 @@ std::string html(const StudyFile& file, const Identification& identification) {
     out += "<p>" + identification.stop + "</p>\n";
     if (identification.estimate) {
         const auto& estimate = *identification.estimate;
-        out += "<h2>Where the interval comes from</h2>\n<table>" + row({"parameter", "pixels", "time zero", "contour", "camera", "all"}, "th");
+        out += "<h2>Where the interval comes from</h2>\n<table>";
+        std::vector<std::string> head{"parameter"};
+        for (const auto& [name, part] : shares(estimate.parts.front(), file.has_rungs())) head.push_back(name);
+        out += row(head, "th");
         for (std::size_t k = 0; k < estimate.parts.size(); ++k) {
-            const auto& part = estimate.parts[k];
             std::vector<std::string> cells{file.study.parameters[k].name};
-            for (const double one : {part.pixels, part.time, part.contour, part.camera, part.total()}) cells.push_back("&plusmn; " + percent(std::sqrt(one)));
+            for (const auto& [name, part] : shares(estimate.parts[k], file.has_rungs())) cells.push_back("&plusmn; " + percent(std::sqrt(part)));
             out += row(cells);
         }
         out += "</table>\n<p>Standard deviations. Displacements are taken as correlated over " + std::to_string(estimate.block_frames) +
                " frames; " + std::to_string(estimate.blocks) + " independent blocks, a noise of " + digits(estimate.noise, 2) + " px a segment.</p>\n";
         out += svg(misfit_chart(estimate));
+        out += rungs_text(file, identification);
     }
     out += "<h2>The search</h2>\n" + svg(objective_chart(file, identification, false)) + svg(objective_chart(file, identification, true)) +
            svg(convergence_chart(file, identification));
     out += "<h2>Trials</h2>\n<table>";
-    std::vector<std::string> head{"trial", "runs"};
+    std::vector<std::string> head{"trial", "purpose", "runs"};
     for (const auto& parameter : file.study.parameters) head.push_back(parameter.column());
     head.insert(head.end(), {"objective", "E (6.9)"});
     out += row(head, "th");
@@ -112,7 +143,7 @@ std::string html(const StudyFile& file, const Identification& identification) {
         const auto& trial = identification.trials[i];
         std::string runs;
         for (const auto run : trial.runs) runs += (runs.empty() ? "" : ", ") + std::to_string(run);
-        std::vector<std::string> cells{std::to_string(i + 1), runs};
+        std::vector<std::string> cells{std::to_string(i + 1), trial.purpose, runs};
         for (const double value : trial.values) cells.push_back(digits(value, 6));
         cells.insert(cells.end(), {std::isnan(trial.objective) ? "failed" : digits(trial.objective, 5), std::isnan(trial.mismatch) ? "" : digits(trial.mismatch, 4)});
         out += row(cells);
@@ -126,10 +157,8 @@ std::string yaml(const StudyFile& file, const Identification& identification) {
         const auto& parameter = file.study.parameters[k];
         const auto& parts = identification.estimate->parts[k];
         out += "  - name: " + parameter.name + "\n    key: " + parameter.key + "\n    value: " + parameter.word(identification.values[k]) +
-               "\n    interval_90: [" + parameter.word(identification.low[k]) + ", " + parameter.word(identification.high[k]) + "]\n    deviation: " +
-               format_number(std::sqrt(parts.total())) + "\n    parts: {pixels: " + format_number(std::sqrt(parts.pixels)) + ", time_zero: " +
-               format_number(std::sqrt(parts.time)) + ", contour: " + format_number(std::sqrt(parts.contour)) + ", camera: " +
-               format_number(std::sqrt(parts.camera)) + "}\n";
+               "\n    interval_90: [" + parameter.word(identification.low[k]) + ", " + parameter.word(identification.high[k]) + "]\n    deviations:\n";
+        for (const auto& [name, part] : shares(parts, file.has_rungs())) out += "      " + name + ": " + format_number(std::sqrt(part)) + "\n";
     }
     if (identification.estimate) out += "misfit_px: " + format_number(misfit_of(*identification.estimate)) + "\n";
     out += "trials: " + std::to_string(identification.trials.size()) + "\n";
