@@ -58,6 +58,13 @@ class Identify(Workplace):
         low, high = map(float, re.search(r"interval_90: \[([0-9.e+-]+) Pa.s, ([0-9.e+-]+)", text).groups())
         return value, low, high, text
 
+    def ended(self, journal):
+        """Numbers of the runs that have an outcome."""
+        if not os.path.exists(journal):
+            return []
+        with open(journal) as file:
+            return re.findall(r'"ended":(\d+)', file.read())
+
     def test_a_viscosity_is_found_and_the_same_after_a_kill(self):
         self.film("10 Pa.s")
         self.treacle("identify", "study.yaml", "--out", "one")
@@ -70,19 +77,15 @@ class Identify(Workplace):
         process = self.start("identify", "study.yaml", "--out", "two", "--set", "runs.lanes=1")
         journal = self.path("two", "journal.jsonl")
         end = time.monotonic() + 120
-        while time.monotonic() < end and process.poll() is None:
-            if os.path.exists(journal) and open(journal).read().count('"ended"') >= 3:
-                break
+        while time.monotonic() < end and process.poll() is None and len(self.ended(journal)) < 3:
             time.sleep(0.02)
         process.send_signal(signal.SIGKILL)
         process.communicate()
-        done = open(journal).read().count('"ended"')
+        done = len(self.ended(journal))
         self.treacle("identify", "study.yaml", "--out", "two", "--set", "runs.lanes=2")
         self.assertEqual(self.result("two")[3], text)
-        with open(journal) as file:
-            lines = file.read().splitlines()
+        ended = self.ended(journal)
         self.assertGreaterEqual(done, 1)
-        ended = [re.search(r'"ended":(\d+)', line).group(1) for line in lines if '"ended"' in line]
         self.assertEqual(len(ended), len(set(ended)), "no finished run is repeated")
 
     def test_bad_input_is_told_before_anything_is_run(self):
