@@ -20,7 +20,7 @@ struct CmaOptions {
     BoundHandling bounds = BoundHandling::transform;
     int restarts = 0; // each with twice the population (IPOP, Auger & Hansen 2005)
     CmaTolerances tolerances;
-    Limits limits;
+    Limits limits{};
 
     // Section 6.5.5 of the dissertation, for axes without a logarithm: plain CMA-ES with resampling, 80 iterations.
     static CmaOptions dissertation(std::uint64_t seed);
