@@ -8,7 +8,7 @@ struct GradientOptions {
     std::size_t memory = 10;  // pairs that L-BFGS keeps
     double rate = 0.1;        // momentum: length of the first move, in steps
     double momentum = 0.9;    // share of a move that the next one repeats
-    Limits limits;
+    Limits limits{};
 };
 
 // Methods that follow gradients by central differences; the points of a gradient are asked for at once. Everything is

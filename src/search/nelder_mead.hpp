@@ -5,7 +5,7 @@ namespace treacle::search {
 
 struct NelderMeadOptions {
     double value_tolerance = 1e-11; // range of the vertices' values that ends the search together with small edges
-    Limits limits;
+    Limits limits{};
 };
 
 // The simplex method of Nelder & Mead 1965 with the coefficients that Gao & Han 2012 fit to the dimension. Vertices beyond a
