@@ -11,6 +11,7 @@
 #include "app/manual.hpp"
 #include "app/render.hpp"
 #include "app/run.hpp"
+#include "app/study_check.hpp"
 #include "app/study_commands.hpp"
 #include "app/video_commands.hpp"
 #include "base/text.hpp"
@@ -50,7 +51,8 @@ Command print(const std::string& text) {
 std::filesystem::path find_scene(const Comm& comm, const std::string& name) {
     std::filesystem::path path = name;
     comm.guard_root([&] {
-        if (std::filesystem::is_directory(path)) path /= "scene.yaml";
+        const auto in_folder = [&](const char* name) { return std::filesystem::exists(path / name); };
+        if (std::filesystem::is_directory(path)) path /= in_folder("study.yaml") && !in_folder("scene.yaml") ? "study.yaml" : "scene.yaml";
         if (std::filesystem::exists(path)) return;
         throw InputError({path.string(), "there is no such file",
                           "a scene is a YAML file, or a folder with scene.yaml",
@@ -161,13 +163,18 @@ void add_check(CLI::App& program, Chosen& chosen) {
     auto words = std::make_shared<CheckWords>();
     auto& app =
         *program.add_subcommand("check", "Everything short of running: keys, files, meshes, overlaps, "
-                                         "particles, memory, time step, dimensionless numbers.");
+                                         "particles, memory, time step, dimensionless numbers; of a study its runs and their memory.");
     add_source(app, *words);
     app.add_option("--picture", words->picture, "Draw the particles at the start into this PNG")
         ->type_name("FILE");
     app.callback([words, &chosen] {
         chosen.make = [words]() -> Command {
             return [words](const Comm& comm) {
+                const auto file = find_scene(comm, words->scene);
+                if (is_study(file)) {
+                    comm.guard_root([&] { check_study(file, words->overrides); });
+                    return ExitCode::ok;
+                }
                 return check_scene(comm, {words->source(comm), words->picture});
             };
         };

@@ -2,6 +2,7 @@
 
 #include "app/run.hpp"
 #include "app/study_scenes.hpp"
+#include "study/child_process.hpp"
 #include "study/forward_files.hpp"
 #include "study/readings.hpp"
 
@@ -23,7 +24,7 @@ struct Asked {
 void read_asked(const std::filesystem::path& folder, Asked& out) {
     out.request = study::read_request(folder);
     const auto where = (folder / "params.yaml").string();
-    out.file = identify::load_study_file(out.request.study);
+    out.file = identify::load_study_file(out.request.study, out.request.overrides);
     const auto& study = out.file.study;
     const auto scene = std::ranges::find(study.scenes, out.request.run.scene, &study::StudyScene::name);
     std::vector<std::string> names;
@@ -80,7 +81,8 @@ ExitCode run_asked(const Comm& comm, const std::filesystem::path& folder, const 
 }
 } // namespace
 
-ExitCode forward_run(const Comm& comm, const std::filesystem::path& folder) {
+namespace {
+ExitCode answer(const Comm& comm, const std::filesystem::path& folder) {
     Asked asked;
     bool done = false;
     comm.guard([&] {
@@ -97,10 +99,16 @@ ExitCode forward_run(const Comm& comm, const std::filesystem::path& folder) {
         return ExitCode::ok;
     }
     comm.guard_root([&] { std::filesystem::remove(folder / "FAIL"); });
+    return run_asked(comm, folder, asked);
+}
+} // namespace
+
+ExitCode forward_run(const Comm& comm, const std::filesystem::path& folder) {
+    study::end_with_parent();
     try {
-        return run_asked(comm, folder, asked);
+        return answer(comm, folder);
     } catch (const Error& error) {
-        if (comm.is_root()) study::write_failure(folder, error.what());
+        if (comm.is_root() && std::filesystem::exists(folder / "params.yaml")) study::write_failure(folder, error.what());
         throw;
     }
 }

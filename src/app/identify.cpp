@@ -23,7 +23,8 @@ ExitCode identify_study(const SweepRequest& request) {
     const auto priors = experiment_priors(file);
     const auto folder = study_folder(file.study.path, request.out);
     Log log(Voice::speaks);
-    study::StudyRuns runs(file.study, {folder, this_program()}, log);
+    study::check_launcher(file.study);
+    study::StudyRuns runs(file.study, {folder, this_program(), {}}, log);
     const auto found = identify::identify(file, priors, runs, scenes.reader(), log);
     std::vector<std::int64_t> all(runs.journal().runs().size());
     std::iota(all.begin(), all.end(), std::int64_t{1});

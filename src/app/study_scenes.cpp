@@ -53,9 +53,14 @@ StudyScenes::StudyScenes(const identify::StudyFile& file) {
     }
 }
 
-InputSource StudyScenes::source(const std::filesystem::path& scene, const std::vector<study::Assignment>& assignments) const {
+InputSource source_of(const std::filesystem::path& scene, const std::vector<study::Assignment>& assignments) {
     InputSource out{scene, {}, {}, {}};
     for (const auto& one : assignments) out.changes.push_back({one.text, one.origin});
+    return out;
+}
+
+InputSource StudyScenes::source(const std::filesystem::path& scene, const std::vector<study::Assignment>& assignments) const {
+    auto out = source_of(scene, assignments);
     if (const auto needs = needs_.find(scene); needs != needs_.end()) {
         for (const auto& one : needs->second.assignments) out.changes.push_back({one.text, one.origin});
     }

@@ -26,6 +26,9 @@ private:
     std::map<std::filesystem::path, FilmNeeds> needs_;
 };
 
+// The scene of a run as it is without films.
+InputSource source_of(const std::filesystem::path& scene, const std::vector<study::Assignment>& assignments);
+
 // A study of which the keys that it sets and the figures that it reads are there in every scene. Throws InputError.
 identify::StudyFile load_checked_study(const std::filesystem::path& path, const std::vector<std::string>& overrides = {});
 

@@ -1,5 +1,6 @@
 #include "app/sweep.hpp"
 
+#include "app/study_memory.hpp"
 #include "base/log.hpp"
 #include "base/text.hpp"
 #include "io/table_file.hpp"
@@ -49,23 +50,53 @@ void write_tables(const std::filesystem::path& folder, const study::Table& table
     io::write_table_file(folder / "table.h5", hdf5_of(table));
 }
 
+std::filesystem::path find_study(const std::filesystem::path& name) {
+    const auto path = std::filesystem::is_directory(name) ? name / "study.yaml" : name;
+    if (std::filesystem::exists(path)) return path;
+    throw InputError({path.string(), "there is no such file", "a study is a YAML file, or a folder with study.yaml",
+                      "`treacle schema --study` describes it"});
+}
+
+std::vector<study::Candidate> sweep_candidates(const identify::StudyFile& file) {
+    return study::candidates_of(file.study, study::sweep_points(file.study), StudyScenes(file).reader());
+}
+
 std::filesystem::path study_folder(const std::filesystem::path& study, const std::filesystem::path& out) {
     if (!out.empty()) return std::filesystem::absolute(out).lexically_normal();
     const auto name = study.stem() == "study" ? std::filesystem::absolute(study).parent_path().filename() : study.stem();
     return std::filesystem::absolute(std::filesystem::path("out") / name).lexically_normal();
 }
 
+ExitCode write_results(const study::Study& study, const study::Journal& journal, const std::vector<std::int64_t>& runs,
+                       const std::filesystem::path& folder, Log& log) {
+    const auto table = table_of(study, journal, runs);
+    write_tables(folder, table);
+    study::write_plots(folder / "plots", study, table);
+    const auto status = count_runs(journal, runs);
+    write_status(folder / "status.json", status);
+    tell_failures(log, journal, runs);
+    log.line(std::to_string(status.done) + " of " + std::to_string(runs.size()) + " runs done, " + std::to_string(status.failed) +
+             " failed; " + (folder / "table.csv").string());
+    if (status.done + status.failed < runs.size()) return ExitCode::stopped;
+    if (status.failed == 0) return ExitCode::ok;
+    log.line("`--retry failed` does those again");
+    return ExitCode::simulation_failed;
+}
+
 ExitCode sweep_study(const SweepRequest& request) {
     const auto file = load_checked_study(request.study, request.overrides);
     const auto& study = file.study;
-    const StudyScenes scenes(file);
-    const auto points = study::sweep_points(study);
-    const auto candidates = study::candidates_of(study, points, scenes.reader());
+    const auto candidates = sweep_candidates(file);
+    study::check_launcher(study);
+    check_memory(study, candidates);
     const auto folder = study_folder(study.path, request.out);
 
     Log log(Voice::speaks);
-    study::StudyRuns runs(study, {folder, this_program()}, log);
     std::vector<std::int64_t> numbers;
+    const study::StudyRuns* under_way = nullptr;
+    const auto tell_table = [&] { write_tables(folder, table_of(study, under_way->journal(), numbers)); };
+    study::StudyRuns runs(study, {folder, this_program(), tell_table}, log);
+    under_way = &runs;
     std::set<std::int64_t> seen; // points that give the same run are one row
     for (const auto& candidate : candidates) {
         const auto number = runs.ask(candidate);
@@ -73,18 +104,8 @@ ExitCode sweep_study(const SweepRequest& request) {
     }
     log.line(std::to_string(numbers.size()) + " runs on " + std::to_string(runs.lanes()) + " lanes in " + folder.string());
     const auto end = runs.run(numbers, request.retry_failed);
-    const auto table = table_of(study, runs.journal(), numbers);
-    write_tables(folder, table);
-    study::write_plots(folder / "plots", study, table);
-
-    const auto status = count_runs(runs.journal(), numbers);
-    tell_failures(log, runs.journal(), numbers);
-    log.line(std::to_string(status.done) + " of " + std::to_string(numbers.size()) + " runs done, " + std::to_string(status.failed) +
-             " failed; " + (folder / "table.csv").string());
-    if (end == study::StudyEnd::stopped) return ExitCode::stopped;
-    if (status.failed == 0) return ExitCode::ok;
-    log.line("`treacle sweep " + request.study.string() + " --retry failed` does those again");
-    return ExitCode::simulation_failed;
+    const auto code = write_results(study, runs.journal(), numbers, folder, log);
+    return end == study::StudyEnd::stopped ? ExitCode::stopped : code;
 }
 
 } // namespace treacle::app

@@ -19,6 +19,17 @@ ExitCode sweep_study(const SweepRequest& request);
 // The executable, absolute.
 std::filesystem::path this_program();
 
+// The runs of the study's sweep: every point in every scene. Throws InputError.
+std::vector<study::Candidate> sweep_candidates(const identify::StudyFile& file);
+
+// A study's file, or the study.yaml in a folder. Throws InputError when it is not there.
+std::filesystem::path find_study(const std::filesystem::path& name);
+
+// Tables and plots of these runs, and a line each for those that failed. Exit code 0 when all are done, 3 when some failed, 5
+// when some have no outcome.
+ExitCode write_results(const study::Study& study, const study::Journal& journal, const std::vector<std::int64_t>& runs,
+                       const std::filesystem::path& folder, Log& log);
+
 // table.csv and table.h5.
 void write_tables(const std::filesystem::path& folder, const study::Table& table);
 

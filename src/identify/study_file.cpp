@@ -74,6 +74,7 @@ StudyFile load_study_file(const std::filesystem::path& path, const std::vector<s
     auto document = Document::load(path);
     for (const auto& assignment : overrides) document.set(assignment);
     StudyFile out;
+    out.study.overrides = overrides;
     out.study.path = std::filesystem::absolute(path).lexically_normal();
     parse(document, out);
     return out;

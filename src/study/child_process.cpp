@@ -4,6 +4,7 @@
 
 #include <cerrno>
 #include <csignal>
+#include <cstdlib>
 #include <cstring>
 #include <fcntl.h>
 #include <fstream>
@@ -25,6 +26,9 @@ std::vector<std::string> clean_environment() {
         const std::string text = *entry;
         if (!is_of_a_launcher(text.substr(0, text.find('=')))) out.push_back(text);
     }
+    out.push_back(std::string(lane_variable) + "=1");
+    // One rank by itself needs no daemon of Open MPI's beside it.
+    if (std::getenv("OMPI_MCA_ess_singleton_isolated") == nullptr) out.emplace_back("OMPI_MCA_ess_singleton_isolated=1");
     return out;
 }
 
@@ -159,6 +163,23 @@ double ChildProcess::resident_bytes() const {
     double sum = 0;
     for (const auto pid : family()) sum += resident_of(pid);
     return sum;
+}
+
+void end_with_parent() {
+    if (std::getenv(lane_variable) != nullptr) ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+}
+
+std::filesystem::path find_program(const std::string& name) {
+    const auto runs = [](const std::filesystem::path& path) {
+        return ::access(path.c_str(), X_OK) == 0 && std::filesystem::is_regular_file(path);
+    };
+    if (name.find('/') != std::string::npos) return runs(name) ? std::filesystem::path(name) : std::filesystem::path();
+    const char* path = std::getenv("PATH");
+    std::istringstream folders(path == nullptr ? "" : path);
+    for (std::string folder; std::getline(folders, folder, ':');) {
+        if (runs(std::filesystem::path(folder) / name)) return std::filesystem::path(folder) / name;
+    }
+    return {};
 }
 
 std::string describe(const Ending& ending) {

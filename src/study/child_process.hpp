@@ -13,6 +13,12 @@ struct Ending {
     int signal = 0; // that ended it; 0: none
 };
 
+// Set in the environment of a child: what it starts in turn should end with it (end_with_parent).
+constexpr const char* lane_variable = "TREACLE_LANE";
+
+// In a process below a ChildProcess, whatever launcher stands between: the kernel ends it when its parent ends.
+void end_with_parent();
+
 // A program started by this one, in a process group of its own, which ends with this process whatever ends that. Its
 // environment has no word of a job step or of MPI ranks that this process may be part of, so that it starts as from a
 // terminal; it is the first to go when memory runs out. Needs a process with one thread and without MPI.
@@ -41,6 +47,9 @@ private:
     pid_t pid_ = 0;
     std::optional<Ending> ending_;
 };
+
+// The program that a name stands for, on the PATH where the name is no path; empty: none.
+std::filesystem::path find_program(const std::string& name);
 
 // "ended with exit code 3", "was ended by signal 9 (Killed)"
 std::string describe(const Ending& ending);

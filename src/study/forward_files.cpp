@@ -22,7 +22,7 @@ using Json = nlohmann::ordered_json;
 struct RequestFile {
     int schema_version = 1, number = 0;
     std::string study, scene, key;
-    std::vector<std::string> parameters, values;
+    std::vector<std::string> parameters, values, overrides;
 
     void declare(Declaration& d) {
         d.integer("schema_version", schema_version, range_between(1, 1), "Version of the layout of this file.");
@@ -34,6 +34,7 @@ struct RequestFile {
         d.text("key", key, "Hash of all that the result depends on, when the run was asked for.");
         d.texts("parameters", parameters, "Names of the study's parameters.");
         d.texts("values", values, "Value of each, as it stands in the scene.");
+        d.texts("set", overrides, "Keys of the study that were overridden, as for --set.");
         d.check(parameters.size() == values.size(), "values", {"must be as many as the parameters", "", "give one for each"});
     }
 };
@@ -68,6 +69,12 @@ std::string request_folder(std::int64_t number) {
     return text;
 }
 
+ForwardRequest request_of(const Study& study, const RunRequest& run) {
+    ForwardRequest out{study.path, run, {}, study.overrides};
+    for (const auto& parameter : study.parameters) out.parameters.push_back(parameter.name);
+    return out;
+}
+
 void write_request(const std::filesystem::path& folder, const ForwardRequest& request) {
     std::filesystem::create_directories(folder);
     RequestFile file;
@@ -77,6 +84,7 @@ void write_request(const std::filesystem::path& folder, const ForwardRequest& re
     file.key = request.run.key;
     file.parameters = request.parameters;
     file.values = request.run.values;
+    file.overrides = request.overrides;
     write_file_atomically(folder / "params.in", dakota_parameters(request));
     write_file_atomically(folder / "params.yaml", effective(file));
 }
@@ -89,7 +97,7 @@ ForwardRequest read_request(const std::filesystem::path& folder) {
     }
     RequestFile file;
     parse(Document::load(path), file);
-    return {file.study, {file.number, file.scene, file.values, file.key}, file.parameters};
+    return {file.study, {file.number, file.scene, file.values, file.key}, file.parameters, file.overrides};
 }
 
 void write_result(const std::filesystem::path& folder, const ForwardResult& result) {

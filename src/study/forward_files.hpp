@@ -18,7 +18,10 @@ struct ForwardRequest {
     std::filesystem::path study; // absolute
     RunRequest run;
     std::vector<std::string> parameters; // their names
+    std::vector<std::string> overrides;  // of the study
 };
+// The request of a study's run.
+ForwardRequest request_of(const Study& study, const RunRequest& run);
 
 void write_request(const std::filesystem::path& folder, const ForwardRequest& request);
 // From params.yaml. Throws InputError.

@@ -83,6 +83,8 @@ void Journal::read_line(const std::string& line, int count) {
             if (run.number != std::int64_t(runs_.size()) + 1) throw std::runtime_error("its number is out of order");
             numbers_[run.key] = run.number;
             runs_.push_back(std::move(run));
+        } else if (json.contains("dropped")) {
+            outcomes_.erase(json.at("dropped").get<std::int64_t>());
         } else {
             auto outcome = outcome_of(json);
             if (outcome.number < 1 || outcome.number > std::int64_t(runs_.size())) throw std::runtime_error("there is no run of its number");
@@ -154,6 +156,11 @@ void Journal::finish(const RunOutcome& outcome) {
     append(text_of(json_of(outcome)) + "\n");
     sync();
     outcomes_[outcome.number] = outcome;
+}
+
+void Journal::drop(std::int64_t number) {
+    append(text_of({{"dropped", number}}) + "\n");
+    outcomes_.erase(number);
 }
 
 void Journal::sync() {

@@ -15,7 +15,8 @@ struct JournalOwner {
 };
 
 // The memory of a study: a JSON object a line, appended and synced, never rewritten. First the owner; then the runs in
-// the order in which they were asked for, and their outcomes as they came in. Of several outcomes of a run the last holds.
+// the order in which they were asked for, and their outcomes as they came in. Of several outcomes of a run the last holds,
+// unless it was dropped later.
 // A last line that was cut off is dropped. Of one process.
 class Journal {
 public:
@@ -34,6 +35,8 @@ public:
     const RunRequest& ask(const std::string& scene, const Point& values, const std::string& key);
     // Writes an outcome down and waits for the disk.
     void finish(const RunOutcome& outcome);
+    // The run has no outcome any more; the lines of those that it had stay.
+    void drop(std::int64_t number);
     void sync();
 
     static constexpr const char* file_name = "journal.jsonl";

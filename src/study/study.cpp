@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <map>
 #include <set>
+#include <sstream>
 
 namespace treacle::study {
 
@@ -64,7 +65,7 @@ void Reading::declare(Declaration& d) {
     d.check(table.empty() || table == "steps" || table == "bodies" || table == "measurements", "table",
             {"must be steps, bodies or measurements", "a run writes no other table", ""});
     d.check(table.empty() || !column.empty(), "column", {"must be given", "the table has several", "its header names them"});
-    d.check(at == Statistic::at_time || !d.given("time"), "time", {"has no effect", "it belongs to at: time", "write at: time"});
+    d.check(at == Statistic::at_time || time == 0, "time", {"has no effect", "it belongs to at: time", "write at: time"});
     if (name.empty()) name = measurement.empty() ? column.substr(0, column.find(" [")) : measurement;
     d.check(name.find_first_of(",\"\n\r") == std::string::npos, "name",
             {"must not have a comma, a quote or a line break", "it becomes the header of a column", "choose a plainer name"});
@@ -75,6 +76,7 @@ void RunOptions::declare(Declaration& d) {
     d.integer("lanes", lanes, range_at_least(0), "Runs at once; 0: as many as there are cores for.");
     d.text("launcher", launcher, "Command in front of each run, {ranks} stands for their number: srun --exact -n {ranks}. By default "
                                  "none for one rank, and mpiexec for more.");
+    if (d.parsing()) launcher_where = d.place_of("launcher");
     d.number("time_limit", time_limit, unit::time, range_at_least(0), "Time of the clock after which a run is ended and counts as failed; 0: none.");
     d.number("memory", memory, unit::none, range_at_least(0), "Gigabytes of memory that a run may hold before it is ended; 0: no limit.");
     d.number("hang_factor", hang_factor, unit::none, range_at_least(0),
@@ -84,6 +86,15 @@ void RunOptions::declare(Declaration& d) {
                    "What stays of a finished run besides its figures: nothing, its tables, or its frames as well.");
     d.number("disk", disk, unit::none, range_at_least(0), "Gigabytes that the runs' folders may take; before more is written the study stops. 0: no limit.");
     d.texts("reuse", reuse, "Folders of other studies, whose finished runs of equal scenes count as this study's.");
+}
+
+std::vector<std::string> RunOptions::launch_words() const {
+    std::istringstream text(launcher.empty() && ranks > 1 ? "mpiexec -n {ranks}" : launcher);
+    std::vector<std::string> words;
+    for (std::string word; text >> word; words.push_back(word)) {
+        if (const auto at = word.find("{ranks}"); at != std::string::npos) word.replace(at, 7, std::to_string(ranks));
+    }
+    return words;
 }
 
 void Sweep::declare(Declaration& d) {

@@ -47,8 +47,11 @@ struct RunOptions {
     Keep keep = Keep::tables;
     double disk = 0;          // [GB] that the folder of runs may take; 0: no limit
     std::vector<std::string> reuse; // folders of other studies whose finished runs count
+    std::string launcher_where;     // place of the launcher, or of the block
 
     void declare(Declaration& d);
+    // The words in front of a run's own command.
+    std::vector<std::string> launch_words() const;
 };
 
 enum class Design { none, grid, list, file, latin_hypercube, sobol };
@@ -76,7 +79,8 @@ struct Study {
     RunOptions runs;
     Sweep sweep;
 
-    std::filesystem::path path; // of the file, absolute
+    std::filesystem::path path;         // of the file, absolute
+    std::vector<std::string> overrides; // of --set
 
     void declare(Declaration& d);
     std::filesystem::path scene_file(const StudyScene& scene) const; // absolute

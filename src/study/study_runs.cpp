@@ -19,22 +19,6 @@ namespace treacle::study {
 namespace {
 constexpr double stop_grace = 20; // [s] for runs that are asked to end
 
-std::vector<std::string> split_words(const std::string& text) {
-    std::vector<std::string> words;
-    for (std::size_t from = 0; from < text.size();) {
-        const auto begin = text.find_first_not_of(' ', from);
-        if (begin == std::string::npos) break;
-        from = std::min(text.find(' ', begin), text.size());
-        words.push_back(text.substr(begin, from - begin));
-    }
-    return words;
-}
-
-std::string replaced(std::string text, const std::string& what, const std::string& by) {
-    for (auto at = text.find(what); at != std::string::npos; at = text.find(what, at + by.size())) text.replace(at, what.size(), by);
-    return text;
-}
-
 double bytes_of(const std::filesystem::path& folder) {
     std::error_code ignored;
     double sum = 0;
@@ -92,7 +76,6 @@ RunStatus status_of(const LaneResult& result) {
     return result.ending.exit_code > 128 && result.ending.exit_code < 160 ? RunStatus::killed : RunStatus::failed;
 }
 
-int cores() { return std::max(1, int(std::thread::hardware_concurrency())); }
 } // namespace
 
 std::vector<Assignment> assignments_of(const Study& study, const StudyScene& scene, const Point& values) {
@@ -127,6 +110,11 @@ Candidate candidate_of(const Study& study, const StudyScene& scene, const Point&
     return {scene.name, values, run_key(facts, study.runs.ranks, program_identity()), facts.end};
 }
 
+namespace {
+// "study.yaml:6: viscosity = -10 Pa.s" as far as the name.
+std::string without_values(const std::string& text) { return text.substr(0, text.find(" = ")); }
+} // namespace
+
 std::vector<Candidate> candidates_of(const Study& study, const std::vector<Point>& points, const SceneReader& read_scene) {
     std::vector<Candidate> out;
     std::vector<Diagnostic> problems;
@@ -135,9 +123,11 @@ std::vector<Candidate> candidates_of(const Study& study, const std::vector<Point
             try {
                 out.push_back(candidate_of(study, scene, point, read_scene));
             } catch (const InputError& error) {
-                // What is wrong with every point is told once.
+                // What is wrong with a key at every point is told once, with the first value.
                 for (const auto& problem : error.diagnostics()) {
-                    const bool known = std::ranges::any_of(problems, [&](const Diagnostic& one) { return one.text() == problem.text(); });
+                    const bool known = std::ranges::any_of(problems, [&](const Diagnostic& one) {
+                        return without_values(one.where) == without_values(problem.where) && without_values(one.problem) == without_values(problem.problem);
+                    });
                     if (!known) problems.push_back(problem);
                 }
             }
@@ -156,9 +146,22 @@ const std::filesystem::path& made(const std::filesystem::path& folder) {
 }
 } // namespace
 
+int lane_count(const RunOptions& options) {
+    const int cores = std::max(1, int(std::thread::hardware_concurrency()));
+    return options.lanes > 0 ? options.lanes : std::max(1, cores / options.ranks);
+}
+
+void check_launcher(const Study& study) {
+    const auto words = study.runs.launch_words();
+    if (words.empty() || !find_program(words.front()).empty()) return;
+    throw InputError({study.runs.launcher_where, "runs.launcher = " + words.front() + ": there is no such program",
+                      study.runs.launcher.empty() ? "it starts the " + std::to_string(study.runs.ranks) + " ranks of each run" : "it is in front of each run's command",
+                      "check its name and the PATH, or load its module"});
+}
+
 StudyRuns::StudyRuns(const Study& study, StudySetup setup, Log& log)
     : study_(study), setup_(std::move(setup)), log_(log), lock_(made(setup_.folder)), journal_(Journal::open(setup_.folder, owner_of(study, program_identity()))),
-      program_(program_identity()), lane_count_(study.runs.lanes > 0 ? study.runs.lanes : std::max(1, cores() / study.runs.ranks)),
+      program_(program_identity()), lane_count_(lane_count(study.runs)),
       start_(std::chrono::steady_clock::now()), last_report_(start_) {
     if (!lock_.warning().empty()) log_.warn(lock_.warning());
     for (const auto& other : study_.runs.reuse) {
@@ -200,14 +203,8 @@ bool StudyRuns::adopt_finished(std::int64_t number) {
 void StudyRuns::start(std::int64_t number, Lanes& lanes) const {
     const auto folder = run_folder(number);
     std::filesystem::remove_all(folder);
-    const auto& run = journal_.runs()[std::size_t(number - 1)];
-    std::vector<std::string> names;
-    for (const auto& parameter : study_.parameters) names.push_back(parameter.name);
-    write_request(folder, {study_.path, run, names});
-    auto launcher = study_.runs.launcher;
-    const auto ranks = std::to_string(study_.runs.ranks);
-    if (launcher.empty() && study_.runs.ranks > 1) launcher = "mpiexec -n {ranks}";
-    auto command = split_words(replaced(launcher, "{ranks}", ranks));
+    write_request(folder, request_of(study_, journal_.runs()[std::size_t(number - 1)]));
+    auto command = study_.runs.launch_words();
     command.insert(command.end(), {setup_.program.string(), "forward", folder.string()});
     lanes.start({number, folder, command});
 }
@@ -292,6 +289,7 @@ StudyEnd StudyRuns::run(std::span<const std::int64_t> runs, bool retry_failed) {
             if (result.end == LaneEnd::stop && (result.ending.exit_code != 0 || result.ending.signal != 0)) continue;
             journal_.finish(settle(result));
             read_again(result.number);
+            changed_ = true;
         }
     };
     const auto stop_file = setup_.folder / "STOP";
@@ -325,6 +323,8 @@ void StudyRuns::report(std::span<const std::int64_t> runs, std::size_t fresh, La
     status.seconds = std::chrono::duration<double>(now - start_).count();
     status.left = time_left(status, fresh, simulated_end_);
     write_status(setup_.folder / "status.json", status);
+    if (changed_ && setup_.changed) setup_.changed();
+    changed_ = false;
     log_.progress(double(status.done + status.failed) / double(std::max<std::size_t>(1, runs.size())), describe(status));
 }
 

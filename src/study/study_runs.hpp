@@ -45,9 +45,16 @@ Candidate candidate_of(const Study& study, const StudyScene& scene, const Point&
 // Of every point in every scene, the scenes of a point side by side. Throws InputError with what is wrong in all of them.
 std::vector<Candidate> candidates_of(const Study& study, const std::vector<Point>& points, const SceneReader& read_scene);
 
+// Runs at once: those of the study, or as many as the cores of this machine are enough for.
+int lane_count(const RunOptions& options);
+
+// Throws InputError when the program in front of each run is not there.
+void check_launcher(const Study& study);
+
 struct StudySetup {
     std::filesystem::path folder;  // of the study's results
     std::filesystem::path program; // the executable, absolute
+    std::function<void()> changed; // called once a second at most, when runs have ended; may be empty
 };
 
 enum class StudyEnd { complete, stopped };
@@ -88,6 +95,7 @@ private:
     std::vector<std::pair<std::filesystem::path, Journal>> others_; // studies whose runs count
     std::string program_;
     int lane_count_;
+    bool changed_ = false; // runs have ended since the last report
     double simulated_end_ = 0; // [s], of the last run that was asked for
     std::chrono::steady_clock::time_point start_, last_report_;
 };
