@@ -57,7 +57,7 @@ double least_interval(const std::vector<identify::ObservedFrame>& frames) {
 class FilmComparison {
 public:
     FilmComparison(const StudyFile& file, const Experiment& experiment, const RunView& run)
-        : run_(run), surface_(Comm::self(), run, surface_options(run.input)), model_(experiment_camera(file, experiment, run.input).model),
+        : run_(run), surface_(Comm::self(), run, {surface_options(run.input)}), model_(experiment_camera(file, experiment, run.input).model),
           frames_(identify::observed_frames(experiment, file.beside(experiment.masks))) {
         step_ = 0.25 * std::max(least_interval(frames_), 1e-3);
     }
@@ -151,7 +151,8 @@ ExperimentCamera experiment_camera(const StudyFile& file, const Experiment& expe
     }
     if (experiment.camera.empty() || !std::filesystem::is_regular_file(path)) {
         try {
-            return {camera_model(find_camera(input.scene, experiment.camera), input.scene.domain), {}, 0};
+            const auto camera = find_camera(input.scene, experiment.camera);
+            return {video::camera_model(view_of(camera, input.scene.domain, {}), camera.name), {}, 0};
         } catch (const InputError& error) {
             throw InputError({experiment.where, "camera = " + experiment.camera + " is neither a file nor a camera of the scene", error.what(), ""});
         }

@@ -84,7 +84,7 @@ std::vector<FilmFrame> plan_frames(const FilmRequest& request, const RunView& ru
 class Camera {
 public:
     Camera(const FilmRequest& request, const RunView& run, const scene::CameraModel& model)
-        : request_(request), run_(run), model_(model), surface_(Comm::self(), run, surface_options(run.input)) {}
+        : request_(request), run_(run), model_(model), surface_(Comm::self(), run, {surface_options(run.input)}) {}
 
     struct Shot {
         video::Image image;
@@ -197,7 +197,8 @@ ExitCode film_run(const Comm& comm, const FilmRequest& request) {
     const auto run = open_run(comm, request.run);
     require_frames(run);
     const auto frames = plan_frames(request, run);
-    const auto model = camera_model(find_camera(run.input.scene, request.camera), run.input.scene.domain);
+    const auto camera_of_scene = find_camera(run.input.scene, request.camera);
+    const auto model = video::camera_model(view_of(camera_of_scene, run.input.scene.domain, {}), camera_of_scene.name);
     const auto out = request.out.empty() ? run.folder.root / "film" : request.out;
     std::optional<FilmFolder> folder;
     comm.guard_root([&] { folder.emplace(request, out, model); });

@@ -6,9 +6,6 @@
 
 namespace treacle::app {
 
-// A pinhole for a camera of the scene, or its measured lens. A plane scene's is looked at straight.
-scene::CameraModel camera_model(const scene::Camera& camera, const scene::Domain& domain);
-
 // The bodies that a camera sees, where `solids` has them; hollow ones show what is in them. Nothing in a plane scene.
 video::FilmScenery draw_scenery(const Input& input, const surface::Solids& solids, const scene::CameraModel& camera);
 

@@ -84,6 +84,39 @@ TEST(SurfaceFigures, DISABLED_SheetsAndThreads) {
     RecordProperty("thread_volume_error_percent", std::to_string(100 * threads));
 }
 
+// What the choice of the surface's value does to the area of liquid in a container in the plane, and of a heap on its floor:
+// relative change for a shift by 0.1 spacings either way.
+TEST(SurfaceFigures, DISABLED_IsoShift) {
+    const auto comm = Comm::world();
+    Domain plane;
+    plane.dimensions = 2;
+    plane.max = {50, 100, 0};
+    plane.sides[0] = plane.sides[1] = plane.sides[2] = Side::wall;
+    const auto change = [&](const Shape& shape, double iso) {
+        const auto cloud = fill(shape, 100, {0.5, 0.5, 0}, 0.1, nullptr, 2).part(comm);
+        double area[2];
+        for (const int k : {0, 1}) {
+            Options options;
+            options.spacing = 1;
+            options.iso = k * iso;
+            Mesher mesher(comm, plane, options);
+            mesher.build(cloud.rows());
+            area[k] = mesher.summary().volume;
+        }
+        return 100 * (area[1] / area[0] - 1);
+    };
+    const Shape container = [](const Vec3& x) { return x[0] > 0 && x[0] < 50 && x[1] > 0 && x[1] < 75; };
+    const Shape heap = [](const Vec3& x) { return x[1] > 0 && std::hypot(x[0] - 25, x[1]) < 12; };
+    for (const double iso : {-0.1, 0.1}) {
+        const std::string which = iso < 0 ? "outwards" : "inwards";
+        const double full = change(container, iso), small = change(heap, iso);
+        EXPECT_NEAR(full, -100 * iso / 75, 0.03);
+        EXPECT_NEAR(small, -100 * iso * 2 / 12, 0.4);
+        RecordProperty("container_percent_" + which, std::to_string(full));
+        RecordProperty("heap_percent_" + which, std::to_string(small));
+    }
+}
+
 // Seconds of a surface and a silhouette of TREACLE_EDGE^3 particles, a block in the corner of a box, disordered.
 TEST(SurfaceFigures, DISABLED_Cost) {
     const char* text = std::getenv("TREACLE_EDGE");
