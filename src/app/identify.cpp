@@ -30,7 +30,11 @@ ExitCode identify_study(const SweepRequest& request) {
     std::iota(all.begin(), all.end(), std::int64_t{1});
     write_tables(folder, study::table_of(file.study, runs.journal(), all));
     if (found.end == study::StudyEnd::stopped) return ExitCode::stopped;
-    identify::write_report(folder / "report", file, found);
+    const auto folder_of = [&](std::int64_t number) {
+        const auto* outcome = runs.journal().outcome(number);
+        return outcome && !outcome->folder.empty() ? std::filesystem::path(outcome->folder) : runs.run_folder(number);
+    };
+    identify::write_report(folder / "report", file, found, folder_of);
     for (const auto& line : identify::answer_lines(file, found)) log.line(line);
     const auto said = identify::verdict(found);
     if (!said.empty()) log.warn(said);

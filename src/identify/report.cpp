@@ -2,6 +2,7 @@
 
 #include "base/file.hpp"
 #include "base/text.hpp"
+#include "identify/report_pictures.hpp"
 #include "study/chart.hpp"
 
 #include <algorithm>
@@ -106,11 +107,34 @@ std::string rungs_text(const StudyFile& file, const Identification& identificati
     return out;
 }
 
-std::string html(const StudyFile& file, const Identification& identification) {
+// The trial that looks most like the films; null without one.
+const Trial* best_trial(const Identification& identification) {
+    const Trial* best = nullptr;
+    for (const auto& trial : identification.trials) {
+        if (!std::isnan(trial.objective) && (!best || trial.objective < best->objective)) best = &trial;
+    }
+    return best;
+}
+
+std::string pictures_text(const std::filesystem::path& folder, const StudyFile& file, const Identification& identification,
+                          const std::function<std::filesystem::path(std::int64_t)>& folder_of) {
+    const auto* best = best_trial(identification);
+    if (!best) return "";
+    std::string out = "<h2>Film and run</h2>\n<p>At the trial that is most alike: grey where both have liquid, blue where only the film has, red where only the run.</p>\n";
+    for (const auto& experiment : file.experiments) {
+        const auto scene = std::size_t(&file.scene_of(experiment) - file.study.scenes.data());
+        for (const auto& picture : write_pictures(folder, file, experiment, folder_of(best->runs[scene]))) {
+            out += "<figure><img src=\"" + picture.file + "\" alt=\"" + picture.caption + "\"><figcaption>" + picture.caption + "</figcaption></figure>\n";
+        }
+    }
+    return out;
+}
+
+std::string html(const StudyFile& file, const Identification& identification, const std::string& pictures) {
     const auto title = file.study.title.empty() ? std::string("Identification") : file.study.title;
     std::string out = "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>" + title +
                       "</title><style>body{font-family:sans-serif;max-width:60em;margin:2em auto;color:#222}table{border-collapse:collapse}"
-                      "td,th{padding:.25em .8em;border-bottom:1px solid #ddd;text-align:left}.big{font-size:150%}.warn{background:#fff3d6;padding:.6em}</style></head><body>\n<h1>" +
+                      "td,th{padding:.25em .8em;border-bottom:1px solid #ddd;text-align:left}figure{display:inline-block;margin:.3em}img{max-width:18em;border:1px solid #ddd}.big{font-size:150%}.warn{background:#fff3d6;padding:.6em}</style></head><body>\n<h1>" +
                       title + "</h1>\n";
     for (const auto& line : answer_lines(file, identification)) out += "<p class=\"big\">" + line + "</p>\n";
     const auto said = verdict(identification);
@@ -132,7 +156,7 @@ std::string html(const StudyFile& file, const Identification& identification) {
         out += svg(misfit_chart(estimate));
         out += rungs_text(file, identification);
     }
-    out += "<h2>The search</h2>\n" + svg(objective_chart(file, identification, false)) + svg(objective_chart(file, identification, true)) +
+    out += pictures + "<h2>The search</h2>\n" + svg(objective_chart(file, identification, false)) + svg(objective_chart(file, identification, true)) +
            svg(convergence_chart(file, identification));
     out += "<h2>Trials</h2>\n<table>";
     std::vector<std::string> head{"trial", "purpose", "runs"};
@@ -187,10 +211,12 @@ std::string verdict(const Identification& identification) {
            " px are usual. The interval holds if what is left over is without a trend in time; look at the frames.";
 }
 
-void write_report(const std::filesystem::path& folder, const StudyFile& file, const Identification& identification) {
+void write_report(const std::filesystem::path& folder, const StudyFile& file, const Identification& identification,
+                  const std::function<std::filesystem::path(std::int64_t)>& folder_of) {
     std::filesystem::create_directories(folder);
+    const auto pictures = pictures_text(folder, file, identification, folder_of);
     write_file_atomically(folder / "result.yaml", yaml(file, identification));
-    write_file_atomically(folder / "index.html", html(file, identification));
+    write_file_atomically(folder / "index.html", html(file, identification, pictures));
 }
 
 } // namespace treacle::identify
