@@ -28,6 +28,7 @@ public:
     bool built() const { return matrix_.has_value(); }
     const ViscousFaces& places() const { return parts_.faces(); }
     const ViscousSystem& system() const { return system_; }
+    ViscousSystem& system() { return system_; }
     int motions() const { return coupled_; }  // of bodies that are unknowns, on all ranks
 
     // b, for velocities of before; bodies move as they did at build().
