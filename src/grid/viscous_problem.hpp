@@ -3,6 +3,7 @@
 #include "grid/viscous_bodies.hpp"
 #include "solve/component_split.hpp"
 #include "solve/rigid_multilevel.hpp"
+#include "solve/soft_pairs.hpp"
 
 #include <optional>
 
@@ -73,6 +74,7 @@ private:
     Coupling coupling_;
     solve::RigidMultilevel multilevel_;
     Mechanisms mechanisms_;
+    solve::SoftPairs soft_pairs_; // mechanisms that weak stresses hold
     solve::ComponentSplit components_;
     solve::KrylovSolver solver_;
     BodyMotion motion_;
