@@ -4,7 +4,9 @@
 #include "search/bracketing.hpp"
 #include "search/cma_es.hpp"
 #include "search/gradient_methods.hpp"
+#include "search/lq_cma_es.hpp"
 #include "search/nelder_mead.hpp"
+#include "search/surrogate_search.hpp"
 #include "search/swarm.hpp"
 
 #include <cstdio>
@@ -18,26 +20,35 @@ using namespace treacle::search;
 
 constexpr double function_target = 1e-9;
 
-void print_function(const char* name, const Function& f, double start, double step, std::uint64_t seeds) {
+struct Problem {
+    const char* name;
+    double (*f)(const Point&);
+    double start, step;
+};
+
+template <class Method>
+void print_problem(const Problem& problem, const char* variant, bool active, std::uint64_t seeds) {
     for (const std::size_t n : {2, 5, 10})
-        for (const bool active : {true, false})
-            for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
-                CmaOptions options;
-                options.seed = seed;
-                options.active = active;
-                options.limits.target = function_target;
-                CmaEs search(axes(n, start, step), options);
-                minimise(search, f);
-                std::printf("%s,%zu,%s,%lu,%ld,%d\n", name, n, active ? "active" : "plain", static_cast<unsigned long>(seed),
-                            static_cast<long>(search.evaluations()), search.stopped()->kind == StopKind::target);
-            }
+        for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
+            CmaOptions options;
+            options.seed = seed;
+            options.active = active;
+            options.limits.target = function_target;
+            Method search(axes(n, problem.start, problem.step), options);
+            minimise(search, problem.f);
+            std::printf("%s,%zu,%s,%lu,%ld,%d\n", problem.name, n, variant, static_cast<unsigned long>(seed),
+                        static_cast<long>(search.evaluations()), search.stopped()->kind == StopKind::target);
+        }
 }
 
 void print_functions(std::uint64_t seeds) {
     std::printf("function,n,variant,seed,evaluations,reached\n");
-    print_function("sphere", sphere, 1, 1, seeds);
-    print_function("ellipsoid", ellipsoid, 1, 1, seeds);
-    print_function("rosenbrock", rosenbrock, 0, 0.5, seeds);
+    for (const Problem& problem : {Problem{"sphere", sphere, 1, 1}, Problem{"ellipsoid", ellipsoid, 1, 1},
+                                   Problem{"rosenbrock", rosenbrock, 0, 0.5}}) {
+        print_problem<CmaEs>(problem, "active", true, seeds);
+        print_problem<CmaEs>(problem, "plain", false, seeds);
+        print_problem<LqCmaEs>(problem, "lq", true, seeds);
+    }
 }
 
 // An objective by the logarithm of the viscosity, at even distances; the nearest entry counts.
@@ -79,15 +90,25 @@ std::unique_ptr<Search> gradient(const Axis& axis, std::uint64_t) {
     return std::make_unique<Method>(std::vector{axis}, GradientOptions{.limits = budget});
 }
 
+template <class Method>
+std::unique_ptr<Search> cma(const Axis& axis, std::uint64_t seed) {
+    CmaOptions options;
+    options.seed = seed;
+    options.limits = budget;
+    return std::make_unique<Method>(std::vector{axis}, options);
+}
+
 std::vector<Entry> methods() {
     return {
         {"bracketing", [](const Axis& a, std::uint64_t) { return std::make_unique<Bracketing>(a, budget); }},
-        {"cma-es", [](const Axis& a, std::uint64_t seed) {
-             CmaOptions options;
+        {"surrogate", [](const Axis& a, std::uint64_t seed) {
+             SurrogateOptions options;
              options.seed = seed;
-             options.limits = budget;
-             return std::make_unique<CmaEs>(std::vector{a}, options);
+             options.limits.evaluations = 60;
+             return std::make_unique<SurrogateSearch>(std::vector{a}, options);
          }},
+        {"cma-es", cma<CmaEs>},
+        {"lq-cma-es", cma<LqCmaEs>},
         {"dissertation", [](const Axis& a, std::uint64_t seed) {
              CmaOptions options = CmaOptions::dissertation(seed);
              options.population = 4;
