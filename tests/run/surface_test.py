@@ -51,12 +51,12 @@ class Surface(Workplace):
     def test_bad_requests_are_refused(self):
         for options, text in ((["--cut", "x"], "is no plane"), (["--cut", "x=1 kg"], "is no plane"), (["--cut", "0 0 0; 0 0 0"], "no direction"),
                               (["--field", "none"], "--style surface"), (["--style", "surface", "--field", "presure"], "did you mean pressure")):
-            self.assertIn(text, self.treacle("render", "run", *options, code=2, ranks=2).stderr)
+            self.assertIn(text, self.treacle("render", "run", *options, code=2).stderr)
         self.assertNotIn("pictures", os.listdir(self.path("run")))
         for options, text in ((["--fields", "presure"], "did you mean pressure"), (["--fields", "id"], "whole number"), (["--box", "1 2 3"], "is no box"),
                               (["--box", "1 0 0; 0 1 1"], "no part of the domain"), (["--liquid", "oil"], "there are water"),
                               (["--format", "obj", "--fields", "velocity"], "has no place in obj")):
-            self.assertIn(text, self.treacle("export", "run", "--to", "surface", *options, code=2, ranks=2).stderr)
+            self.assertIn(text, self.treacle("export", "run", "--to", "surface", *options, code=2).stderr)
         self.assertIn("--box: has no effect", self.treacle("export", "run", "--to", "ply", "--box", "0 0 0; 1 1 1", code=2).stderr)
 
     def figures(self, *options, ranks=1, run="run", out="mesh"):

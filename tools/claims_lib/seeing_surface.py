@@ -86,7 +86,7 @@ def cost(context):
         phases = [title.split("[")[0].strip() for title in steps.header if title.endswith("[s]")]
         seconds = sum(steps[name].sum() for name in phases if name not in ("time", "dt"))
         seconds *= FRAME / steps["time"][-1]
-        texts.append(f"{edge}^3: surface {report.properties['surface_seconds']} s, silhouette {report.properties['silhouette_seconds']} s, "
+        texts.append(f"{edge}^3: surface {report.properties['surface_seconds']} s (processor {report.properties['surface_processor_seconds']} s), silhouette {report.properties['silhouette_seconds']} s, "
                      f"steps of a frame {seconds:.2f} s, share {seen / seconds:.3f}")
         ok = ok and report.ok and seen <= seconds / 3
     return Figure("; ".join(texts), ok)

@@ -4,6 +4,7 @@
 
 #include <chrono>
 #include <cstdlib>
+#include <ctime>
 #include <gtest/gtest.h>
 
 namespace treacle::surface {
@@ -140,12 +141,15 @@ TEST(SurfaceFigures, DISABLED_Cost) {
     scene::CameraPose pose;
     pose.translation = {-n, -n / 2, 2.5 * n};
     const scene::CameraModel camera("cost", lens, pose);
-    double surface = 1e300, silhouette = 1e300;
+    // Wall time, and the processor's on this rank, which other work on the machine does not lengthen as much.
+    double surface = 1e300, silhouette = 1e300, work = 1e300;
     using Clock = std::chrono::steady_clock;
     for (int repeat = 0; repeat < 4; ++repeat) {
         comm.barrier();
         const auto begin = Clock::now();
+        const auto work_before = std::clock();
         const auto& mesh = mesher.build(part.rows());
+        work = std::min(work, static_cast<double>(std::clock() - work_before) / CLOCKS_PER_SEC);
         const auto middle = Clock::now();
         EXPECT_GT(draw_silhouette(comm, mesh, camera).count(), 1000);
         const auto end = Clock::now();
@@ -154,6 +158,7 @@ TEST(SurfaceFigures, DISABLED_Cost) {
     }
     RecordProperty("particles", std::to_string(static_cast<std::int64_t>(cloud.id.size())));
     RecordProperty("surface_seconds", std::to_string(comm.max(surface)));
+    RecordProperty("surface_processor_seconds", std::to_string(comm.max(work)));
     RecordProperty("silhouette_seconds", std::to_string(comm.max(silhouette)));
 }
 
