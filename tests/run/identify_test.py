@@ -72,7 +72,9 @@ class Identify(Workplace):
         # The film has another spacing: a part in ten of the viscosity at six cells of height.
         self.assertLess(abs(value / 10 - 1), 0.15, text)
         self.assertTrue(low < value < high)
-        self.assertTrue(os.path.exists(self.path("one", "report", "index.html")))
+        report = os.listdir(self.path("one", "report"))
+        self.assertIn("index.html", report)
+        self.assertEqual(sum(name.endswith(".png") for name in report), 6)
         # Killed when some runs are done, on one lane; the rest on two.
         process = self.start("identify", "study.yaml", "--out", "two", "--set", "runs.lanes=1")
         journal = self.path("two", "journal.jsonl")
