@@ -1,8 +1,10 @@
 #include "app/calibrate.hpp"
 
 #include "app/calibrate_pose.hpp"
+#include "app/option_values.hpp"
 #include "base/file.hpp"
 #include "base/log.hpp"
+#include "base/progress.hpp"
 #include "base/text.hpp"
 #include "video/board_pictures.hpp"
 #include "video/camera_file.hpp"
@@ -112,10 +114,11 @@ video::Calibration calibrate_lens(const CalibrateRequest& request, Log& log) {
     const auto board = board_of(request);
     video::BoardPicturesOptions search;
     search.search.window = request.window;
-    search.progress = [&](double fraction, const std::string& text) { log.progress(fraction, text); };
+    Progress progress(log, "calibrate", "%");
+    search.progress = [&](double fraction) { progress.report(std::llround(100 * fraction), 100); };
     const auto paths = video::list_pictures({request.pictures.begin(), request.pictures.end()});
     auto pictures = video::find_boards(paths, board, search);
-    log.clear_progress();
+    progress.finish();
     video::CalibrationOptions options;
     options.coefficients = request.coefficients;
     options.outlier_factor = request.outliers;

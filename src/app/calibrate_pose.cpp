@@ -1,10 +1,11 @@
 #include "app/calibrate_pose.hpp"
 
+#include "app/option_values.hpp"
 #include "app/picture.hpp"
 #include "app/seen_solids.hpp"
 #include "base/text.hpp"
-#include "base/units.hpp"
 #include "video/board.hpp"
+#include "video/circle_bias.hpp"
 #include "video/contour_pose.hpp"
 #include "video/levels.hpp"
 #include "video/movie.hpp"
@@ -13,7 +14,6 @@
 #include <cmath>
 #include <cstdio>
 #include <numbers>
-#include <sstream>
 
 namespace treacle::app {
 
@@ -49,30 +49,10 @@ LoadedScene load(const CalibrateRequest& request, const std::string& option) {
     return out;
 }
 
-// Three numbers, and perhaps a unit for all of them.
-Vec3 read_vector(const std::string& text, const Unit& unit, const std::string& option) {
-    std::istringstream words(text);
-    std::array<std::string, 3> parts;
-    std::string unit_text;
-    words >> parts[0] >> parts[1] >> parts[2] >> unit_text;
-    Vec3 out{0, 0, 0};
-    for (std::size_t k = 0; k < 3; ++k) {
-        const auto read = read_quantity(parts[k] + (unit_text.empty() ? "" : " " + unit_text), unit);
-        if (const auto* complaint = std::get_if<Complaint>(&read))
-            throw InputError({option + " \"" + text + "\"", complaint->must, complaint->reason, "write three numbers, as in \"10 0 5 cm\""});
-        out[k] = std::get<double>(read);
-    }
-    return out;
-}
-
 // Positions of the points of the board in the scene.
 std::vector<Vec3> board_places(const std::string& text, const video::Board& board) {
     const std::string option = "--board-in-scene";
-    std::vector<std::string> parts{""};
-    for (const char c : text) {
-        if (c == ';') parts.emplace_back();
-        else parts.back() += c;
-    }
+    const auto parts = split_at(text, ';');
     if (parts.size() < 3 || parts.size() > 4)
         throw InputError({option + " \"" + text + "\"", "has " + std::to_string(parts.size()) + " parts, not 3 or 4", "",
                           "write origin; x axis; y axis; thickness, as in \"10 0 5 cm; 1 0 0; 0 0 1; 2 mm\""});
@@ -111,13 +91,14 @@ std::vector<video::ScenePoint> board_points_in_scene(const CalibrateRequest& req
     if (const auto* unreadable = std::get_if<video::Unreadable>(&read))
         throw InputError({request.pose_picture, "cannot be read", unreadable->reason, "give another picture"});
     const auto& photo = std::get<video::Photo>(read);
-    (void)video::for_pictures(camera, photo.width, photo.height, request.pose_picture);
+    const auto seen_by = video::for_pictures(camera, photo.width, photo.height, request.pose_picture);
     const auto view = video::find_board(photo, board, {request.window});
     if (!view)
         throw InputError({request.pose_picture, "no " + board.text() + " was found", "", "film the whole board, with a white rim around it"});
+    const auto points = video::unbiased_points(seen_by.lens, board, *view);
     std::vector<video::ScenePoint> out;
     for (std::size_t i = 0; i < places.size(); ++i)
-        out.push_back({places[i], view->points[i], std::max(camera.rms, 0.1), request.pose_picture});
+        out.push_back({places[i], points[i], std::max(camera.rms, 0.1), request.pose_picture});
     const fs::path file = fs::path(request.out).parent_path() / (fs::path(request.out).stem().string() + "_board.png");
     video::write_png(file, video::draw_board_axes(request.pose_picture, board, *view));
     log.line("axes of the board: " + file.string());
@@ -202,15 +183,6 @@ void draw(const CalibrateRequest& request, const video::CameraRecord& camera, Lo
 }
 
 } // namespace
-
-double read_length(const std::string& option, const std::string& text) {
-    const auto read = read_quantity(text, unit::length);
-    if (const auto* complaint = std::get_if<Complaint>(&read))
-        throw InputError({option + " " + text, complaint->must, complaint->reason, complaint->cure});
-    const double length = std::get<double>(read);
-    if (!(length > 0)) throw InputError({option + " " + text, "must be > 0", "it is a length", "measure it with calipers"});
-    return length;
-}
 
 bool asks_for_pose(const CalibrateRequest& request) {
     for (const auto* text : {&request.points, &request.pose_picture, &request.board_in_scene, &request.contour, &request.level, &request.plumb, &request.overlay})

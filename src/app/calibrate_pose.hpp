@@ -11,7 +11,4 @@ bool asks_for_pose(const CalibrateRequest& request);
 // Finds the pose that the request asks for, refines it, prints how well it is known, draws the overlay. InputError.
 void find_pose(const CalibrateRequest& request, video::CameraRecord& camera, Log& log);
 
-// Length with a unit, > 0 [m]. InputError that names the option.
-double read_length(const std::string& option, const std::string& text);
-
 } // namespace treacle::app

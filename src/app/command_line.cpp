@@ -8,6 +8,7 @@
 #include "app/export_frames.hpp"
 #include "app/export_surface.hpp"
 #include "app/info.hpp"
+#include "app/liquid_picture.hpp"
 #include "app/manual.hpp"
 #include "app/render.hpp"
 #include "app/run.hpp"
@@ -16,8 +17,8 @@
 #include "app/video_commands.hpp"
 #include "base/text.hpp"
 #include "base/units.hpp"
+#include "identify/study_file.hpp"
 #include "scene/materials.hpp"
-#include "study/study.hpp"
 
 #include <CLI/CLI.hpp>
 
@@ -194,7 +195,7 @@ void add_manuals(CLI::App& program, Chosen& chosen) {
     app.add_flag("--study", words->study, "Of the study file, in the place of the scene's");
     app.callback([words, &chosen] {
         chosen.make = [words]() -> Command {
-            if (words->study) return print(words->json ? study::study_schema() : study::study_manual(words->key));
+            if (words->study) return print(words->json ? identify::study_schema() : identify::study_manual(words->key));
             return print(words->json ? schema_json() : schema_text(words->key));
         };
     });
@@ -220,8 +221,9 @@ constexpr const char* frames_doc = "first:last:stride, from 0, last included, ne
 
 void add_export(CLI::App& program, Chosen& chosen) {
     struct ExportWords {
-        std::string source, format, mesh_format, frames, out;
+        std::string source, format, mesh_format, frames, out, liquid, fields, box;
         double min_volume = 0;
+        bool check = false;
     };
     auto words = std::make_shared<ExportWords>();
     auto& app = *program.add_subcommand(
@@ -237,6 +239,15 @@ void add_export(CLI::App& program, Chosen& chosen) {
                    "surface: leave out pieces and cavities smaller than so many particles (default 0: keep all)")
         ->check(CLI::Range(0.0, 1e9))
         ->type_name("NUMBER");
+    app.add_option("--liquid", words->liquid,
+                   "surface: that of one liquid of several, or each in files of its own (default: all together as one)")
+        ->type_name("NAME|each");
+    app.add_option("--fields", words->fields,
+                   "surface: what vertices carry, such as normal,velocity,density; none (default: normal,velocity,pressure,liquid)")
+        ->type_name("LIST");
+    app.add_option("--box", words->box, "surface: only the part in a box, closed at its sides: \"0 0 0 cm; 10 10 5 cm\"")->type_name("CORNERS");
+    app.add_flag("--check", words->check,
+                 "surface: count edges and vertices at which the mesh is not closed, oriented or a manifold; exit code 3 if there are any");
     app.add_option("--frames", words->frames, frames_doc)->type_name("A:B:C");
     app.add_option("--out", words->out, "Folder (default: exports/ in that of the run, or beside the frame)")
         ->type_name("DIR");
@@ -245,12 +256,16 @@ void add_export(CLI::App& program, Chosen& chosen) {
             return [words](const Comm& comm) {
                 if (words->format == "surface") {
                     return export_surface(comm, {words->source, words->mesh_format.empty() ? "ply" : words->mesh_format,
-                                                 words->frames, words->out, words->min_volume});
+                                                 words->frames, words->out, words->min_volume, words->liquid, words->fields, words->box, words->check});
                 }
-                if (!words->mesh_format.empty() || words->min_volume > 0) {
-                    throw InputError({words->mesh_format.empty() ? "--min-volume" : "--format", "has no effect",
-                                      "it belongs to --to surface", "write --to surface, or leave it out"});
-                }
+                const std::pair<bool, const char*> of_surfaces[] = {{!words->mesh_format.empty(), "--format"},
+                                                                    {words->min_volume > 0, "--min-volume"},
+                                                                    {!words->liquid.empty(), "--liquid"},
+                                                                    {!words->fields.empty(), "--fields"},
+                                                                    {!words->box.empty(), "--box"},
+                                                                    {words->check, "--check"}};
+                for (const auto& [given, option] : of_surfaces)
+                    if (given) throw InputError({option, "has no effect", "it belongs to --to surface", "write --to surface, or leave it out"});
                 return export_frames(comm, {words->source, words->format, words->frames, words->out});
             };
         };
@@ -260,7 +275,7 @@ void add_export(CLI::App& program, Chosen& chosen) {
 struct RenderWords {
     std::string folder, field = "speed", map = "viridis", range, camera, style = "spheres",
                         background = "white";
-    std::string frames, size, movie, out;
+    std::string frames, size, movie, out, cut;
     double frames_per_second = 0;
     bool no_movie = false;
 };
@@ -272,7 +287,10 @@ RenderRequest render_request(const RenderWords& words) {
     request.map = words.map == "viridis" ? video::ColourMap::viridis : video::ColourMap::diverging;
     if (!words.range.empty()) request.range = read_value_range(words.range);
     request.camera = words.camera;
-    request.look = words.style == "spheres" ? video::Look::spheres : video::Look::surface;
+    request.style = words.style == "spheres" ? Style::spheres : Style::surface;
+    if (!words.cut.empty()) request.cut = read_cut(words.cut);
+    if (request.field == no_field && request.style == Style::spheres)
+        throw InputError({"--field none", "leaves balls without a colour", "liquids have colours of their own with --style surface only", "add it, or name a field"});
     request.background = words.background == "white" ? video::Background::white : video::Background::dark;
     request.frames = words.frames;
     request.frames_per_second = words.frames_per_second;
@@ -290,7 +308,7 @@ void add_render(CLI::App& program, Chosen& chosen) {
                                           "shared out over ranks.");
     app.add_option("folder", words->folder, "Folder of a run")->required()->type_name("DIR");
     app.add_option("--field", words->field,
-                   "What colours the particles: speed (default), pressure, density, ...")
+                   "What colours the liquid: speed (default), pressure, density, ...; none: with --style surface, its own colour")
         ->type_name("NAME");
     app.add_option("--colour-map,--color-map", words->map, "viridis (default) or diverging")
         ->check(CLI::IsMember({"viridis", "diverging"}))
@@ -299,9 +317,12 @@ void add_render(CLI::App& program, Chosen& chosen) {
         ->type_name("LOW:HIGH");
     app.add_option("--camera", words->camera, "A camera of the scene, automatic, or a camera file (default: the first one)")
         ->type_name("NAME|FILE");
-    app.add_option("--style", words->style, "spheres (default) or surface")
+    app.add_option("--style", words->style, "spheres (default): every particle; surface: the closed mesh of export --to surface")
         ->check(CLI::IsMember({"spheres", "surface"}))
         ->type_name("STYLE");
+    app.add_option("--cut", words->cut,
+                   "Leave out what is on the camera's side of a plane and show the section: \"x=5 cm\", or point; normal: \"10 0 5 cm; 1 0 1\"")
+        ->type_name("PLANE");
     app.add_option("--background", words->background, "white (default) or dark")
         ->check(CLI::IsMember({"white", "dark"}))
         ->type_name("COLOUR");
@@ -567,7 +588,7 @@ CommandLine read_command_line(const Words& arguments) {
 }
 
 bool may_go_alone(const Words& arguments) {
-    constexpr std::array names{"sweep", "study"};
+    constexpr std::array names{"sweep", "identify", "study"};
     return arguments.size() > 1 && std::ranges::find(names, arguments[1]) != names.end();
 }
 

@@ -1,34 +1,18 @@
 #include "app/export_surface.hpp"
 
-#include "app/scene_surface.hpp"
+#include "app/option_values.hpp"
+#include "app/surface_fields.hpp"
 #include "app/table_text.hpp"
 #include "base/file.hpp"
 #include "base/log.hpp"
+#include "base/progress.hpp"
+#include "base/text.hpp"
 #include "io/series.hpp"
-#include "io/surface_file.hpp"
+#include "surface/mesh_check.hpp"
 
 namespace treacle::app {
 
 namespace {
-io::SurfacePart part_of(const surface::Mesh& mesh, double time) {
-    const auto owned = static_cast<std::size_t>(mesh.owned);
-    io::SurfacePart out;
-    out.dimensions = mesh.dimensions;
-    out.time = time;
-    out.vertices = std::span(mesh.vertices).first(3 * owned);
-    out.normals = std::span(mesh.normals).first(3 * owned);
-    out.velocity = std::span(mesh.velocity).first(3 * owned);
-    out.pressure = std::span(mesh.pressure).first(owned);
-    out.liquid = std::span(mesh.liquid).first(owned);
-    for (const auto& triangle : mesh.triangles) {
-        auto& numbers = out.triangles.emplace_back(std::array<std::int64_t, 3>{-1, -1, -1});
-        for (std::size_t k = 0; k < static_cast<std::size_t>(mesh.dimensions); ++k) {
-            numbers[k] = mesh.global[static_cast<std::size_t>(triangle[k])];
-        }
-    }
-    return out;
-}
-
 // ParaView's index of VTK XML files.
 std::string pvd_text(const std::vector<io::SeriesEntry>& entries) {
     std::string out = "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\">\n<Collection>\n";
@@ -39,6 +23,79 @@ std::string pvd_text(const std::vector<io::SeriesEntry>& entries) {
     }
     return out + "</Collection>\n</VTKFile>\n";
 }
+
+// "0 0 0 cm; 10 10 5 cm".
+std::array<Vec3, 2> read_box(const std::string& text) {
+    const auto parts = split_at(text, ';');
+    if (parts.size() != 2)
+        throw InputError({"--box \"" + text + "\"", "is no box", "it takes two corners, the lower one first", "write for instance \"0 0 0 cm; 10 10 5 cm\""});
+    return {read_vector(parts[0], unit::length, "--box"), read_vector(parts[1], unit::length, "--box")};
+}
+
+// Whether the mesh is closed, oriented and a manifold, and what is not, in a line.
+bool report_check(const Comm& comm, const surface::Mesh& mesh, Log& log) {
+    const auto faults = surface::check_mesh(comm, mesh);
+    if (faults.none()) {
+        log.line("check: closed, oriented, manifold");
+        return true;
+    }
+    log.warn("check: " + std::to_string(faults.open) + " open edges, " + std::to_string(faults.crowded) + " edges of more than two triangles or turned against each other, " +
+             std::to_string(faults.pinched) + " vertices where the surface touches itself, " + std::to_string(faults.flat) + " triangles without area");
+    return false;
+}
+
+// The liquids whose surfaces are asked for, by their numbers and what the files' names say of them.
+std::vector<std::pair<int, std::string>> pick_liquids(const scene::Scene& scene, const std::string& name) {
+    if (name.empty()) return {{-1, ""}};
+    std::vector<std::pair<int, std::string>> out;
+    std::vector<std::string> names;
+    for (std::size_t k = 0; k < scene.liquids.size(); ++k) {
+        names.push_back(scene.liquids[k].name);
+        if (name == "each" || name == names.back()) out.emplace_back(static_cast<int>(k), "_" + names.back());
+    }
+    if (out.empty()) throw InputError({"--liquid " + name, "the scene has no such liquid", "there are " + join(names, ", ") + ", each", ""});
+    return out;
+}
+
+// The frames of one surface.
+class SurfaceExport {
+public:
+    // Collective. `suffix` of the files' names, before the frame's number.
+    SurfaceExport(const Comm& comm, const RunView& run, const SurfaceRequest& request, const SurfaceChoice& choice, const std::string& suffix)
+        : comm_(comm), run_(run), request_(request), format_(io::surface_format(request.format)), surface_(comm, run, choice),
+          name_(run.input.scene.output.name + "_surface" + suffix), extension_("." + io::format_name(format_)) {}
+
+    // Collective: the file of a frame. False for one in which a check finds a fault.
+    bool write(std::size_t frame, SurfaceFields& fields, const std::filesystem::path& out, Log& log) {
+        const auto& mesh = surface_.build(frame);
+        const auto stem = run_.frame(frame).stem().string(); // NAME_000042
+        const auto file = name_ + stem.substr(stem.rfind('_')) + extension_;
+        io::write_surface(comm_, out / file, fields.part_of(mesh, surface_.time()), format_);
+        entries_.push_back({file, surface_.time()});
+        const bool space = mesh.dimensions == 3;
+        const auto& figures = surface_.summary();
+        log.line(file + ": time " + short_number(surface_.time()) + " s, vertices " + std::to_string(mesh.total_vertices) +
+                 (space ? ", triangles " : ", segments ") + std::to_string(mesh.total_triangles) + ", volume " + short_number(figures.volume) +
+                 (space ? " m3" : " m2") + ", pieces " + std::to_string(figures.components) +
+                 (figures.dropped > 0 ? ", dropped " + std::to_string(figures.dropped) + " of " + short_number(figures.dropped_volume) + (space ? " m3" : " m2")
+                                      : ""));
+        return !request_.check || report_check(comm_, mesh, log);
+    }
+
+    void write_index(const std::filesystem::path& out) const {
+        io::write_series(out / (name_ + extension_ + ".series"), entries_);
+        if (format_ == io::SurfaceFormat::vtp) write_file_atomically(out / (name_ + ".pvd"), pvd_text(entries_));
+    }
+
+private:
+    Comm comm_;
+    const RunView& run_;
+    const SurfaceRequest& request_;
+    io::SurfaceFormat format_;
+    SceneSurface surface_;
+    std::string name_, extension_;
+    std::vector<io::SeriesEntry> entries_;
+};
 } // namespace
 
 ExitCode export_surface(const Comm& comm, const SurfaceRequest& request) {
@@ -50,38 +107,32 @@ ExitCode export_surface(const Comm& comm, const SurfaceRequest& request) {
     const auto run = open_run(comm, request.source);
     require_frames(run);
     const auto frames = pick_frames(read_frame_range(request.frames), run.frames.size());
+    const auto liquids = pick_liquids(run.input.scene, request.liquid);
     const auto out = request.out.empty() ? run.folder.root / "exports" : request.out;
-    auto options = surface_options(run.input);
-    options.min_volume = request.min_volume;
-    SceneSurface surface(comm, run, options);
+    const auto first = io::read_frame(comm, run.frame(frames.front()));
+    std::optional<SurfaceFields> fields;
+    comm.guard([&] { fields.emplace(request.fields, first, format); });
+    SurfaceChoice choice{surface_options(run.input), fields->scalars()};
+    choice.options.min_volume = request.min_volume;
+    if (!request.box.empty()) choice.box = read_box(request.box);
     comm.guard_root([&] { make_output_folder(out); });
     Log log(comm.is_root() ? Voice::speaks : Voice::silent);
-    std::vector<io::SeriesEntry> entries;
-    const std::string extension = "." + io::format_name(format), name = run.input.scene.output.name + "_surface";
-    for (std::size_t k = 0; k < frames.size(); ++k) {
-        const auto& mesh = surface.build(frames[k]);
-        const auto stem = run.frame(frames[k]).stem().string(); // NAME_000042
-        const auto file = name + stem.substr(stem.rfind('_')) + extension;
-        io::write_surface(comm, out / file, part_of(mesh, surface.time()), format);
-        entries.push_back({file, surface.time()});
-        const auto& figures = surface.summary();
-        log.line(file + ": time " + short_number(surface.time()) + " s, vertices " + std::to_string(mesh.total_vertices) +
-                 (mesh.dimensions == 3 ? ", triangles " : ", segments ") + std::to_string(mesh.total_triangles) + ", volume " +
-                 short_number(figures.volume) + (mesh.dimensions == 3 ? " m3" : " m2") + ", pieces " +
-                 std::to_string(figures.components) +
-                 (figures.dropped > 0 ? ", dropped " + std::to_string(figures.dropped) + " of " + short_number(figures.dropped_volume) +
-                                            (mesh.dimensions == 3 ? " m3" : " m2")
-                                      : ""));
-        log.progress(static_cast<double>(k + 1) / static_cast<double>(frames.size()),
-                     std::to_string(k + 1) + " of " + std::to_string(frames.size()) + " surfaces");
+    bool sound = true;
+    std::int64_t done = 0;
+    const auto all = frames.size() * liquids.size();
+    Progress progress(log, "export", "surfaces");
+    for (const auto& [liquid, suffix] : liquids) {
+        choice.options.liquid = liquid;
+        SurfaceExport surface(comm, run, request, choice, suffix);
+        for (const auto frame : frames) {
+            sound = surface.write(frame, *fields, out, log) && sound;
+            progress.report(++done, static_cast<std::int64_t>(all));
+        }
+        comm.guard_root([&] { surface.write_index(out); });
     }
-    log.clear_progress();
-    comm.guard_root([&] {
-        io::write_series(out / (name + extension + ".series"), entries);
-        if (format == io::SurfaceFormat::vtp) write_file_atomically(out / (name + ".pvd"), pvd_text(entries));
-    });
-    log.line(std::to_string(frames.size()) + (frames.size() == 1 ? " surface to " : " surfaces to ") + out.string() + " as " + request.format);
-    return ExitCode::ok;
+    progress.finish();
+    log.line(std::to_string(all) + (all == 1 ? " surface to " : " surfaces to ") + out.string() + " as " + request.format);
+    return sound ? ExitCode::ok : ExitCode::simulation_failed;
 }
 
 } // namespace treacle::app

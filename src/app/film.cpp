@@ -4,6 +4,7 @@
 #include "app/keep_memory.hpp"
 #include "app/picture.hpp"
 #include "app/scene_surface.hpp"
+#include "app/scenery.hpp"
 #include "base/csv.hpp"
 #include "base/file.hpp"
 #include "base/log.hpp"
@@ -79,46 +80,11 @@ std::vector<FilmFrame> plan_frames(const FilmRequest& request, const RunView& ru
     return frames;
 }
 
-// A pinhole for a camera of the scene, or its measured lens. A plane scene's is looked at straight.
-scene::CameraModel model_of(const scene::Camera& camera, const scene::Domain& domain) {
-    const auto view = view_of(camera, domain, {});
-    if (view.model) return *view.model;
-    const video::Camera seen(view);
-    scene::Lens lens;
-    lens.width = view.width;
-    lens.height = view.height;
-    lens.cx = (view.width - 1) / 2.0;
-    lens.cy = (view.height - 1) / 2.0;
-    scene::CameraPose pose;
-    for (std::size_t k = 0; k < 3; ++k) {
-        Vec3 axis{0, 0, 0};
-        axis[k] = 1;
-        const auto column = seen.direction_to_camera(axis);
-        for (std::size_t row = 0; row < 3; ++row) pose.rotation[row][k] = column[row];
-    }
-    pose.translation = seen.to_camera({0, 0, 0});
-    lens.fx = lens.fy = seen.scale();
-    if (!seen.is_perspective()) {
-        // On the plane z = 0 a pinhole at depth D with f = D times the pixels per metre draws the same picture.
-        lens.fx = lens.fy = seen.scale() * pose.translation[2];
-    }
-    return {camera.name, lens, pose};
-}
-
-
 // Draws the frames of one rank.
 class Camera {
 public:
     Camera(const FilmRequest& request, const RunView& run, const scene::CameraModel& model)
-        : request_(request), run_(run), model_(model), surface_(Comm::self(), run, surface_options(run.input)) {
-        const auto& domain = run.input.scene.domain;
-        const auto place = model.pose().position();
-        for (int corner = 0; corner < 8; ++corner) {
-            double square = 0;
-            for (std::size_t k = 0; k < 3; ++k) square += std::pow((corner >> k & 1 ? domain.max[k] : domain.min[k]) - place[k], 2);
-            far_ = std::max(far_, std::sqrt(square));
-        }
-    }
+        : request_(request), run_(run), model_(model), surface_(Comm::self(), run, {surface_options(run.input)}) {}
 
     struct Shot {
         video::Image image;
@@ -145,20 +111,9 @@ public:
 private:
     // Once for bodies that stay, for each frame for those that move.
     void draw_scenery() {
-        const auto& solids = surface_.solids();
         const bool moves = surface_.solids_move();
         if (painter_ && !moves) return;
-        const auto& bodies = run_.input.scene.bodies;
-        const auto seen = [&](std::size_t b) { return b < bodies.size() && !bodies[b].shape.inverted; };
-        if (run_.input.scene.domain.dimensions == 3) {
-            const auto distance = [&](const Vec3& x) {
-                double least = far_;
-                for (std::size_t b = 0; b < solids.bodies.size(); ++b)
-                    if (seen(b)) least = std::min(least, solids.bodies[b].distance(x));
-                return least;
-            };
-            scenery_ = video::draw_solids(model_, distance, far_);
-        }
+        scenery_ = app::draw_scenery(run_.input, surface_.solids(), model_);
         auto look = request_.look;
         look.width = model_.lens().width;
         look.height = model_.lens().height;
@@ -171,7 +126,6 @@ private:
     SceneSurface surface_;
     video::FilmScenery scenery_;
     std::optional<video::FilmPainter> painter_;
-    double far_ = 0;
 };
 
 // Files that rank 0 writes.
@@ -243,7 +197,8 @@ ExitCode film_run(const Comm& comm, const FilmRequest& request) {
     const auto run = open_run(comm, request.run);
     require_frames(run);
     const auto frames = plan_frames(request, run);
-    const auto model = model_of(find_camera(run.input.scene, request.camera), run.input.scene.domain);
+    const auto camera_of_scene = find_camera(run.input.scene, request.camera);
+    const auto model = video::camera_model(view_of(camera_of_scene, run.input.scene.domain, {}), camera_of_scene.name);
     const auto out = request.out.empty() ? run.folder.root / "film" : request.out;
     std::optional<FilmFolder> folder;
     comm.guard_root([&] { folder.emplace(request, out, model); });

@@ -16,32 +16,34 @@ namespace treacle::app {
 namespace {
 struct Asked {
     study::ForwardRequest request;
-    study::Study study;
-    std::vector<study::Assignment> assignments;
-    std::filesystem::path scene;
+    identify::StudyFile file;
+    const study::StudyScene* scene = nullptr; // of the file
+    InputSource source;
 };
 
-Asked read_asked(const std::filesystem::path& folder) {
-    Asked out;
+void read_asked(const std::filesystem::path& folder, Asked& out) {
     out.request = study::read_request(folder);
     const auto where = (folder / "params.yaml").string();
-    out.study = study::load_study(out.request.study, out.request.overrides);
-    const auto scene = std::ranges::find(out.study.scenes, out.request.run.scene, &study::StudyScene::name);
+    out.file = identify::load_study_file(out.request.study, out.request.overrides);
+    const auto& study = out.file.study;
+    const auto scene = std::ranges::find(study.scenes, out.request.run.scene, &study::StudyScene::name);
     std::vector<std::string> names;
-    for (const auto& parameter : out.study.parameters) names.push_back(parameter.name);
-    if (scene == out.study.scenes.end() || names != out.request.parameters) {
+    for (const auto& parameter : study.parameters) names.push_back(parameter.name);
+    if (scene == study.scenes.end() || names != out.request.parameters) {
         throw InputError({where, "does not fit " + out.request.study.string(), "the study's scenes or parameters have changed since it was written",
                           "ask for the runs again"});
     }
-    out.scene = out.study.scene_file(*scene);
-    out.assignments = study::assignments_of(out.study, *scene, out.request.run.values);
-    const auto key = study::run_key(read_study_scene(out.scene, out.assignments), out.study.runs.ranks, study::program_identity());
+    out.scene = &*scene;
+    const StudyScenes scenes(out.file);
+    const auto path = study.scene_file(*scene);
+    const auto assignments = study::assignments_of(study, *scene, out.request.run.values);
+    out.source = scenes.source(path, assignments);
+    const auto key = study::run_key(scenes.read(path, assignments), study.runs.ranks, study::program_identity());
     if (out.request.run.key.empty()) out.request.run.key = key;
     if (out.request.run.key != key) {
         throw InputError({where, "asks for another run than its scene gives now", "the scene, a mesh, the study or this program has changed since",
                           "ask for the runs again"});
     }
-    return out;
 }
 
 double peak_bytes(const Comm& comm) {
@@ -63,17 +65,18 @@ std::vector<study::Figure> figures_of(const study::Study& study, const std::file
 ExitCode run_asked(const Comm& comm, const std::filesystem::path& folder, const Asked& asked, const Company& company) {
     const auto start = std::chrono::steady_clock::now();
     RunRequest request;
-    request.source = source_of(asked.scene, asked.assignments);
+    request.source = asked.source;
     request.out = folder / "run";
     request.existing = io::ExistingFiles::overwrite;
     request.command = {"treacle", "forward", folder.string()};
     request.company = company;
     const auto code = run_scene(comm, request);
     if (code != ExitCode::ok) return code;
+    compare_with_films(comm, asked.file, *asked.scene, folder);
     const double peak = peak_bytes(comm);
     comm.guard_root([&] {
         const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-        study::write_result(folder, {asked.request.run.number, asked.request.run.key, figures_of(asked.study, folder / "run"), seconds, peak});
+        study::write_result(folder, {asked.request.run.number, asked.request.run.key, figures_of(asked.file.study, folder / "run"), seconds, peak});
     });
     return code;
 }
@@ -84,11 +87,11 @@ ExitCode answer(const Comm& comm, const std::filesystem::path& folder, const Com
     Asked asked;
     bool done = false;
     comm.guard([&] {
-        asked = read_asked(folder);
-        if (comm.size() != asked.study.runs.ranks) {
+        read_asked(folder, asked);
+        if (comm.size() != asked.file.study.runs.ranks) {
             throw InputError({folder.string(), "is run on " + std::to_string(comm.size()) + " ranks",
-                              "the study's runs have " + std::to_string(asked.study.runs.ranks) + " (runs.ranks), and digits may differ between numbers of ranks",
-                              "start it with mpiexec -n " + std::to_string(asked.study.runs.ranks) + ", or change the study"});
+                              "the study's runs have " + std::to_string(asked.file.study.runs.ranks) + " (runs.ranks), and digits may differ between numbers of ranks",
+                              "start it with mpiexec -n " + std::to_string(asked.file.study.runs.ranks) + ", or change the study"});
         }
         done = study::read_result(folder, asked.request.run.key).has_value();
     });

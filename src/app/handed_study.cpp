@@ -17,8 +17,8 @@ namespace treacle::app {
 namespace {
 // A study whose runs others do, with the runs of its sweep in its journal.
 struct HandedStudy {
-    explicit HandedStudy(const SweepRequest& request) : study(load_checked_study(request.study, request.overrides)) {
-        const auto candidates = sweep_candidates(study);
+    explicit HandedStudy(const SweepRequest& request) : file(load_checked_study(request.study, request.overrides)) {
+        const auto candidates = sweep_candidates(file);
         folder = study_folder(study.path, request.out);
         std::filesystem::create_directories(folder);
         lock = std::make_unique<io::FolderLock>(folder);
@@ -30,7 +30,8 @@ struct HandedStudy {
         }
         journal->sync();
     }
-    study::Study study;
+    identify::StudyFile file;
+    const study::Study& study = file.study;
     std::filesystem::path folder;
     std::unique_ptr<io::FolderLock> lock;
     std::unique_ptr<study::Journal> journal;
@@ -39,7 +40,8 @@ struct HandedStudy {
 
 // The folder of the request that Dakota's parameters ask for.
 std::filesystem::path write_dakota_request(const DakotaRequest& request) {
-    const auto study = load_checked_study(request.study);
+    const auto file = load_checked_study(request.study);
+    const auto& study = file.study;
     const auto read = study::read_dakota_parameters(request.parameters);
     if (study.scenes.size() != 1) throw InputError({study.path.string(), "has several scenes", "an evaluation of Dakota's is one run", "write a study for each"});
     study::RunRequest run{read.evaluation, study.scenes.front().name, {}, ""};
@@ -51,7 +53,7 @@ std::filesystem::path write_dakota_request(const DakotaRequest& request) {
         const auto number = read_number(found->second);
         run.values.push_back(number ? parameter.word(*number) : found->second);
     }
-    run.key = candidate_of(study, study.scenes.front(), run.values, read_study_scene).key;
+    run.key = candidate_of(study, study.scenes.front(), run.values, StudyScenes(file).reader()).key;
     auto folder = std::filesystem::absolute(request.results);
     folder += ".run";
     study::write_request(folder, request_of(study, run));

@@ -3,6 +3,9 @@
 #include "app/frame_field.hpp"
 #include "app/frame_set.hpp"
 #include "app/geometry.hpp"
+#include "app/liquid_picture.hpp"
+#include "app/moving_solids.hpp"
+#include "app/option_values.hpp"
 #include "base/log.hpp"
 #include "base/progress.hpp"
 #include "base/text.hpp"
@@ -47,6 +50,7 @@ DrawnSolids read_solids(const RunView& run, std::size_t frame_index) {
 
 // One range for all pictures, the same on any number of ranks: from values picked evenly out of every frame.
 video::ValueRange find_range(const Comm& comm, const RenderRequest& request, const Job& job) {
+    if (request.field == no_field) return {};
     const auto share = std::max<std::size_t>(200, values_for_range / job.frames.size());
     std::vector<double> picked;
     bool magnitude = false;
@@ -65,27 +69,91 @@ video::ValueRange find_range(const Comm& comm, const RenderRequest& request, con
     return range;
 }
 
-video::Image draw(const RenderRequest& request, const Job& job, std::size_t frame_index) {
-    const auto frame = io::read_frame(job.run.frame(frame_index));
-    const auto field = scalar_field(frame, request.field);
-    const auto& scene = job.run.input.scene;
-    video::RenderRequest picture;
-    picture.domain = domain_box(scene.domain);
-    picture.view = job.view;
-    picture.look = request.look;
-    picture.background = request.background;
-    picture.caption = video::caption_of(scene.title, frame.time, static_cast<std::size_t>(frame.size()));
-    auto& liquid = picture.layers.emplace_back();
-    liquid.positions = frame.positions;
-    liquid.radius = scene.domain.spacing / 2;
-    liquid.values = field.values;
-    liquid.title = field.title;
-    liquid.map = request.map;
-    liquid.range = job.range;
-    const auto solids = read_solids(job.run, frame_index);
-    add_solid_layers(solids, scene.domain.spacing, picture.layers);
-    return video::render_frame(picture);
-}
+// Draws the pictures of one rank.
+class Painter {
+public:
+    // Collective.
+    Painter(const Comm& comm, const RenderRequest& request, const Job& job) : request_(request), job_(job) {
+        if (request.cut) {
+            if (job.run.input.scene.domain.dimensions != 3)
+                throw InputError({"--cut", "the scene is in two dimensions", "it shows all that is in it", "leave it out"});
+            (void)video::facing(*request.cut, video::Camera(job.view)); // refuses what cannot be seen
+            if (request.style == Style::spheres) solids_.emplace(comm, job.run);
+        }
+        if (request.style == Style::surface) {
+            const auto& domain = job.run.input.scene.domain;
+            liquid_.emplace(comm, job.run, video::LiquidScene{job.view, domain_box(domain), domain.spacing, job.range, request.cut},
+                            request.field);
+        }
+    }
+
+    // Collective: the picture of frames[first + rank] of each rank; none where there is no such frame.
+    video::Image draw(const Comm& comm, std::size_t first) {
+        const auto ranks = static_cast<std::size_t>(comm.size()), mine = first + static_cast<std::size_t>(comm.rank());
+        std::optional<LiquidPicture> liquid;
+        for (std::size_t rank = 0; liquid_ && rank < ranks && first + rank < job_.frames.size(); ++rank) {
+            auto picture = liquid_->draw(job_.frames[first + rank], static_cast<int>(rank));
+            if (picture) liquid = std::move(picture);
+        }
+        video::Image image;
+        comm.guard([&] {
+            if (mine < job_.frames.size()) image = liquid_ ? draw_surface(job_.frames[mine], *liquid) : draw_spheres(job_.frames[mine]);
+        });
+        return image;
+    }
+
+private:
+    video::RenderRequest scenery() const {
+        video::RenderRequest picture;
+        picture.domain = domain_box(job_.run.input.scene.domain);
+        picture.view = job_.view;
+        picture.background = request_.background;
+        picture.cut = request_.cut;
+        return picture;
+    }
+
+    std::function<double(const Vec3&)> distance(const surface::Solids& solids) const {
+        if (!request_.cut) return {};
+        const auto& domain = job_.run.input.scene.domain;
+        return distance_of_seen(job_.run.input, solids, std::hypot(domain.max[0] - domain.min[0], domain.max[1] - domain.min[1], domain.max[2] - domain.min[2]));
+    }
+
+    video::Image draw_spheres(std::size_t frame_index) const {
+        const auto frame = io::read_frame(job_.run.frame(frame_index));
+        const auto field = scalar_field(frame, request_.field);
+        const auto& scene = job_.run.input.scene;
+        auto picture = scenery();
+        picture.caption = video::caption_of(scene.title, frame.time, static_cast<std::size_t>(frame.size()));
+        auto& liquid = picture.layers.emplace_back();
+        liquid.positions = frame.positions;
+        liquid.radius = scene.domain.spacing / 2;
+        liquid.values = field.values;
+        liquid.title = field.title;
+        liquid.map = request_.map;
+        liquid.range = job_.range;
+        const auto solids = read_solids(job_.run, frame_index);
+        add_solid_layers(solids, scene.domain.spacing, picture.layers);
+        if (solids_) picture.solid_distance = distance(solids_->at(frame.step));
+        return video::render_frame(picture);
+    }
+
+    video::Image draw_surface(std::size_t frame_index, const LiquidPicture& liquid) const {
+        const auto& scene = job_.run.input.scene;
+        auto picture = scenery();
+        picture.caption = video::caption_of(scene.title, liquid.time, static_cast<std::size_t>(liquid.total));
+        picture.liquid = video::LiquidLayer{&liquid.view,     request_.field != no_field, liquid.title,      request_.map,
+                                            job_.range, liquid.has_lower,           liquid.has_higher, scene.domain.spacing};
+        const auto solids = read_solids(job_.run, frame_index);
+        add_solid_layers(solids, scene.domain.spacing, picture.layers);
+        picture.solid_distance = distance(liquid.solids);
+        return video::render_frame(picture);
+    }
+
+    const RenderRequest& request_;
+    const Job& job_;
+    std::optional<MovingSolids> solids_;
+    std::optional<LiquidPainter> liquid_;
+};
 
 Job plan(const Comm& comm, const RenderRequest& request) {
     Job job;
@@ -95,7 +163,7 @@ Job plan(const Comm& comm, const RenderRequest& request) {
     job.frames = pick_frames(read_frame_range(request.frames), job.run.frames.size());
     job.camera = find_camera(scene, request.camera);
     job.view = view_of(job.camera, scene.domain, request.size);
-    job.stem = job.camera.name + "_" + request.field;
+    job.stem = job.camera.name + "_" + (request.field == no_field ? "liquid" : request.field);
     job.range = request.range ? *request.range : find_range(comm, request, job);
     return job;
 }
@@ -169,8 +237,27 @@ video::ValueRange read_value_range(const std::string& text) {
                       "write for instance 0:2.5"});
 }
 
+video::CutPlane read_cut(const std::string& text) {
+    const std::string option = "--cut";
+    if (const auto sides = split_at(text, '='); sides.size() == 2) {
+        const auto axis = std::string("xyz").find(sides[0]);
+        const auto place = read_quantity(sides[1], unit::length);
+        if (sides[0].size() == 1 && axis != std::string::npos && std::holds_alternative<double>(place)) {
+            video::CutPlane cut{{0, 0, 0}, {0, 0, 0}};
+            cut.point[axis] = std::get<double>(place);
+            cut.normal[axis] = 1;
+            return cut;
+        }
+    } else if (const auto parts = split_at(text, ';'); parts.size() == 2) {
+        return {read_vector(parts[0], unit::length, option), read_vector(parts[1], unit::none, option)};
+    }
+    throw InputError({option + " \"" + text + "\"", "is no plane", "it takes an axis and a place on it, or a point and a normal",
+                      "write for instance \"x=5 cm\", or \"10 0 5 cm; 1 0 1\""});
+}
+
 ExitCode render_run(const Comm& comm, const RenderRequest& request) {
     const Job job = plan(comm, request);
+    Painter painter(comm, request, job);
     const auto out = request.out.empty() ? job.run.folder.root / "pictures" : request.out;
     comm.guard_root([&] { make_output_folder(out); });
     Log log(comm.is_root() ? Voice::speaks : Voice::silent);
@@ -186,11 +273,9 @@ ExitCode render_run(const Comm& comm, const RenderRequest& request) {
     const auto ranks = static_cast<std::size_t>(comm.size());
     for (std::size_t first = 0; first < job.frames.size(); first += ranks) {
         const auto i = first + static_cast<std::size_t>(comm.rank());
-        video::Image image;
+        const auto image = painter.draw(comm, first);
         comm.guard([&] {
-            if (i >= job.frames.size()) return;
-            image = draw(request, job, job.frames[i]);
-            video::write_png(picture_path(out, job, job.frames[i]), image);
+            if (i < job.frames.size()) video::write_png(picture_path(out, job, job.frames[i]), image);
         });
         if (movie) movie->add(image);
         const auto done = std::min(first + ranks, job.frames.size());

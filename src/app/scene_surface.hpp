@@ -1,37 +1,46 @@
 #pragma once
-#include "app/frame_set.hpp"
+#include "app/frame_field.hpp"
+#include "app/moving_solids.hpp"
 #include "surface/mesher.hpp"
 
-#include <memory>
+#include <array>
+#include <optional>
 
 namespace treacle::app {
 
 surface::Domain surface_domain(const Input& input);
 surface::Options surface_options(const Input& input);
 
+struct SurfaceChoice {
+    surface::Options options;              // its scalars are those below
+    std::vector<std::string> scalars = {}; // fields that the mesh takes, see scalar_names
+    std::optional<std::array<Vec3, 2>> box = {}; // [m] corners of the part that is wanted
+};
+
 // The surfaces of a run's liquid, frame by frame, cut at walls and at the solids where these are at the frame's time.
 class SceneSurface {
 public:
     // Collective. Throws InputError. The run must stay.
-    SceneSurface(const Comm& comm, const RunView& run, const surface::Options& options);
+    SceneSurface(const Comm& comm, const RunView& run, const SurfaceChoice& choice);
 
-    // Collective: each rank reads an equal part of the frame's rows. The mesh stays until the next call. Throws InputError.
+    // Collective: each rank reads an equal part of the frame's rows. The mesh and the rows stay until the next call. Throws
+    // InputError.
     const surface::Mesh& build(std::size_t frame);
     const surface::Summary& summary() const { return mesher_.summary(); }
-    double time() const { return time_; } // [s] of that frame
-    const surface::Solids& solids() const { return solids_; } // where they are at that time
-    bool solids_move() const { return !poses_.empty(); }
+    double time() const { return rows_.time; }                           // [s] of that frame
+    const io::Frame& rows() const { return rows_; }                      // of this rank
+    const std::vector<ScalarField>& fields() const { return fields_; }   // of those rows, one a scalar
+    const surface::Solids& solids() const { return solids_; }            // where they are at that time
+    bool solids_move() const { return moving_.any_moves(); }
 
 private:
-    surface::Solids solids_at(std::int64_t step) const;
-
     Comm comm_;
     const RunView& run_;
+    std::vector<std::string> scalars_;
     surface::Mesher mesher_;
-    std::vector<surface::Solid> start_;   // per body
-    std::vector<int> moving_;             // per body: column of its position in bodies.csv; -1: it stays
-    std::vector<std::vector<double>> poses_; // rows of bodies.csv: step, then 6 numbers a moving body
-    double time_ = 0;
+    MovingSolids moving_;
+    io::Frame rows_;
+    std::vector<ScalarField> fields_;
     surface::Solids solids_;
 };
 

@@ -134,10 +134,10 @@ struct Desk {
 } // namespace
 
 ExitCode sweep_on_groups(const Comm& comm, const SweepRequest& request) {
-    study::Study study;
-    std::vector<study::Candidate> candidates;
+    identify::StudyFile file;
+    const auto& study = file.study;
     comm.guard([&] {
-        study = load_checked_study(request.study, request.overrides);
+        file = load_checked_study(request.study, request.overrides);
         if (comm.size() % study.runs.ranks == 0) return;
         throw InputError({study.path.string() + ": runs.ranks = " + std::to_string(study.runs.ranks),
                           "does not divide the " + std::to_string(comm.size()) + " ranks of the program", "each run has a group of ranks to itself",
@@ -146,8 +146,7 @@ ExitCode sweep_on_groups(const Comm& comm, const SweepRequest& request) {
     const auto folder = study_folder(study.path, request.out);
     std::unique_ptr<Desk> desk;
     comm.guard_root([&] {
-        candidates = sweep_candidates(study);
-        desk = std::make_unique<Desk>(study, candidates, folder, request, comm.size() / study.runs.ranks);
+        desk = std::make_unique<Desk>(study, sweep_candidates(file), folder, request, comm.size() / study.runs.ranks);
     });
     Groups(comm, study.runs.ranks).work(desk ? &desk->hand_out : nullptr, folder);
     std::int64_t code = 0;

@@ -18,9 +18,10 @@ std::string values_of(const study::Parameter& parameter) {
     return ends.empty() ? join(parameter.values, ", ") : ends.front() + " to " + ends.back() + (parameter.scale == study::Scale::log ? ", log" : "");
 }
 
-void print_runs(const study::Study& study) {
+void print_runs(const identify::StudyFile& file) {
+    const auto& study = file.study;
     if (study.sweep.design == study::Design::none) return;
-    const auto candidates = sweep_candidates(study);
+    const auto candidates = sweep_candidates(file);
     study::check_launcher(study);
     std::set<std::string> keys;
     for (const auto& one : candidates) keys.insert(one.key);
@@ -42,13 +43,16 @@ bool is_study(const std::filesystem::path& file) {
 }
 
 void check_study(const std::filesystem::path& file, const std::vector<std::string>& overrides) {
-    const auto study = load_checked_study(file, overrides);
+    const auto checked = load_checked_study(file, overrides);
+    const auto& study = checked.study;
     std::printf("study%s%s\n", study.title.empty() ? "" : ": ", study.title.c_str());
     for (const auto& scene : study.scenes) row("scene " + scene.name, study.scene_file(scene).string());
     for (const auto& one : study.parameters) row("parameter " + one.name, one.key + ": " + values_of(one));
     for (const auto& one : study.measured) row("measured " + one.name, one.key + ": " + one.value + " +- " + one.plus_minus);
     for (const auto& one : study.read) row("figure " + one.name, one.measurement.empty() ? one.table + ": " + one.column : one.measurement);
-    print_runs(study);
+    for (const auto& one : checked.experiments) row("experiment " + one.name, checked.beside(one.masks).string());
+    if (!checked.experiments.empty()) identify::check_searched(checked, StudyScenes(checked).reader());
+    print_runs(checked);
 }
 
 } // namespace treacle::app

@@ -1,6 +1,7 @@
 #include "app/study_commands.hpp"
 
 #include "app/handed_study.hpp"
+#include "app/identify.hpp"
 #include "app/split_sweep.hpp"
 #include "app/study_history.hpp"
 #include "app/study_plan.hpp"
@@ -65,6 +66,23 @@ void add_sweep(CLI::App& program, const ChooseStudyCommand& choose) {
     app.callback([words, choose] {
         choose.alone([words] { return words->run(); });
         choose.on_ranks([words]() -> Command { return [words](const Comm& comm) { return words->run_on_ranks(comm); }; });
+    });
+}
+
+void add_identify(CLI::App& program, const ChooseStudyCommand& choose) {
+    auto request = std::make_shared<SweepRequest>();
+    auto& app = *program.add_subcommand("identify", "Find the parameters with which a study's scenes look like its films, with an interval. The same "
+                                                    "command goes on where it was stopped.");
+    app.add_option("study", request->study, "YAML file, or a folder with study.yaml")->required()->type_name("STUDY");
+    app.add_option("--out", request->out, "Folder for the results (default: out/NAME)")->type_name("DIR");
+    app.add_option("--set", request->overrides, "Override a key of the study: search.evaluations=30. May be given several times.")->allow_extra_args(false);
+    app.callback([request, choose] {
+        choose.alone([request] {
+            auto found = *request;
+            found.study = find_study(found.study);
+            return identify_study(found);
+        });
+        choose.on_ranks([]() -> Command { return refuse_ranks("treacle identify"); });
     });
 }
 
@@ -136,6 +154,7 @@ bool started_on_ranks() {
 
 void add_study_commands(CLI::App& program, const ChooseStudyCommand& choose) {
     add_sweep(program, choose);
+    add_identify(program, choose);
     add_study(program, choose);
     add_forward(program, choose);
 }

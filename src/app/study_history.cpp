@@ -20,7 +20,7 @@ study::Study study_of_folder(const std::filesystem::path& folder, const Journal&
     const auto first = folder / "runs" / study::request_folder(1);
     if (std::filesystem::exists(first / "params.yaml")) {
         const auto request = study::read_request(first);
-        if (std::filesystem::exists(request.study)) return study::load_study(request.study);
+        if (std::filesystem::exists(request.study)) return identify::load_study_file(request.study).study;
     }
     study::Study out;
     if (!journal.runs().empty()) out.parameters.resize(journal.runs().front().values.size());
@@ -84,7 +84,7 @@ ExitCode show_history(const HistoryRequest& request) {
     const auto folder = by_file ? study_folder(find_study(request.study), request.out) : request.study;
     if (!request.merge.empty() || !request.drop.empty()) change(request, folder);
     const auto journal = Journal::read(folder);
-    const auto study = by_file ? study::load_study(find_study(request.study)) : study_of_folder(folder, journal);
+    const auto study = by_file ? identify::load_study_file(find_study(request.study)).study : study_of_folder(folder, journal);
     std::vector<std::int64_t> numbers(journal.runs().size());
     std::iota(numbers.begin(), numbers.end(), std::int64_t{1});
     const auto table = table_of(study, journal, numbers);

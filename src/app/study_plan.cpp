@@ -23,7 +23,7 @@ const study::StudyScene& scene_of(const study::Study& study, const std::string& 
 }
 
 // The study of the coarse run alone, in a folder of its own. A study that varies the spacing is not made coarser.
-study::Study coarse_study(const study::Study& study, const study::Candidate& candidate, double spacing, const std::filesystem::path& folder) {
+identify::StudyFile coarse_study(const study::Study& study, const study::Candidate& candidate, double spacing, const std::filesystem::path& folder) {
     auto out = study;
     out.scenes = {scene_of(study, candidate.scene)};
     auto& scene = out.scenes.front();
@@ -51,8 +51,9 @@ double bytes_below(const std::filesystem::path& folder) {
     return sum;
 }
 
-MeasuredRun measure(const study::Study& study, const std::filesystem::path& folder) {
-    const auto candidate = sweep_candidates(study).front();
+MeasuredRun measure(const identify::StudyFile& file, const std::filesystem::path& folder) {
+    const auto& study = file.study;
+    const auto candidate = sweep_candidates(file).front();
     Log log(Voice::silent);
     study::StudyRuns runs(study, {folder, this_program(), {}}, log);
     const auto number = runs.ask(candidate);
@@ -118,8 +119,9 @@ StudyPlan plan_of(const study::RunOptions& options, const MeasuredRun& measured,
 }
 
 ExitCode plan_study(const std::filesystem::path& file, const std::filesystem::path& out, const std::vector<std::string>& overrides) {
-    const auto study = load_checked_study(file, overrides);
-    auto candidates = sweep_candidates(study);
+    const auto whole = load_checked_study(file, overrides);
+    const auto& study = whole.study;
+    auto candidates = sweep_candidates(whole);
     std::set<std::string> keys;
     std::erase_if(candidates, [&](const study::Candidate& one) { return !keys.insert(one.key).second; });
     study::check_launcher(study);

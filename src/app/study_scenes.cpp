@@ -44,14 +44,31 @@ void check_readings(const study::Study& study, const study::StudyScene& one, con
 }
 } // namespace
 
-InputSource source_of(const std::filesystem::path& scene, const std::vector<study::Assignment>& assignments) {
-    InputSource source{scene, {}, {}, {}};
-    for (const auto& one : assignments) source.changes.push_back({one.text, one.origin});
-    return source;
+StudyScenes::StudyScenes(const identify::StudyFile& file) {
+    for (const auto& scene : file.study.scenes) {
+        auto needs = film_needs(file, scene);
+        auto& known = needs_[file.study.scene_file(scene)];
+        known.content += needs.content;
+        known.assignments.insert(known.assignments.end(), needs.assignments.begin(), needs.assignments.end());
+    }
 }
 
-study::SceneFacts read_study_scene(const std::filesystem::path& scene, const std::vector<study::Assignment>& assignments) {
-    const auto input = load_scene(source_of(scene, assignments));
+InputSource source_of(const std::filesystem::path& scene, const std::vector<study::Assignment>& assignments) {
+    InputSource out{scene, {}, {}, {}};
+    for (const auto& one : assignments) out.changes.push_back({one.text, one.origin});
+    return out;
+}
+
+InputSource StudyScenes::source(const std::filesystem::path& scene, const std::vector<study::Assignment>& assignments) const {
+    auto out = source_of(scene, assignments);
+    if (const auto needs = needs_.find(scene); needs != needs_.end()) {
+        for (const auto& one : needs->second.assignments) out.changes.push_back({one.text, one.origin});
+    }
+    return out;
+}
+
+study::SceneFacts StudyScenes::read(const std::filesystem::path& scene, const std::vector<study::Assignment>& assignments) const {
+    const auto input = load_scene(source(scene, assignments));
     study::SceneFacts facts{effective(input), input.scene.time.end};
     for (const auto& file : scene::mesh_files(input.scene)) {
         const auto hash = "content " + content_hash(file);
@@ -59,26 +76,28 @@ study::SceneFacts read_study_scene(const std::filesystem::path& scene, const std
             facts.content.replace(at, file.size(), hash);
         }
     }
+    if (const auto needs = needs_.find(scene); needs != needs_.end()) facts.content += needs->second.content;
     return facts;
 }
 
-study::Study load_checked_study(const std::filesystem::path& path, const std::vector<std::string>& overrides) {
-    auto study = study::load_study(path, overrides);
+identify::StudyFile load_checked_study(const std::filesystem::path& path, const std::vector<std::string>& overrides) {
+    auto file = identify::load_study_file(path, overrides);
+    const auto& study = file.study;
     std::vector<Diagnostic> problems;
     for (const auto& one : study.scenes) {
-        const auto file = study.scene_file(one);
-        if (!std::filesystem::exists(file)) {
-            problems.push_back({one.where, "the scene " + file.string() + " is not there", "names of files are taken from the study's folder", "check its name"});
+        const auto scene = study.scene_file(one);
+        if (!std::filesystem::exists(scene)) {
+            problems.push_back({one.where, "the scene " + scene.string() + " is not there", "names of files are taken from the study's folder", "check its name"});
             continue;
         }
         try {
-            check_readings(study, one, load_scene({file, one.set, {}, {}}), problems);
+            check_readings(study, one, load_scene({scene, one.set, {}, {}}), problems);
         } catch (const InputError& error) {
             problems.insert(problems.end(), error.diagnostics().begin(), error.diagnostics().end());
         }
     }
     if (!problems.empty()) throw InputError(problems);
-    return study;
+    return file;
 }
 
 } // namespace treacle::app

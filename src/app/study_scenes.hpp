@@ -1,16 +1,35 @@
 #pragma once
+#include "app/compare_films.hpp"
 #include "app/input.hpp"
+#include "identify/study_file.hpp"
 #include "study/study_runs.hpp"
+
+#include <map>
 
 namespace treacle::app {
 
-// A scene with the values that a run of a study sets in it.
+// Reads the scenes of a study with what the films that they are compared with need.
+class StudyScenes {
+public:
+    // Throws InputError for a film that does not fit its scene.
+    explicit StudyScenes(const identify::StudyFile& file);
+
+    // What a study needs to know of a scene: with names of files go their contents, not where they are.
+    study::SceneFacts read(const std::filesystem::path& scene, const std::vector<study::Assignment>& assignments) const;
+    // The scene of a run, with what its films need.
+    InputSource source(const std::filesystem::path& scene, const std::vector<study::Assignment>& assignments) const;
+    study::SceneReader reader() const {
+        return [this](const std::filesystem::path& scene, const std::vector<study::Assignment>& assignments) { return read(scene, assignments); };
+    }
+
+private:
+    std::map<std::filesystem::path, FilmNeeds> needs_;
+};
+
+// The scene of a run as it is without films.
 InputSource source_of(const std::filesystem::path& scene, const std::vector<study::Assignment>& assignments);
 
-// What a study needs to know of its scenes: with names of files go their contents, not where they are.
-study::SceneFacts read_study_scene(const std::filesystem::path& scene, const std::vector<study::Assignment>& assignments);
-
 // A study of which the keys that it sets and the figures that it reads are there in every scene. Throws InputError.
-study::Study load_checked_study(const std::filesystem::path& path, const std::vector<std::string>& overrides = {});
+identify::StudyFile load_checked_study(const std::filesystem::path& path, const std::vector<std::string>& overrides = {});
 
 } // namespace treacle::app

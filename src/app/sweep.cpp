@@ -32,11 +32,6 @@ io::TableFile hdf5_of(const study::Table& table) {
     return out;
 }
 
-void write_tables(const std::filesystem::path& folder, const study::Table& table) {
-    study::write_table(folder / "table.csv", table);
-    io::write_table_file(folder / "table.h5", hdf5_of(table));
-}
-
 // Those of the table's runs that failed, a line each.
 void tell_failures(Log& log, const study::Journal& journal, const std::vector<std::int64_t>& runs) {
     for (const auto number : runs) {
@@ -50,6 +45,11 @@ void tell_failures(Log& log, const study::Journal& journal, const std::vector<st
 
 std::filesystem::path this_program() { return std::filesystem::read_symlink("/proc/self/exe"); }
 
+void write_tables(const std::filesystem::path& folder, const study::Table& table) {
+    study::write_table(folder / "table.csv", table);
+    io::write_table_file(folder / "table.h5", hdf5_of(table));
+}
+
 std::filesystem::path find_study(const std::filesystem::path& name) {
     const auto path = std::filesystem::is_directory(name) ? name / "study.yaml" : name;
     if (std::filesystem::exists(path)) return path;
@@ -57,8 +57,8 @@ std::filesystem::path find_study(const std::filesystem::path& name) {
                       "`treacle schema --study` describes it"});
 }
 
-std::vector<study::Candidate> sweep_candidates(const study::Study& study) {
-    return study::candidates_of(study, study::sweep_points(study), read_study_scene);
+std::vector<study::Candidate> sweep_candidates(const identify::StudyFile& file) {
+    return study::candidates_of(file.study, study::sweep_points(file.study), StudyScenes(file).reader());
 }
 
 std::filesystem::path study_folder(const std::filesystem::path& study, const std::filesystem::path& out) {
@@ -94,8 +94,9 @@ ExitCode write_results(const study::Study& study, const study::Journal& journal,
 }
 
 ExitCode sweep_study(const SweepRequest& request) {
-    const auto study = load_checked_study(request.study, request.overrides);
-    const auto candidates = sweep_candidates(study);
+    const auto file = load_checked_study(request.study, request.overrides);
+    const auto& study = file.study;
+    const auto candidates = sweep_candidates(file);
     study::check_launcher(study);
     check_memory(study, candidates);
     const auto folder = study_folder(study.path, request.out);

@@ -224,7 +224,6 @@ void GridStep::together(StepReport& report, double dt) {
     const auto phase = timers_.scope("viscosity");
     leave_solids(dt);
     follow_walls();
-    problem.build(scene, velocity_, bodies_, dt);
     report.stokes = stokes_.solve({pressure_, problem, scene, dt}, velocity_, bodies_);
     gather_faces(grid_, cells_halo_, velocity_);
     for (std::size_t k = 0; k < report.loads.size(); ++k) report.loads[k] += report.stokes.loads[k];

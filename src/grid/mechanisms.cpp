@@ -204,6 +204,12 @@ void Mechanisms::add(std::span<const double> r, std::span<double> z) {
     }
 }
 
+void Mechanisms::mark(std::span<unsigned char> rows) const {
+    for (const auto& member : members_) {
+        if (member.place < rows_) rows[static_cast<std::size_t>(member.place)] = 1;
+    }
+}
+
 std::size_t Mechanisms::bytes() const {
     return members_.capacity() * sizeof(Member) + 8 * (first_.capacity() + inverse_.capacity() + strength_.capacity()) +
            found_.span() * sizeof(Motion) + halo_.bytes();

@@ -20,6 +20,9 @@ public:
     // The sum above on this rank's rows. Collective, once per call of build() on all ranks alike.
     void add(std::span<const double> r, std::span<double> z);
 
+    // 1 for this rank's rows that take part in one; others keep what they have.
+    void mark(std::span<unsigned char> rows) const;
+
     std::int64_t count() const { return count_; } // over all ranks, each by the rank of its face
     std::size_t bytes() const;
 

@@ -72,6 +72,7 @@ public:
     // [window] sum of the step's pressures at the centres [Pa], 0 outside of the liquid; of owned cells.
     const Array<double>& pressures() const { return pressures_; }
     const PressureSystem& system() const { return system_; }
+    PressureSystem& system() { return system_; }
     const PressureComponents& components() const { return components_; }
     solve::Matrix& matrix() { return *matrix_; }
     std::size_t bytes() const;

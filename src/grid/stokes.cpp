@@ -13,58 +13,12 @@ namespace {
 // Of the right-hand side, a residual with which a step can still go on: the solve has come near, and the report says so.
 constexpr double most_residual = 1e-2;
 
-// Of a cell between equally viscous ones, 1/(2 eta) is the exact share of a pressure's flux; the loop below has
-// 4 d/((2 d + 2) eta) of it in d dimensions.
-double exact_share(int dimensions) { return 4.0 * dimensions / (2.0 * dimensions + 2); }
-
-// How much pressure a flux into a cell makes against the viscosity alone [Pa s/m3]: the inverse of the sum of
-// area^2 / (resistance of the face's own stresses). Nothing beside faces that no stress holds.
-struct StiffnessLoop {
-    ViscousFaces viscous;
-    PressureFaces pressure;
-    Array<int> cell_of;
-    double face, factor; // [m2], of a plane scene [m]
-    Array<double> out;
-
-    KOKKOS_INLINE_FUNCTION void operator()(int r) const {
-        double sum = 0;
-        bool slack = false;
-        for (int a = 0; a < pressure.dimensions; ++a) {
-            for (int side = 0; side < 2; ++side) {
-                const auto i = cell_of(r) + side * pressure.stride[a];
-                const double area = face * pressure.open(a, static_cast<std::size_t>(i));
-                if (!(area > 0)) continue;
-                double stress = 0;
-                viscous.each_stress(a, i, viscous.normal, viscous.shear, [&](double w) { stress += w; });
-                const double share = viscous.share.axis[a](i), resistance = share * share * stress;
-                slack = slack || !(resistance > 0);
-                if (resistance > 0) sum += area * area / resistance;
-            }
-        }
-        out(r) = slack || !(sum > 0) ? 0.0 : factor / sum;
-    }
-};
-
-// The forces of pressures on the faces of the viscous system, from what they change of the velocities without viscosity:
-// with the mass A theta of the projection they are area times pressure, and what one cell pushes sums to nothing.
-void forces(const PressureFaces& faces, const Array<int>& place_of, int n, double mass, const FaceField& change,
-            const Array<double>& out) {
-    Kokkos::parallel_for("treacle::pressure_forces", n, KOKKOS_LAMBDA(int r) {
-        const int a = place_of(r) % 3, i = place_of(r) / 3;
-        out(r) = mass * math::max(faces.pushed(a, static_cast<std::size_t>(i)), 0.0) * change.axis[a](i);
-    });
-}
-
 solve::IdrOptions idr_options(const StokesOptions& options) {
     solve::IdrOptions out;
     out.max_iterations = options.max_iterations;
     return out;
 }
 
-void clear(FaceField& field, const MacGrid& grid, const CellBox& window) {
-    reserve_faces(field, grid, window);
-    for (int a = 0; a < grid.dimensions; ++a) Kokkos::deep_copy(field.axis[a], 0.0);
-}
 } // namespace
 
 void close_held_faces(const ViscousFaces& viscous, const FaceField& open, FaceField& out) {
@@ -94,36 +48,26 @@ struct Stokes::System {
 
     // y = G^T x = -(A u + J L q) areas
     void flux(std::span<const double> x, std::span<double> y) const {
-        parts.viscous.write(x, of.velocity_);
-        gather_faces(parts.scene.grid, parts.scene.halo, of.velocity_);
-        parts.pressure.flux(of.velocity_, y);
-        parts.pressure.coupling().add_flux(parts.viscous.changes(parts.viscous.motions(x)), -1, y);
-        for (double& value : y) value *= face;
+        of.pressed_.flux(x, y);
+        if (parts.viscous.motions() == 0) return;
+        parts.pressure.coupling().add_flux(parts.viscous.changes(parts.viscous.motions(x)), -face, y);
     }
-    // What the pressures change of the velocities of faces in dt if there is no viscosity; to push_.
-    void push(std::span<const double> p) const {
-        clear(of.push_, parts.scene.grid, parts.scene.halo.window());
-        parts.pressure.apply(p, parts.dt, Pressure::Surface::relaxed, of.push_);
-    }
-    // y -= -G p, the forces of the pressures on faces and motions
-    void subtract_forces(std::span<const double> p, std::span<double> y) const {
-        push(p);
+    // y += G p, what the pressures hold against on faces and motions
+    void add_forces(std::span<const double> p, std::span<double> y) const {
         const auto& viscous = parts.viscous;
-        const double mass = inertia * face * face; // of a full cube over dt [kg/s]
-        forces(parts.pressure.system().faces(), viscous.system().place_of(), viscous.system().faces(), mass, of.push_, of.faces_);
-        const auto host = on_host(of.faces_);
-        for (std::size_t r = 0; r < viscous.faces(); ++r) y[r] -= host(r);
+        of.pressed_.add_forces(p, y);
         if (viscous.motions() == 0) return;
         const auto on_motions = viscous.forces(parts.pressure.loads(p));
         for (std::size_t r = viscous.faces(); r < n; ++r) y[r] -= on_motions[r - viscous.faces()];
     }
     void multiply(std::span<const double> x, std::span<double> y) const {
         parts.viscous.matrix().multiply(x.first(n), y.first(n));
-        subtract_forces(x.last(m), y.first(n));
+        add_forces(x.last(m), y.first(n));
         flux(x.first(n), y.last(m));
     }
-    // z_u = K^-1 r_u, z_p = S^-1 (G^T z_u - r_p) with approximate inverses; of S = G^T K^-1 G that of no viscosity and that
-    // of viscosity alone, summed (Cahouet & Chabat 1988).
+    // The step one after the other: z_u = K^-1 r_u, pressures t = L^-1 (G^T z_u - r_p) as of a liquid without viscosity, which
+    // push the velocities, and z_p = t and what the viscosity adds (Cahouet & Chabard 1988; Griffith 2009). Inverses are
+    // approximate. What t pushes the bodies is left out.
     void precondition(std::span<const double> r, std::span<double> z) const {
         parts.viscous.precondition(r.first(n), z.first(n));
         auto& t = of.scratch_;
@@ -132,33 +76,37 @@ struct Stokes::System {
         for (std::size_t k = 0; k < m; ++k) t[k] -= r[n + k];
         const auto p = z.last(m);
         parts.pressure.precondition(t, p);
-        for (std::size_t k = 0; k < m; ++k) p[k] = inertia * p[k] + of.stiffness_[k] * t[k];
+        for (double& value : p) value *= inertia;
+        of.pressed_.push(p, z.first(n));
+        for (std::size_t k = 0; k < m; ++k) p[k] += of.stiffness_[k] * t[k];
     }
 };
 
 Stokes::Stokes(const Comm& comm, const StokesOptions& options)
     : comm_(comm), options_(options), idr_(comm, idr_options(options)) {}
 
-void Stokes::make_room(const Parts& parts) {
-    const auto& window = parts.scene.halo.window();
+// The matrix with the volumes that it holds, and what the products take.
+void Stokes::build(const Parts& parts, const FaceField& velocity, const rigid::RigidBodies& bodies) {
+    const auto& grid = parts.scene.grid;
+    const double face = std::pow(grid.dx, grid.dimensions - 1);
+    volumes_.find(parts.pressure, parts.viscous.places(), parts.scene.halo, face);
+    auto scene = parts.scene;
+    scene.volumes = &volumes_.held();
+    parts.viscous.build(scene, velocity, bodies, parts.dt);
+    pressed_.build(parts.viscous.system(), parts.pressure.system(), {face, parts.dt / (scene.density * grid.dx)});
     const std::size_t all = parts.viscous.rows() + parts.pressure.rows();
     for (auto* vector : {&b_, &x_, &weights_}) vector->assign(all, 0.0);
     stiffness_.resize(parts.pressure.rows());
-    clear(velocity_, parts.scene.grid, window);
-    clear(push_, parts.scene.grid, window);
-    reserve(faces_, parts.viscous.faces());
-    reserve(cells_, parts.pressure.rows());
 }
 
 // Residuals of forces count by the resistance of their face, of fluxes by what pressure they make: both are a power then,
 // whatever the viscosity.
 void Stokes::weigh(const System& system) {
     const auto& [of, parts, n, m, face, inertia] = system;
-    Kokkos::parallel_for("treacle::stokes_stiffness", static_cast<int>(m),
-                         StiffnessLoop{parts.viscous.places(), parts.pressure.system().faces(),
-                                       parts.pressure.system().cell_of(), face, exact_share(parts.scene.grid.dimensions), cells_});
-    const auto stiffness = on_host(cells_);
+    const auto stiffness = on_host(volumes_.by_row());
     std::copy_n(stiffness.data(), m, stiffness_.begin());
+    const auto held = on_host(volumes_.held_by_row());
+    held_.assign(held.data(), held.data() + m);
     const auto diagonal = [](const solve::CsrBlocks& rows, std::size_t r) {
         int k = rows.diagonal_offsets[r];
         while (rows.diagonal_columns[k] != static_cast<int>(r)) ++k;
@@ -177,6 +125,10 @@ void Stokes::load(const System& system, const FaceField& velocity, const rigid::
     parts.pressure.coupling().add_flux(body_velocities(bodies), face, b.last(m));
     parts.pressure.add_inflow(face, b.last(m));
     parts.pressure.balance(b.last(m));
+    auto& held = scratch_; // what the matrix's volumes have of it
+    held.resize(m);
+    for (std::size_t k = 0; k < m; ++k) held[k] = held_[k] * b[n + k];
+    pressed_.add_forces(held, b.first(n));
     parts.viscous.read(velocity, x.first(n));
 }
 
@@ -200,9 +152,9 @@ void Stokes::check(const solve::SolveReport& report, std::int64_t unknowns) cons
 StokesReport Stokes::solve(const Parts& parts, const FaceField& velocity, rigid::RigidBodies& bodies) {
     StokesReport report;
     report.unknowns = parts.viscous.global_faces() + parts.pressure.system().global_rows();
-    make_room(parts);
-    System system(*this, parts);
     const auto start = Clock::now();
+    build(parts, velocity, bodies);
+    System system(*this, parts);
     weigh(system);
     operator_ = {[&system](auto x, auto y) { system.multiply(x, y); }, [&system](auto r, auto z) { system.precondition(r, z); }, weights_};
     parts.pressure.set_up_preconditioner();
@@ -222,10 +174,9 @@ StokesReport Stokes::solve(const Parts& parts, const FaceField& velocity, rigid:
 }
 
 std::size_t Stokes::bytes() const {
-    std::size_t numbers = faces_.span() + cells_.span();
-    for (const auto* vector : {&b_, &x_, &weights_, &stiffness_, &scratch_, &residual_}) numbers += vector->capacity();
-    for (int a = 0; a < 3; ++a) numbers += velocity_.axis[a].span() + push_.axis[a].span();
-    return 8 * numbers + idr_.bytes();
+    std::size_t numbers = 0;
+    for (const auto* vector : {&b_, &x_, &weights_, &stiffness_, &held_, &scratch_, &residual_}) numbers += vector->capacity();
+    return 8 * numbers + idr_.bytes() + volumes_.bytes() + pressed_.bytes();
 }
 
 } // namespace treacle::grid

@@ -1,4 +1,5 @@
 #pragma once
+#include "grid/pressed_faces.hpp"
 #include "grid/pressure.hpp"
 #include "grid/viscous_problem.hpp"
 #include "solve/idr.hpp"
@@ -25,7 +26,7 @@ class Stokes {
 public:
     Stokes(const Comm& comm, const StokesOptions& options);
 
-    // Both built for the same faces (ViscousScene::pressed, close_held_faces), the viscous one for these velocities.
+    // Both for the same faces (ViscousScene::pressed, close_held_faces): the pressure's built, of the viscous one the places.
     struct Parts {
         Pressure& pressure;
         ViscousProblem& viscous;
@@ -40,7 +41,7 @@ public:
 
 private:
     struct System;
-    void make_room(const Parts& parts);
+    void build(const Parts& parts, const FaceField& velocity, const rigid::RigidBodies& bodies);
     void weigh(const System& system);
     void load(const System& system, const FaceField& velocity, const rigid::RigidBodies& bodies);
     void choose_guess(const System& system);
@@ -50,9 +51,9 @@ private:
     StokesOptions options_;
     solve::Idr idr_;
     solve::Operator operator_;
-    std::vector<double> b_, x_, weights_, stiffness_, scratch_, residual_;
-    FaceField velocity_, push_;
-    Array<double> faces_{"treacle::stokes_faces", 0}, cells_{"treacle::stokes_cells", 0};
+    VolumeStresses volumes_;
+    PressedFaces pressed_;
+    std::vector<double> b_, x_, weights_, stiffness_, held_, scratch_, residual_;
 };
 
 // The areas that the pressure acts through where it acts together with the viscosity: none of faces that a solid takes along.

@@ -1,7 +1,7 @@
 #pragma once
 #include "grid/mac_grid.hpp"
 #include "grid/options.hpp"
-#include "grid/pressure_faces.hpp"
+#include "grid/volume_stiffness.hpp"
 #include "mpi/cell_halo.hpp"
 #include "rigid/bodies.hpp"
 #include "solve/krylov.hpp"
@@ -45,6 +45,7 @@ struct ViscousScene {
     // within to the normal velocity of what it slides along.
     const Array<double>* distance = nullptr;
     const RestingSolids* resting = nullptr; // those that grip; then there are loads on all solids at rest
+    const VolumeStiffness* volumes = nullptr; // adds to the matrix where the pressure acts in the same solve
 };
 
 struct ViscosityReport {

@@ -1,5 +1,6 @@
 #pragma once
 #include "grid/mac_grid.hpp"
+#include "grid/volume_stiffness.hpp"
 
 #include <cstddef>
 
@@ -31,6 +32,7 @@ struct ViscousFaces {
     Array<int> slip_body;      // whose surface slips in a cell, < 0: of no body
     Array<double> wall[3];     // the velocity of that solid there [m/s]
     Array<double> wall_bend[3]; // of that what sides of the domain have that move
+    VolumeStiffness volumes;    // of cells whose volume the matrix holds, too
 
     // The stresses beside face i across a: use(where), with where = 0 … 3 (2 in the plane): edges, and the two centres.
     template <class Use>

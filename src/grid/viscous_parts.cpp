@@ -276,6 +276,7 @@ void ViscousParts::build(const ViscousScene& scene, const ViscosityOptions& opti
         for (int a = 0; a < 3; ++a) faces_.strain[a] = scene.strains->normal(a);
         faces_.shear_strain = scene.strains->shear();
     }
+    faces_.volumes = scene.volumes ? *scene.volumes : VolumeStiffness();
     if (faces_.window.empty()) return;
     weigh_stresses(scene, options);
     weigh_slip(scene, options);

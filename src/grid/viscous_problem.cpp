@@ -63,10 +63,14 @@ solve::KrylovOptions ViscousProblem::krylov() {
         out.user.set_up = [this](solve::Matrix& a) {
             multilevel_.set_up(a, {dimensions_, dx_, cells_, places_, axes_, aside_}, border());
             mechanisms_.build(comm_, parts_.faces(), system_, system_.owned());
+            auto taken = aside_;
+            mechanisms_.mark(taken);
+            soft_pairs_.build(a.blocks(), taken);
         };
         out.user.apply = [this](std::span<const double> r, std::span<double> z) {
             multilevel_.apply(r, z);
             mechanisms_.add(r, z);
+            soft_pairs_.add(r, z);
         };
     } else if (options_.preconditioner == Preconditioner::boomeramg) {
         out.user.set_up = [this](solve::Matrix& a) { components_.set_up(a, axes_, dimensions_); };
@@ -232,7 +236,7 @@ std::vector<double> ViscousProblem::apply(const ViscousScene& scene, std::span<c
 }
 
 std::size_t ViscousProblem::bytes() const {
-    return parts_.bytes() + system_.bytes() + bodies_.bytes() + resting_.bytes() + multilevel_.bytes() + mechanisms_.bytes() + components_.bytes() +
+    return parts_.bytes() + system_.bytes() + bodies_.bytes() + resting_.bytes() + multilevel_.bytes() + mechanisms_.bytes() + soft_pairs_.bytes() + components_.bytes() +
            8 * (faces_.span() + places_.capacity()) + 4 * cells_.capacity() + axes_.capacity() + aside_.capacity();
 }
 

@@ -3,6 +3,7 @@
 #include "grid/viscous_bodies.hpp"
 #include "solve/component_split.hpp"
 #include "solve/rigid_multilevel.hpp"
+#include "solve/soft_pairs.hpp"
 
 #include <optional>
 
@@ -28,6 +29,7 @@ public:
     bool built() const { return matrix_.has_value(); }
     const ViscousFaces& places() const { return parts_.faces(); }
     const ViscousSystem& system() const { return system_; }
+    ViscousSystem& system() { return system_; }
     int motions() const { return coupled_; }  // of bodies that are unknowns, on all ranks
 
     // b, for velocities of before; bodies move as they did at build().
@@ -72,6 +74,7 @@ private:
     Coupling coupling_;
     solve::RigidMultilevel multilevel_;
     Mechanisms mechanisms_;
+    solve::SoftPairs soft_pairs_; // mechanisms that weak stresses hold
     solve::ComponentSplit components_;
     solve::KrylovSolver solver_;
     BodyMotion motion_;

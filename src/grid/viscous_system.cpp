@@ -71,16 +71,17 @@ struct RowLoop {
         const std::ptrdiff_t i = place_of(r) / 3;
         const double share = faces.share.axis[a](i);
         here.add(r, faces.mass.axis[a](i));
-        faces.each_entry(a, i, [&](int b, std::ptrdiff_t j, double entry) {
+        const auto add = [&](int b, std::ptrdiff_t j, double value) {
             const int row = row_of[b](j);
             if (row < 0) return;
-            const double value = entry * (share * faces.share.axis[b](j));
             if (row >= first && row < first + rows) {
                 here.add(row - first, value);
             } else {
                 there.add(halo_place[b](j), value);
             }
-        });
+        };
+        faces.each_entry(a, i, [&](int b, std::ptrdiff_t j, double entry) { add(b, j, entry * (share * faces.share.axis[b](j))); });
+        faces.volumes.each_entry(a, i, add);
         if (!write) {
             own.offset(r) = here.count;
             other.offset(r) = there.count;

@@ -8,7 +8,7 @@
 
 namespace treacle::grid {
 
-// The matrix A11 = m/dt + W_F D^T K D W_F of the free faces (V4), in distributed compressed rows [kg/s], symmetric to the
+// The matrix A11 = m/dt + W_F D^T K D W_F of the free faces (V4), and of volumes that it holds, in distributed compressed rows [kg/s], symmetric to the
 // bit. Rows go cell by cell, x fastest, the components of a cell beside each other. After the faces of rank 0 stand
 // `extra` rows, a dense block for the caller to fill: the bodies'.
 class ViscousSystem {
@@ -24,6 +24,8 @@ public:
     int extra() const { return extra_; } // on this rank
     const Array<int>& row_of(int axis) const { return row_of_[axis]; } // [window] global number, -1: none
     const Array<int>& place_of() const { return place_of_; } // [faces()] place in the window times 3 plus the axis
+
+    RowHalo& halo() { return halo_; }
 
     // The matrix, with its extra block as it was filled last; rank 0 fills it.
     solve::CsrBlocks blocks();

@@ -21,7 +21,13 @@ std::string short_digits(double value) {
     return {text, std::to_chars(text, text + sizeof text, static_cast<float>(value)).ptr};
 }
 
-std::size_t count(const SurfacePart& part) { return part.liquid.size(); }
+std::size_t count(const SurfacePart& part) { return part.vertices.size() / 3; }
+
+// "velocity_x" of a vector, "pressure" of a number.
+std::string component_name(const SurfaceField& field, int k) {
+    constexpr const char* axes[] = {"_x", "_y", "_z"};
+    return field.components == 3 ? field.name + axes[k] : field.name;
+}
 
 void put_vector(Stretch& to, std::span<const double> values, std::size_t row) {
     for (std::size_t k = 0; k < 3; ++k) to.put(static_cast<float>(values[3 * row + k]));
@@ -35,12 +41,18 @@ std::vector<Stretch> ply(const Comm& comm, const std::filesystem::path& path, co
     }
     std::vector<Stretch> out(3);
     if (comm.is_root()) {
-        std::string head = "ply\nformat binary_little_endian 1.0\ncomment time " + digits(part.time) + " s\n" +
-                           "comment unit velocity m/s\ncomment unit pressure Pa\nelement vertex " + std::to_string(vertices) + "\n";
-        for (const char* name : {"x", "y", "z", "nx", "ny", "nz", "velocity_x", "velocity_y", "velocity_z", "pressure"}) {
-            head += std::string("property float ") + name + "\n";
+        std::string head = "ply\nformat binary_little_endian 1.0\ncomment time " + digits(part.time) + " s\n";
+        for (const auto& field : part.fields) {
+            if (!field.unit.empty()) head += "comment unit " + field.name + " " + field.unit + "\n";
         }
-        head += "property int liquid\nelement ";
+        head += "element vertex " + std::to_string(vertices) + "\nproperty float x\nproperty float y\nproperty float z\n";
+        if (part.has_normals) head += "property float nx\nproperty float ny\nproperty float nz\n";
+        for (const auto& field : part.fields) {
+            for (int k = 0; k < field.components; ++k) {
+                head += std::string("property ") + (field.whole ? "int " : "float ") + component_name(field, k) + "\n";
+            }
+        }
+        head += "element ";
         head += part.dimensions == 3 ? "face " : "edge ";
         head += std::to_string(triangles) + "\n";
         head += part.dimensions == 3 ? "property list uchar int vertex_indices\n" : "property int vertex1\nproperty int vertex2\n";
@@ -48,10 +60,14 @@ std::vector<Stretch> ply(const Comm& comm, const std::filesystem::path& path, co
     }
     for (std::size_t v = 0; v < count(part); ++v) {
         put_vector(out[1], part.vertices, v);
-        put_vector(out[1], part.normals, v);
-        put_vector(out[1], part.velocity, v);
-        out[1].put(static_cast<float>(part.pressure[v]));
-        out[1].put(static_cast<std::int32_t>(part.liquid[v]));
+        if (part.has_normals) put_vector(out[1], part.normals, v);
+        for (const auto& field : part.fields) {
+            const auto width = static_cast<std::size_t>(field.components);
+            for (std::size_t k = 0; k < width; ++k) {
+                if (field.whole) out[1].put(static_cast<std::int32_t>(field.integers[width * v + k]));
+                else out[1].put(static_cast<float>(field.reals[width * v + k]));
+            }
+        }
     }
     for (const auto& triangle : part.triangles) {
         if (part.dimensions == 3) out[2].put(static_cast<unsigned char>(3));
@@ -70,13 +86,13 @@ std::vector<Stretch> obj(const Comm& comm, const SurfacePart& part) {
     };
     for (std::size_t v = 0; v < count(part); ++v) {
         out[1].put(line("v", part.vertices, v));
-        out[2].put(line("vn", part.normals, v));
+        if (part.has_normals) out[2].put(line("vn", part.normals, v));
     }
     for (const auto& triangle : part.triangles) {
         std::string text = part.dimensions == 3 ? "f" : "l";
         for (std::size_t k = 0; k < static_cast<std::size_t>(part.dimensions); ++k) {
             const auto number = std::to_string(triangle[k] + 1);
-            text += " " + (part.dimensions == 3 ? number + "//" + number : number);
+            text += " " + (part.dimensions == 3 && part.has_normals ? number + "//" + number : number);
         }
         out[3].put(text + "\n");
     }
@@ -137,13 +153,17 @@ std::vector<Stretch> vtp(const Comm& comm, const SurfacePart& part, std::int64_t
     arrays.add("Int64", "offsets", 1, "", [&](Stretch& to) {
         for (std::size_t t = 1; t <= part.triangles.size(); ++t) to.put(part.dimensions * (first + static_cast<std::int64_t>(t)));
     });
-    head += std::string("</") + cells + ">\n<PointData Normals=\"normal\" Vectors=\"velocity\">\n";
-    arrays.add("Float32", "normal", 3, "", reals(part.normals));
-    arrays.add("Float32", "velocity", 3, "m/s", reals(part.velocity));
-    arrays.add("Float32", "pressure", 1, "Pa", reals(part.pressure));
-    arrays.add("Int32", "liquid", 1, "", [&](Stretch& to) {
-        for (const int liquid : part.liquid) to.put(static_cast<std::int32_t>(liquid));
-    });
+    head += std::string("</") + cells + ">\n<PointData" + (part.has_normals ? " Normals=\"normal\"" : "") + ">\n";
+    if (part.has_normals) arrays.add("Float32", "normal", 3, "", reals(part.normals));
+    for (const auto& field : part.fields) {
+        if (!field.whole) {
+            arrays.add("Float32", field.name.c_str(), field.components, field.unit.c_str(), reals(field.reals));
+            continue;
+        }
+        arrays.add("Int32", field.name.c_str(), field.components, field.unit.c_str(), [&](Stretch& to) {
+            for (const int value : field.integers) to.put(static_cast<std::int32_t>(value));
+        });
+    }
     head += "</PointData>\n</Piece>\n</PolyData>\n<AppendedData encoding=\"raw\">\n_";
     Stretch begin, end;
     if (comm.is_root()) {

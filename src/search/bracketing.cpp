@@ -59,12 +59,28 @@ std::optional<double> Bracketing::downhill() const {
     return least() > 0 ? further(samples_[last - 1].x, samples_[last].x) : further(samples_[1].x, samples_[0].x);
 }
 
+// Between a bound that has the least value and the next sample that is not near it: an objective that levels out there may
+// have its least value in a gap that a long step went over.
+std::optional<double> Bracketing::gap_at_bound() const {
+    const double bound = samples_[least()].x;
+    double nearest = std::numeric_limits<double>::infinity();
+    for (const Sample& sample : samples_)
+        if (std::abs(sample.x - bound) > 0.5 * axes()[0].step && std::abs(sample.x - bound) < std::abs(nearest - bound))
+            nearest = sample.x;
+    return std::isfinite(nearest) ? std::optional(0.5 * (bound + nearest)) : std::nullopt;
+}
+
 // True once the least value has neighbours on both sides, or is at a bound.
 Task<bool> Bracketing::go_downhill() {
+    bool looked_back = false;
     for (int step = 0; step < most_steps_downhill; ++step) {
         const std::size_t at = least();
         if (at > 0 && at + 1 < samples_.size()) co_return true;
-        const auto x = downhill();
+        auto x = downhill();
+        if (!x && !looked_back) {
+            x = gap_at_bound();
+            looked_back = true;
+        }
         if (!x) co_return true;
         std::vector<Point> points;
         points.push_back({*x});
@@ -88,8 +104,9 @@ Task<void> Bracketing::refine() {
 void Bracketing::say_converged() {
     const Axis& axis = axes()[0];
     const double x = brent_->best().x;
+    // As near as the tolerance tells apart, for ties.
     for (const auto& [bound, word] : {std::pair(axis.lower, "lower"), std::pair(axis.upper, "upper")})
-        if (x == bound)
+        if (std::abs(x - bound) <= axis.smallest())
             return end(StopKind::converged, "bound",
                        std::string("the least value is at the ") + word + " bound: the answer may lie beyond");
     end(StopKind::converged, "tolx", "the least value is between neighbours within the tolerance");

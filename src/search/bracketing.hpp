@@ -23,6 +23,7 @@ private:
     Task<void> refine();
     std::size_t least() const;
     std::optional<double> downhill() const;
+    std::optional<double> gap_at_bound() const;
     std::optional<double> further(double before, double from) const; // none at a bound
     void say_converged();
 

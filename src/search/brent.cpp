@@ -87,7 +87,7 @@ std::optional<Brent::Vertex> Brent::vertex(Model model) const {
     return model == Model::parabola ? parabola_vertex() : corner_vertex();
 }
 
-// (B1)
+// (L1)
 std::optional<Brent::Vertex> Brent::parabola_vertex() const {
     for (const Sample* s : {&x_, &w_, &v_})
         if (!s->f.is_measured()) return std::nullopt;
@@ -105,7 +105,7 @@ std::vector<Sample> Brent::measured() const {
     return out;
 }
 
-// (B2) The corner lies between the best point and the neighbour on one of its sides: of both the lower one.
+// (L2) The corner lies between the best point and the neighbour on one of its sides: of both the lower one.
 std::optional<Brent::Vertex> Brent::corner_vertex() const {
     const auto known = measured();
     const auto at = std::find_if(known.begin(), known.end(), [&](const Sample& s) { return s.x == x_.x; });

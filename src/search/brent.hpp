@@ -9,7 +9,7 @@ struct Sample {
 };
 
 // The least value of a function of one variable within a bracket (Brent 1973, chapter 5), with a second model: beside the
-// parabola through the three best values (B1) stands the corner of two lines through four neighbours (B2), which an
+// parabola through the three best values (L1) stands the corner of two lines through four neighbours (L2), which an
 // objective that sums absolute differences has. The next point is that of the model that was nearer to the last value;
 // where neither may be used, by Brent's rules, it is that of the golden section. Points lie on a lattice of half the tolerance
 // around the origin. Values that are bounds or failures move the bracket but enter no model.

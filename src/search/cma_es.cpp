@@ -38,6 +38,7 @@ Task<void> CmaEs::method() {
             co_return;
         }
         ++restarts_;
+        forget();
         begin_run();
     }
 }
@@ -61,12 +62,9 @@ Task<Stop> CmaEs::run() {
     CmaStops stops(options_.tolerances, tolerances);
     for (;;) {
         std::vector<std::vector<double>> candidates;
-        std::vector<Point> points;
-        for (std::uint32_t k = 0; k < state_.constants().lambda; ++k) {
-            candidates.push_back(drawn(k));
-            points.push_back(seen(candidates.back()));
-        }
-        const std::vector<Value> values = co_await evaluate(points);
+        for (std::uint32_t k = 0; k < state_.constants().lambda; ++k) candidates.push_back(drawn(k));
+        if (const auto place = suggestion()) candidates[0] = *place;
+        const std::vector<Value> values = co_await values_of(candidates);
         ++generation_;
         bool any = false;
         for (const Value& value : values) any = any || !value.is_failed();
@@ -74,6 +72,13 @@ Task<Stop> CmaEs::run() {
         learn(candidates, values);
         if (auto stop = stops.after(state_, values)) co_return *stop;
     }
+}
+
+Task<std::vector<Value>> CmaEs::values_of(const std::vector<std::vector<double>>& candidates) {
+    std::vector<Point> points;
+    for (const auto& y : candidates) points.push_back(seen(y));
+    std::vector<Value> values = co_await evaluate(points);
+    co_return values;
 }
 
 void CmaEs::learn(const std::vector<std::vector<double>>& candidates, std::span<const Value> values) {

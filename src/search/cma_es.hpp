@@ -20,7 +20,7 @@ struct CmaOptions {
     BoundHandling bounds = BoundHandling::transform;
     int restarts = 0; // each with twice the population (IPOP, Auger & Hansen 2005)
     CmaTolerances tolerances;
-    Limits limits;
+    Limits limits{};
 
     // Section 6.5.5 of the dissertation, for axes without a logarithm: plain CMA-ES with resampling, 80 iterations.
     static CmaOptions dissertation(std::uint64_t seed);
@@ -42,12 +42,17 @@ public:
 
 protected:
     Task<void> method() override;
+    // Values of a generation, of all candidates: measured ones here. candidates: in the state's coordinates.
+    virtual Task<std::vector<Value>> values_of(const std::vector<std::vector<double>>& candidates);
+    // A place that takes that of the first candidate, in the state's coordinates.
+    virtual std::optional<std::vector<double>> suggestion() const { return std::nullopt; }
+    virtual void forget() {} // before a restart
+    Point seen(const std::vector<double>& y) const; // in the axes' coordinates
 
 private:
     Task<Stop> run();
     void begin_run();
     std::vector<double> drawn(std::uint32_t candidate); // in the state's coordinates
-    Point seen(const std::vector<double>& y) const;      // in the axes' coordinates
     bool within(const Point& x) const;
     std::vector<double> state_coordinates(const Point& x) const;
     void learn(const std::vector<std::vector<double>>& candidates, std::span<const Value> values);

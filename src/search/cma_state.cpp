@@ -81,6 +81,12 @@ std::vector<double> CmaState::whitened(const std::vector<double>& y) const {
     return multiply(eigen_.vectors, along);
 }
 
+double CmaState::distance(const std::vector<double>& x) const {
+    std::vector<double> y(x);
+    for (std::size_t i = 0; i < y.size(); ++i) y[i] = (y[i] - mean_[i]) / sigma_;
+    return norm(whitened(y));
+}
+
 // (C3) Parents without a value leave their weight to the others.
 std::vector<double> CmaState::recombined(const std::vector<std::vector<double>>& ranked, std::size_t valued) const {
     const std::size_t parents = std::min(constants_.mu, valued);

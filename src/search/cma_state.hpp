@@ -35,6 +35,7 @@ public:
     const std::vector<double>& mean() const { return mean_; }
     double sigma() const { return sigma_; }
     double deviation(std::size_t i) const; // sigma sqrt(C_ii)
+    double distance(const std::vector<double>& x) const; // from the mean, in deviations (Mahalanobis)
     double path(std::size_t i) const { return sigma_ * path_c_[i]; }
     const SymmetricEigen& axes() const { return eigen_; } // of C
     const Matrix& covariance() const { return covariance_; }

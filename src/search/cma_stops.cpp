@@ -76,15 +76,15 @@ std::optional<Stop> CmaStops::of_coordinates(const CmaState& state) const {
 
 std::optional<Stop> CmaStops::of_values(const CmaState& state) const {
     const auto& c = state.constants();
-    const std::size_t while_ = 10 + (30 * c.n + c.lambda - 1) / c.lambda;
-    if (best_.size() < while_) return std::nullopt;
-    const double recent = range(std::span(best_).last(while_));
+    const std::size_t generations = 10 + (30 * c.n + c.lambda - 1) / c.lambda;
+    if (best_.size() < generations) return std::nullopt;
+    const double recent = range(std::span(best_).last(generations));
     if (recent < tolerances_.value_history)
         return Stop{StopKind::converged, "tolfunhist",
-                    "the best values of the last " + std::to_string(while_) + " generations are the same"};
+                    "the best values of the last " + std::to_string(generations) + " generations are the same"};
     if (std::max(recent, last_range_) < tolerances_.value)
         return Stop{StopKind::converged, "tolfun",
-                    "the values of the last generation and the best ones of the last " + std::to_string(while_) +
+                    "the values of the last generation and the best ones of the last " + std::to_string(generations) +
                         " differ by less than the tolerance"};
     if (stagnates(state))
         return Stop{StopKind::stalled, "stagnation", "neither best nor median values have fallen for a long while"};

@@ -90,7 +90,7 @@ bool is_of_a_launcher(const std::string& name) {
                              "OMPI_MCA_mpi_yield_when_idle", "OMPI_MCA_btl", "OMPI_MCA_mtl", "OMPI_MCA_pml"}) {
         if (name.starts_with(kept)) return false;
     }
-    for (const char* prefix : {"OMPI_", "PMIX_", "PMI_", "PRTE_", "ORTE_", "HYDRA_", "MPIEXEC_", "MPI_LOCAL", "SLURM_STEP", "SLURM_PROCID",
+    for (const char* prefix : {"OMPI_", "PMIX_", "PMI_", "PRTE_", "ORTE_", "HYDRA_", "MPIEXEC_", "SLURM_STEP", "SLURM_PROCID",
                                "SLURM_LOCALID", "SLURM_TASK_PID", "SLURM_GTIDS", "SLURM_SRUN", "SLURM_LAUNCH_NODE", "SLURM_CPU_BIND"}) {
         if (name.starts_with(prefix)) return true;
     }

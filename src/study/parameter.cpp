@@ -53,32 +53,42 @@ void Parameter::declare(Declaration& d) {
     d.choice<Scale>("scale", scale, {{"linear", Scale::linear}, {"log", Scale::log}},
                     "How the range is divided and searched: log for what may differ by decades, such as a viscosity.");
     d.integer("points", points, range_at_least(0), "Number of values of the range that a grid takes, both ends included.");
-    settle(d);
+    if (!d.parsing()) return;
+    settle();
+    check(d);
 }
 
-void Parameter::settle(Declaration& d) {
-    if (!d.parsing()) return;
+void Parameter::settle() {
+    numeric = false;
+    for (const auto& text : range.empty() ? values : range) {
+        const auto quantity = read_number_and_unit(text);
+        if (!quantity) {
+            numeric = false;
+            return;
+        }
+        if (!numeric) unit = quantity->unit;
+        lower = numeric ? std::min(lower, quantity->value) : quantity->value;
+        upper = numeric ? std::max(upper, quantity->value) : quantity->value;
+        numeric = true;
+    }
+}
+
+void Parameter::check(Declaration& d) const {
     const bool ranged = !range.empty();
+    const char* given = ranged ? "range" : "values";
     d.check(!ranged || range.size() == 2, "range", {"must be a lower and an upper end", "", "write for instance [0.1 Pa.s, 100 Pa.s]"});
     d.check(!ranged || values.empty(), "values", {"must be left out beside a range", "one of them says what values there are", ""});
-    const auto& given = ranged ? range : values;
-    std::vector<Quantity> numbers;
-    for (const auto& text : given) {
-        if (const auto quantity = read_number_and_unit(text)) numbers.push_back(*quantity);
-    }
-    numeric = !given.empty() && numbers.size() == given.size();
     d.check(!ranged || numeric, "range", {"must be two numbers", "", "write for instance [0.1 Pa.s, 100 Pa.s]"});
     if (!numeric) return;
-    unit = numbers.front().unit;
-    for (const auto& one : numbers) {
-        d.check(one.unit == unit, ranged ? "range" : "values", {"must have one unit", unit + " and " + one.unit + " stand in it", unit_cure});
-        lower = &one == &numbers.front() ? one.value : std::min(lower, one.value);
-        upper = &one == &numbers.front() ? one.value : std::max(upper, one.value);
+    for (const auto& text : ranged ? range : values) {
+        const auto other = read_number_and_unit(text)->unit;
+        d.check(other == unit, given, {"must have one unit", unit + " and " + other + " stand in it", unit_cure});
     }
-    d.check(!ranged || numbers.back().value > numbers.front().value, "range",
-            {"must have its lower end first", "it goes from " + given.front() + " to " + given.back(), ""});
-    d.check(scale == Scale::linear || lower > 0, ranged ? "range" : "values",
-            {"must be above 0", "the scale is log", "raise the lower end, or take scale: linear"});
+    if (ranged && range.size() == 2) {
+        d.check(read_number_and_unit(range[1])->value > read_number_and_unit(range[0])->value, "range",
+                {"must have its lower end first", "it goes from " + range[0] + " to " + range[1], ""});
+    }
+    d.check(scale == Scale::linear || lower > 0, given, {"must be above 0", "the scale is log", "raise the lower end, or take scale: linear"});
     if (start.empty()) return;
     const auto begin = number(start);
     d.check(begin.has_value(), "start", {"must be a number in " + (unit.empty() ? std::string("no unit") : unit), "", unit_cure});

@@ -36,6 +36,8 @@ struct Parameter {
     std::string unit;
 
     void declare(Declaration& d);
+    // Finds the numbers and the unit in what was given.
+    void settle();
 
     bool has_range() const { return numeric && range.size() == 2; }
     // As it stands in a scene: "12 Pa.s". The shortest text that reads back as the same double.
@@ -48,7 +50,7 @@ struct Parameter {
     std::string column() const;
 
 private:
-    void settle(Declaration& d);
+    void check(Declaration& d) const;
 };
 
 // A length, density, ... that was measured: it stands in the scenes with its value, and its uncertainty is known.

@@ -1,6 +1,5 @@
 #include "study/study.hpp"
 
-#include "base/document.hpp"
 #include "base/options.hpp"
 #include "base/text.hpp"
 
@@ -153,18 +152,5 @@ std::filesystem::path Study::scene_file(const StudyScene& scene) const {
     if (std::filesystem::is_directory(whole)) whole /= "scene.yaml";
     return whole.lexically_normal();
 }
-
-Study load_study(const std::filesystem::path& path, const std::vector<std::string>& overrides) {
-    auto document = Document::load(path);
-    for (const auto& assignment : overrides) document.set(assignment);
-    Study study;
-    study.overrides = overrides;
-    study.path = std::filesystem::absolute(path).lexically_normal();
-    parse(document, study);
-    return study;
-}
-
-std::string study_manual(const std::string& key) { return manual(Study{}, key); }
-std::string study_schema() { return json_schema(Study{}); }
 
 } // namespace treacle::study

@@ -86,11 +86,4 @@ struct Study {
     std::filesystem::path scene_file(const StudyScene& scene) const; // absolute
 };
 
-// Throws InputError with all that is wrong in the file itself.
-Study load_study(const std::filesystem::path& path, const std::vector<std::string>& overrides = {});
-
-// The manual of the study file, and its JSON Schema.
-std::string study_manual(const std::string& key);
-std::string study_schema();
-
 } // namespace treacle::study

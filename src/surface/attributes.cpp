@@ -9,6 +9,8 @@ struct Particles {
     Array3 velocity;
     Array<double> pressure;
     Array<int> liquid;
+    Array<double> scalar[most_scalars];
+    int scalars;
     bool has_velocity, has_pressure, has_liquid;
 };
 
@@ -20,6 +22,8 @@ Particles views(const ParticleStore& store, const Sources& sources) {
     if (out.has_velocity) out.velocity = store.get<Array3>(sources.velocity);
     if (out.has_pressure) out.pressure = store.get<Array<double>>(sources.pressure);
     if (out.has_liquid) out.liquid = store.get<Array<int>>(sources.liquid);
+    out.scalars = static_cast<int>(sources.scalars.size());
+    for (std::size_t k = 0; k < sources.scalars.size(); ++k) out.scalar[k] = store.get<Array<double>>(sources.scalars[k]);
     return out;
 }
 } // namespace
@@ -30,8 +34,11 @@ void Attributes::interpolate(const Patch& patch, const ParticleStore& store, con
     reserve(velocity_, 3 * n);
     reserve(pressure_, n);
     reserve(liquid_, n);
+    reserve(scalars_, sources.scalars.size() * n);
     const auto from = views(store, sources);
     const auto position = patch.position, out_velocity = velocity_, out_pressure = pressure_;
+    const auto out_scalars = scalars_;
+    const std::int64_t vertices = patch.vertices;
     const auto out_liquid = liquid_;
     const auto l = lattice;
     const auto p = points;
@@ -39,7 +46,7 @@ void Attributes::interpolate(const Patch& patch, const ParticleStore& store, con
     const int dimensions = lattice.dimensions, per_tile = lattice.bins_per_tile();
     const double widths[2] = {0.8 * options.spacing, options.kernel_width * options.spacing};
     Kokkos::parallel_for("treacle::surface_attributes", patch.vertices, KOKKOS_LAMBDA(int v) {
-        double sum = 0, u[3] = {0, 0, 0}, pressure = 0, weights[most_liquids] = {};
+        double sum = 0, u[3] = {0, 0, 0}, pressure = 0, weights[most_liquids] = {}, scalars[most_scalars] = {};
         for (int attempt = 0; attempt < 2 && sum == 0; ++attempt) {
         double x[3] = {0, 0, 0}, to_h[3] = {0, 0, 0};
         const double h = widths[attempt];
@@ -71,6 +78,7 @@ void Attributes::interpolate(const Patch& patch, const ParticleStore& store, con
                         if (from.has_velocity) {
                             for (int k = 0; k < 3; ++k) u[k] += w * from.velocity(r, k);
                         }
+                        for (int k = 0; k < from.scalars; ++k) scalars[k] += w * from.scalar[k](r);
                         if (from.has_pressure) pressure += w * from.pressure(r);
                         if (from.has_liquid) weights[math::min(math::max(from.liquid(r), 0), most_liquids - 1)] += w;
                     }
@@ -83,6 +91,7 @@ void Attributes::interpolate(const Patch& patch, const ParticleStore& store, con
             if (weights[k] > weights[which]) which = k;
         }
         for (int k = 0; k < 3; ++k) out_velocity(3 * std::int64_t(v) + k) = sum > 0 ? u[k] / sum : 0;
+        for (int k = 0; k < from.scalars; ++k) out_scalars(k * vertices + v) = sum > 0 ? scalars[k] / sum : 0;
         out_pressure(v) = sum > 0 ? pressure / sum : 0;
         out_liquid(v) = which;
     });

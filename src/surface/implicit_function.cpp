@@ -1,5 +1,7 @@
 #include "surface/implicit_function.hpp"
 
+#include "surface/spline_sums.hpp"
+
 #include <cmath>
 
 namespace treacle::surface {
@@ -10,14 +12,9 @@ constexpr int full_block_3d = 4, full_block_2d = 3;
 constexpr double inside_margin = 0.1; // in spacings, of nodes beside tiles that were not summed over
 
 KOKKOS_INLINE_FUNCTION int count_in_bin(const Points& points, const int bin[3], int dimensions) {
-    const int c[3] = {bin[0] >> 2, bin[1] >> 2, dimensions == 3 ? bin[2] >> 2 : 0};
-    if (!points.window.contains(c)) return 0;
-    const int tile = points.tile(points.window.index(c[0], c[1], c[2]));
-    if (tile < 0) return 0;
-    const int z = dimensions == 3 ? bin[2] & 3 : 0;
-    const int per_tile = dimensions == 3 ? 64 : 16;
-    const int b = tile * per_tile + (bin[0] & 3) + bins_edge * ((bin[1] & 3) + bins_edge * z);
-    return points.begin(b + 1) - points.begin(b);
+    int begin, end;
+    points_of_bin(points, bin, dimensions, begin, end);
+    return end - begin;
 }
 } // namespace
 
@@ -79,68 +76,23 @@ void ImplicitFunction::classify(const Lattice& lattice, const CellBox& box, cons
 // u(x) = V sum_p B_h(x - x_p), product of cubic B-splines along the axes, at the nodes of this rank's tiles; the function
 // starts with (u - 1/2) / B_h(0).
 void ImplicitFunction::sum_splines(const Lattice& lattice, const Points& points, const Options& options) {
-    const int depth = lattice.depth(), dimensions = lattice.dimensions;
-    const double h = options.kernel_width * options.spacing;
-    double scale = 1, to_h[3], support = 0;
-    for (int k = 0; k < 3; ++k) {
-        to_h[k] = lattice.step[k] / h;
-        if (k < dimensions) {
-            scale *= options.spacing / h;
-            support = std::max(support, 2 * h / lattice.step[k]);
-        }
-    }
-    const double slope = (2.0 / 3) / options.kernel_width;
-    const auto value = field_.value;
-    const auto fraction = fraction_;
+    const int nodes = lattice.nodes_per_tile();
+    const double h = options.kernel_width * options.spacing, slope = (2.0 / 3) / options.kernel_width;
+    const double scale = math::pow(options.spacing / h, double(lattice.dimensions));
+    const SplineSums sums(lattice, h);
+    const auto value = field_.value, fraction = fraction_;
     const auto own = own_slots_, tiles = tiles_;
     const auto window = field_.window;
     const auto p = points;
-    const auto px = p.place[0], py = p.place[1], pz = p.place[2];
-    const double hx = to_h[0], hy = to_h[1], hz = to_h[2];
-    const int per_tile = lattice.bins_per_tile();
     Kokkos::parallel_for("treacle::sum_splines", own_, KOKKOS_LAMBDA(int item) {
         const int s = own(item);
         int c[3];
         window.cell(tiles(s), c);
         double sum[512];
         for (double& one : sum) one = 0;
-        int first[3], last[3]; // bins
-        for (int k = 0; k < 3; ++k) {
-            first[k] = static_cast<int>(math::floor((tile_edge * c[k] - support) / 2));
-            last[k] = static_cast<int>(math::floor((tile_edge * (c[k] + 1) - 1 + support) / 2));
-        }
-        if (dimensions == 2) first[2] = last[2] = 0;
-        for (int bz = first[2]; bz <= last[2]; ++bz) {
-            for (int by = first[1]; by <= last[1]; ++by) {
-                for (int tx = first[0] >> 2; tx <= last[0] >> 2; ++tx) {
-                    const int t[3] = {tx, by >> 2, dimensions == 3 ? bz >> 2 : 0};
-                    if (!window.contains(t)) continue;
-                    const int tile = p.tile(window.index(t[0], t[1], t[2]));
-                    if (tile < 0) continue;
-                    const int row = tile * per_tile + bins_edge * ((by & 3) + bins_edge * (dimensions == 3 ? bz & 3 : 0));
-                    const int begin = p.begin(row + math::max(first[0] - 4 * tx, 0));
-                    const int end = p.begin(row + math::min(last[0] - 4 * tx, 3) + 1);
-                    for (int i = begin; i < end; ++i) {
-                        const double x = (tile_edge * c[0] - px(i)) * hx, y = (tile_edge * c[1] - py(i)) * hy;
-                        const double z = (tile_edge * c[2] - pz(i)) * hz;
-                        double wx[8], wy[8];
-                        for (int k = 0; k < 8; ++k) wx[k] = cubic_spline(x + k * hx);
-                        for (int k = 0; k < 8; ++k) wy[k] = cubic_spline(y + k * hy);
-                        for (int m = 0; m < depth; ++m) {
-                            const double wz = dimensions == 3 ? cubic_spline(z + m * hz) : 1;
-                            if (wz == 0) continue;
-                            double* layer = sum + 64 * m;
-                            for (int j = 0; j < 8; ++j) {
-                                const double w = wz * wy[j];
-                                for (int k = 0; k < 8; ++k) layer[8 * j + k] += w * wx[k];
-                            }
-                        }
-                    }
-                }
-            }
-        }
-        const std::int64_t to = std::int64_t(s) * depth * 64;
-        for (int k = 0; k < depth * 64; ++k) {
+        sums.add(p, c, [](int) { return true; }, sum);
+        const std::int64_t to = std::int64_t(s) * nodes;
+        for (int k = 0; k < nodes; ++k) {
             const double u = sum[k] * scale;
             fraction(to + k) = u;
             value(to + k) = (u - 0.5) / slope;
@@ -257,6 +209,15 @@ void ImplicitFunction::deconvolve(const Lattice& lattice, const Options& options
     });
 }
 
+void ImplicitFunction::shift(const Lattice& lattice, double iso) {
+    const int nodes = lattice.nodes_per_tile();
+    const auto value = field_.value;
+    const auto own = own_slots_;
+    Kokkos::parallel_for("treacle::shift_surface", own_ * nodes, KOKKOS_LAMBDA(int k) {
+        value(std::int64_t(own(k / nodes)) * nodes + k % nodes) -= iso;
+    });
+}
+
 // Nodes beside full tiles are in the liquid, those beside empty tiles are not: surfaces end in tiles that have values.
 // Behind the faces at which the surface is cut there are no tiles.
 void ImplicitFunction::close_borders(const Lattice& lattice) {
@@ -368,6 +329,7 @@ void ImplicitFunction::build(const Decomposition& decomposition, const Lattice& 
         support = std::max(support, 2 * options.kernel_width * options.spacing / lattice.step[k]);
     }
     classify(lattice, box, points, support);
+    if (options.liquid >= 0) settle_liquids(box, points, support, options.liquid);
     const auto codes = on_host(code_);
     codes_.assign(codes.data(), codes.data() + window.size());
     if (solids != nullptr) settle_near_solids(lattice, box, *solids, options.spacing);
@@ -397,6 +359,8 @@ void ImplicitFunction::build(const Decomposition& decomposition, const Lattice& 
         halo_.gather(field_);
         deconvolve(lattice, options);
     }
+    if (options.iso != 0) shift(lattice, options.iso);
+    if (options.liquid >= 0) separate(lattice, points, options);
     if (solids != nullptr) cut_at_solids(lattice, *solids, options.spacing);
     close_borders(lattice);
     halo_.gather(field_);

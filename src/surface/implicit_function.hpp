@@ -20,8 +20,11 @@ public:
 
     // Kernels (public for nvcc).
     void classify(const Lattice& lattice, const CellBox& box, const Points& points, double support);
+    void settle_liquids(const CellBox& box, const Points& points, double support, int liquid);
+    void separate(const Lattice& lattice, const Points& points, const Options& options);
     void sum_splines(const Lattice& lattice, const Points& points, const Options& options);
     void deconvolve(const Lattice& lattice, const Options& options);
+    void shift(const Lattice& lattice, double iso);
     void close_borders(const Lattice& lattice);
 
 private:

@@ -1,5 +1,7 @@
 #include "surface/lattice.hpp"
 
+#include "base/error.hpp"
+
 #include <algorithm>
 #include <cmath>
 
@@ -12,6 +14,27 @@ int tile_of(double x, double origin, double step) {
     return static_cast<int>(std::floor((x - origin) / (step * tile_edge)));
 }
 } // namespace
+
+Domain cropped(const Domain& domain, const Vec3& min, const Vec3& max) {
+    Domain out = domain;
+    for (std::size_t k = 0; k < static_cast<std::size_t>(domain.dimensions); ++k) {
+        const char axis[] = {static_cast<char>('x' + k), 0};
+        const bool open_low = domain.sides[2 * k] == Side::open, open_high = domain.sides[2 * k + 1] == Side::open;
+        const bool cuts_low = open_low || min[k] > domain.min[k], cuts_high = open_high || max[k] < domain.max[k];
+        if (cuts_low) out.min[k] = min[k];
+        if (cuts_high) out.max[k] = max[k];
+        if (!(out.min[k] < out.max[k])) {
+            throw InputError({"box", std::string("holds no part of the domain along ") + axis, "", "give the lower corner first, and a part of the domain"});
+        }
+        if (domain.sides[2 * k] == Side::periodic && (cuts_low || cuts_high)) {
+            throw InputError({"box", std::string("cuts the period along ") + axis, "the liquid goes on at the other side there",
+                              "let the box hold the whole period"});
+        }
+        if (cuts_low) out.sides[2 * k] = Side::cut;
+        if (cuts_high) out.sides[2 * k + 1] = Side::cut;
+    }
+    return out;
+}
 
 Lattice make_lattice(const Domain& domain, double step) {
     Lattice out;
@@ -28,7 +51,7 @@ Lattice make_lattice(const Domain& domain, double step) {
             const int tiles = std::max(2, static_cast<int>(std::ceil(length / (step * tile_edge) - 1e-9)));
             out.step[k] = length / (tiles * tile_edge);
             out.periodic[k] = true;
-        } else if (low == Side::wall && high == Side::wall) {
+        } else if (low != Side::open && high != Side::open) {
             out.step[k] = length / std::max(2.0, std::round(length / step));
         }
         if (low != Side::open) out.origin[k] = domain.min[k];
@@ -59,8 +82,9 @@ void cover(Lattice& lattice, const Domain& domain, const double lo[3], const dou
         }
         int first = tile_of(lo[k], lattice.origin[k], lattice.step[k]) - 1;
         int last = tile_of(hi[k], lattice.origin[k], lattice.step[k]) + 1;
-        if (lattice.lo[k] > -unbounded) first = std::max(first, lattice.lo[k] / tile_edge);
-        if (lattice.hi[k] < unbounded) last = std::min(last, floor_divide(lattice.hi[k], tile_edge));
+        // Behind a cut one tile more, whose particles count for the nodes before it.
+        if (lattice.lo[k] > -unbounded) first = std::max(first, floor_divide(lattice.lo[k], tile_edge) - (lattice.mirror[0][k] ? 0 : 1));
+        if (lattice.hi[k] < unbounded) last = std::min(last, floor_divide(lattice.hi[k], tile_edge) + (lattice.mirror[1][k] ? 0 : 1));
         if (lattice.periodic[k]) {
             first = 0;
             last = lattice.hi[k] / tile_edge - 1;

@@ -15,6 +15,7 @@ struct Mesh {
     std::vector<double> velocity;      // [n][3] [m/s]
     std::vector<double> pressure;      // [n] [Pa]
     std::vector<int> liquid;           // [n] index of the scene's liquid
+    std::vector<std::vector<double>> scalars; // [Options::scalars][n]
     std::vector<std::int64_t> key;     // [n] place on the lattice (LatticeKey of doubled node numbers)
     std::vector<std::int64_t> global;  // [n] number among the vertices of all ranks
     std::vector<std::array<int, 3>> triangles; // [m][3] rows of this rank's vertices; 2D: [m][2], the third is -1

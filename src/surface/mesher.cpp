@@ -28,6 +28,8 @@ void check(const Options& options) {
         refuse("the kernel's width must be 1 spacing or more and its support within 7 cells of the lattice", "take a larger step");
     }
     if (options.smoothing_passes < 0 || options.smoothing_passes > 3) refuse("smoothing passes must be 0 to 3", "");
+    if (!(std::abs(options.iso) <= 0.5)) refuse("the surface's value must be -0.5 to 0.5 spacings", "0 keeps the volume");
+    if (options.scalars < 0 || options.scalars > most_scalars) refuse("vertices take up to 16 numbers", "name fewer fields");
     if (options.deconvolution_passes < 0 || options.deconvolution_passes > 20) refuse("deconvolution passes must be 0 to 20", "");
 }
 } // namespace
@@ -39,13 +41,32 @@ Mesher::Mesher(const Comm& comm, const Domain& domain, const Options& options)
     store_.add<Array<double>>("pressure", "Pa", FieldRole::state);
     store_.add<Array<int>>("liquid", "", FieldRole::state);
     store_.add<Array<std::int64_t>>("image", "", FieldRole::state);
-    sources_ = {velocity, pressure, liquid};
+    sources_ = {velocity, pressure, liquid, {}};
+    for (int k = 0; k < options.scalars; ++k) sources_.scalars.push_back(store_.add<Array<double>>("scalar " + std::to_string(k), "", FieldRole::state));
 }
 
 Mesher::~Mesher() = default;
 
+// Whether a particle counts for nodes of the domain. Those that do not are farther behind a cut than the kernel reaches.
+bool Mesher::near_domain(const double* position) const {
+    const double reach = 2 * options_.kernel_width * options_.spacing;
+    for (std::size_t k = 0; k < static_cast<std::size_t>(domain_.dimensions); ++k) {
+        if (domain_.sides[2 * k] == Side::cut && position[k] < domain_.min[k] - reach) return false;
+        if (domain_.sides[2 * k + 1] == Side::cut && position[k] > domain_.max[k] + reach) return false;
+    }
+    return true;
+}
+
 void Mesher::take(const ParticleRows& particles) {
-    const auto n = static_cast<int>(particles.id.size());
+    std::vector<std::size_t> rows;
+    bool finite = true;
+    for (std::size_t i = 0; i < particles.id.size(); ++i) {
+        const double* x = particles.position.data() + 3 * i;
+        finite = finite && std::isfinite(x[0]) && std::isfinite(x[1]) && std::isfinite(x[2]);
+        if (near_domain(x)) rows.push_back(i);
+    }
+    if (comm_.any(!finite)) throw InputError({"surface", "a particle's position is not finite", "the run has diverged", "take an earlier frame"});
+    const auto n = static_cast<int>(rows.size());
     store_.resize_owned(n);
     const auto& x = store_.position();
     const auto& id = store_.id();
@@ -56,14 +77,12 @@ void Mesher::take(const ParticleRows& particles) {
     const auto hid = Kokkos::create_mirror_view(id);
     const auto hp = Kokkos::create_mirror_view(p);
     const auto hl = Kokkos::create_mirror_view(l);
-    bool finite = true;
     for (int i = 0; i < n; ++i) {
-        const auto row = static_cast<std::size_t>(i);
+        const auto row = rows[static_cast<std::size_t>(i)];
         for (int k = 0; k < 3; ++k) {
             const auto at = 3 * row + static_cast<std::size_t>(k);
             hx(i, k) = k < domain_.dimensions ? particles.position[at] : 0;
             hu(i, k) = particles.velocity.empty() ? 0 : particles.velocity[at];
-            finite = finite && std::isfinite(particles.position[at]);
         }
         hid(i) = particles.id[row];
         hp(i) = particles.pressure.empty() ? 0 : particles.pressure[row];
@@ -75,15 +94,27 @@ void Mesher::take(const ParticleRows& particles) {
     Kokkos::deep_copy(p, hp);
     Kokkos::deep_copy(l, hl);
     Kokkos::deep_copy(store_.get<Array<std::int64_t>>(image), std::int64_t(0));
-    if (comm_.any(!finite)) throw InputError({"surface", "a particle's position is not finite", "the run has diverged", "take an earlier frame"});
+    for (std::size_t k = 0; k < sources_.scalars.size(); ++k) {
+        const auto& values = store_.get<Array<double>>(sources_.scalars[k]);
+        const auto host = Kokkos::create_mirror_view(values);
+        for (int i = 0; i < n; ++i) host(i) = particles.scalars[k][rows[static_cast<std::size_t>(i)]];
+        Kokkos::deep_copy(values, host);
+    }
 }
+
+namespace {
+Bounds bounds_of(const ParticleStore& store) {
+    const auto x = store.position();
+    int none = 0;
+    return reduce_bounds("treacle::surface_bounds", 0, store.owned(), none,
+                         KOKKOS_LAMBDA(int i, Bounds& around, int&) { around.include(x(i, 0), x(i, 1), x(i, 2)); });
+}
+} // namespace
 
 // Tiles to ranks by particles.
 void Mesher::cut_domain() {
     const auto x = store_.position();
-    int none = 0;
-    const auto bounds = reduce_bounds("treacle::surface_bounds", 0, store_.owned(), none,
-                                      KOKKOS_LAMBDA(int i, Bounds& around, int&) { around.include(x(i, 0), x(i, 1), x(i, 2)); });
+    const auto bounds = bounds_of(store_);
     double ends[6];
     for (int k = 0; k < 3; ++k) {
         ends[k] = -bounds.lo[k];
@@ -125,6 +156,7 @@ void Mesher::distribute() {
     halo_.connect(*decomposition_);
     halo_.rebuild(store_, cells_);
     halo_.gather(store_, {velocity, pressure, liquid, image});
+    for (const int scalar : sources_.scalars) halo_.gather(store_, {scalar});
 }
 
 const Mesh& Mesher::build(const ParticleRows& particles, const Solids& solids) {
@@ -142,7 +174,7 @@ const Mesh& Mesher::build(const ParticleRows& particles, const Solids& solids) {
     distribute();
     const CellBox box = decomposition_->box();
     const CellBox window = box.empty() ? CellBox{} : grown(box, 1, lattice_.dimensions);
-    const auto& points = points_.build(store_, image, lattice_, window, support);
+    const auto& points = points_.build(store_, {image, liquid}, lattice_, window, support);
     function_.build(*decomposition_, lattice_, points, options_, cut);
     triangulation_.build(lattice_, box, function_, layers_for(options_));
     auto& patch = triangulation_.patch();
@@ -153,7 +185,7 @@ const Mesh& Mesher::build(const ParticleRows& particles, const Solids& solids) {
     const auto host = to_host(patch);
     const VertexOwners owners(*decomposition_, lattice_);
     const auto kept = find_components(comm_, host, owners, options_.spacing, options_.min_volume, summary_);
-    number_mesh(comm_, host, kept, owners, {normals, attributes_.velocity(), attributes_.pressure(), attributes_.liquid()}, mesh_);
+    number_mesh(comm_, host, kept, owners, {normals, attributes_.velocity(), attributes_.pressure(), attributes_.liquid(), attributes_.scalars(), options_.scalars}, mesh_);
     summary_.area = comm_.sum(area_of(mesh_));
     return mesh_;
 }

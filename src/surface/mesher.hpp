@@ -18,6 +18,7 @@ struct ParticleRows {
     std::span<const double> velocity;   // [n][3] [m/s], or none
     std::span<const double> pressure;   // [n] [Pa], or none
     std::span<const std::int64_t> liquid; // [n], or none
+    std::vector<std::span<const double>> scalars = {}; // [Options::scalars][n]
 };
 
 // Makes the surface of a liquid from its particles: implicit function, marching cubes, smoothing. Each rank meshes its own
@@ -34,6 +35,7 @@ public:
 
 private:
     void take(const ParticleRows& particles);
+    bool near_domain(const double* position) const;
     void cut_domain();
     void distribute();
 

@@ -101,6 +101,7 @@ void number_mesh(const Comm& comm, const HostPatch& patch, const std::vector<cha
 
     const auto normal = on_host(values.normal), velocity = on_host(values.velocity), pressure = on_host(values.pressure);
     const auto liquid = on_host(values.liquid);
+    const auto scalar = on_host(values.scalar);
     const auto size = order.size();
     mesh.vertices.resize(3 * size);
     mesh.normals.resize(3 * size);
@@ -108,6 +109,7 @@ void number_mesh(const Comm& comm, const HostPatch& patch, const std::vector<cha
     mesh.pressure.resize(size);
     mesh.liquid.resize(size);
     mesh.key.resize(size);
+    mesh.scalars.assign(static_cast<std::size_t>(values.scalars), std::vector<double>(size));
     for (std::size_t v = 0; v < size; ++v) {
         const auto from = static_cast<std::size_t>(order[v]);
         for (std::size_t k = 0; k < 3; ++k) {
@@ -118,6 +120,7 @@ void number_mesh(const Comm& comm, const HostPatch& patch, const std::vector<cha
         mesh.pressure[v] = pressure(from);
         mesh.liquid[v] = liquid(from);
         mesh.key[v] = patch.key[from];
+        for (std::size_t k = 0; k < mesh.scalars.size(); ++k) mesh.scalars[k][v] = scalar(k * n + from);
     }
 }
 

@@ -7,6 +7,8 @@ struct VertexValues {
     Array<double> normal, velocity; // [vertices * 3]
     Array<double> pressure;         // [vertices]
     Array<int> liquid;              // [vertices]
+    Array<double> scalar;           // [scalars][vertices]
+    int scalars = 0;
 };
 
 // Collective: the kept triangles of this rank and their vertices, numbered over all ranks: each rank's own vertices follow

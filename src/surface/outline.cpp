@@ -1,4 +1,4 @@
-#include "surface/projection.hpp"
+#include "surface/silhouette.hpp"
 
 #include "mpi/exchange.hpp"
 
@@ -10,6 +10,9 @@
 namespace treacle::surface {
 
 namespace {
+using scene::Projection;
+using scene::Seen;
+
 constexpr double beside = 0.75; // [pixels] from an edge to where no liquid is to be
 constexpr double stride = 0.25; // [pixels] between points of the outline
 

@@ -12,7 +12,7 @@ void PointBuilder::reserve_points(int n) {
     grow(image_);
 }
 
-void PointBuilder::take_particles(const ParticleStore& store, int image_field) {
+void PointBuilder::take_particles(const ParticleStore& store, const PointFields& fields) {
     const int n = store.total();
     n_ = 0;
     reserve_points(n);
@@ -21,7 +21,8 @@ void PointBuilder::take_particles(const ParticleStore& store, int image_field) {
     const auto id = store.id();
     const auto x0 = x_[0], x1 = x_[1], x2 = x_[2];
     const auto source = source_;
-    const auto ids = id_, image = image_, mirrored = store.get<Array<std::int64_t>>(image_field);
+    const auto ids = id_, image = image_, mirrored = store.get<Array<std::int64_t>>(fields.image);
+    liquid_of_row_ = store.get<Array<int>>(fields.liquid);
     Kokkos::parallel_for("treacle::surface_points", n, KOKKOS_LAMBDA(int i) {
         x0(i) = x(i, 0);
         x1(i) = x(i, 1);
@@ -128,8 +129,9 @@ void PointBuilder::sort_into_bins(const Lattice& lattice, const CellBox& window)
     for (auto& place : p.place) reserve(place, static_cast<std::size_t>(p.count));
     reserve(p.row, static_cast<std::size_t>(p.count));
     reserve(p.original, static_cast<std::size_t>(p.count));
+    reserve(p.liquid, static_cast<std::size_t>(p.count));
     const auto q0 = p.place[0], q1 = p.place[1], q2 = p.place[2];
-    const auto row = p.row, original = p.original;
+    const auto row = p.row, original = p.original, liquid = p.liquid, liquid_of_row = liquid_of_row_;
     const auto source = source_;
     const auto image = image_;
     Kokkos::parallel_for("treacle::pack_points", p.count, KOKKOS_LAMBDA(int k) {
@@ -140,6 +142,7 @@ void PointBuilder::sort_into_bins(const Lattice& lattice, const CellBox& window)
         q2(k) = l.dimensions == 3 ? (x2(i) - l.grid.origin[2]) / l.step[2] : 0;
         row(k) = source(i);
         original(k) = image(i) == 0 ? 1 : 0;
+        liquid(k) = liquid_of_row(source(i));
     });
 }
 
@@ -161,9 +164,9 @@ void PointBuilder::order_bins() {
     });
 }
 
-const Points& PointBuilder::build(const ParticleStore& store, int image_field, const Lattice& lattice, const CellBox& window,
+const Points& PointBuilder::build(const ParticleStore& store, const PointFields& fields, const Lattice& lattice, const CellBox& window,
                                   double support) {
-    take_particles(store, image_field);
+    take_particles(store, fields);
     for (int k = 0; k < lattice.dimensions; ++k) mirror_at_walls(lattice, support, k);
     sort_into_bins(lattice, window);
     return points_;

@@ -1,6 +1,6 @@
 #pragma once
 #include "mpi/comm.hpp"
-#include "scene/camera_model.hpp"
+#include "scene/triangle_raster.hpp"
 #include "surface/mesh.hpp"
 
 #include <cstdint>
@@ -9,11 +9,7 @@
 
 namespace treacle::surface {
 
-// When a picture is taken, from the time of the mesh: its vertices move on by their velocities.
-struct Exposure {
-    double shift = 0;    // [s] of the picture's middle row
-    double row_time = 0; // [s] from one row to the next below it (rolling shutter)
-};
+using scene::Exposure;
 
 // Triangles of solids, which hide the liquid behind them.
 struct HidingTriangles {

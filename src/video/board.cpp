@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <numbers>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
 
@@ -136,6 +137,46 @@ Points find_circles(const cv::Mat& picture, const Board& board) {
     return points;
 }
 
+// Area [pixels] of what stands out from the rim of a disc: by its light, so that blur counts for nothing.
+double area_within(const cv::Mat& picture, const cv::Point2f& centre, double reach) {
+    double rim = 0, rim_count = 0, light = 0, count = 0;
+    const auto clamped = [](double v, int size) { return std::clamp(int(std::lround(v)), 0, size - 1); };
+    for (int row = clamped(centre.y - reach, picture.rows); row <= clamped(centre.y + reach, picture.rows); ++row)
+        for (int column = clamped(centre.x - reach, picture.cols); column <= clamped(centre.x + reach, picture.cols); ++column) {
+            const double apart = std::hypot(column - centre.x, row - centre.y), value = picture.at<std::uint8_t>(row, column);
+            if (apart > reach) continue;
+            light += value;
+            ++count;
+            if (apart < 0.85 * reach) continue;
+            rim += value;
+            ++rim_count;
+        }
+    cv::Mat middle;
+    cv::getRectSubPix(picture, {3, 3}, centre, middle);
+    const double contrast = cv::mean(middle)[0] - rim / rim_count;
+    return std::abs(contrast) < 1 ? 0 : (light - count * rim / rim_count) / contrast;
+}
+
+// Diameter [m] of circles: median of what their areas are on the board, by the homography that the points give.
+double circle_diameter(const cv::Mat& picture, const Points& points, const Board& board) {
+    if (!(board.spacing > 0)) return 0;
+    std::vector<cv::Point2f> places;
+    for (const auto& p : board_points(board)) places.emplace_back(float(p[0]), float(p[1]));
+    const cv::Mat h = cv::findHomography(places, points);
+    if (h.empty()) return 0;
+    std::vector<double> diameters;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        double nearest = 1e30;
+        for (std::size_t j = 0; j < points.size(); ++j)
+            if (j != i) nearest = std::min(nearest, distance(points[i], points[j]));
+        const double w = h.at<double>(2, 0) * places[i].x + h.at<double>(2, 1) * places[i].y + h.at<double>(2, 2);
+        const double area = area_within(picture, points[i], nearest / 2) * std::abs(w * w * w / cv::determinant(h)); // [m2]
+        diameters.push_back(std::sqrt(std::max(0.0, area) * 4 / std::numbers::pi));
+    }
+    std::ranges::nth_element(diameters, diameters.begin() + std::ssize(diameters) / 2);
+    return diameters[diameters.size() / 2];
+}
+
 bool is_inside(const Points& points, const cv::Mat& picture) {
     return std::ranges::all_of(points, [&](const cv::Point2f& p) {
         return p.x >= 0 && p.y >= 0 && p.x <= float(picture.cols - 1) && p.y <= float(picture.rows - 1);
@@ -204,6 +245,8 @@ std::optional<BoardView> find_board(const Photo& photo, const Board& board, cons
         refine(picture, points, board, search);
         start_at_black(picture, points, board);
         view.edge_width = edge_width(picture, points, board);
+    } else {
+        view.diameter = circle_diameter(picture, points, board);
     }
     view.separation = smallest_distance(points, board);
     for (const auto& p : points) view.points.push_back({p.x, p.y});

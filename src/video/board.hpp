@@ -21,7 +21,6 @@ struct Board {
     BoardKind kind = BoardKind::chessboard;
     int columns = 9, rows = 6; // of points
     double spacing = 0;        // [m] side of a square; circles: between neighbouring rows
-    double diameter = 0;       // [m] of circles; 0: not known
 
     std::string text() const; // "chessboard with 9 x 6 inner corners"
     int count() const { return columns * rows; }
@@ -44,6 +43,7 @@ struct BoardView {
     std::vector<std::array<double, 2>> points; // [pixels], centre of the top left pixel at (0, 0)
     double edge_width = 0;  // [pixels] over which the edges of squares rise from 10 to 90 %; circles: 0
     double separation = 0;  // [pixels] smallest distance of neighbours
+    double diameter = 0;    // [m] of circles, as they are seen; chessboards: 0
     bool is_blurred() const { return edge_width > 0.35 * separation; }
 };
 

@@ -112,11 +112,12 @@ double motion(const BoardView& a, const BoardView& b) {
 }
 
 // Frames in which the board is seen elsewhere than in those before, and which of two at one place is the sharper.
-void add_video(const std::filesystem::path& path, const Board& board, const BoardPicturesOptions& options, std::vector<BoardPicture>& out) {
+void add_video(const std::filesystem::path& path, const Board& board, const BoardPicturesOptions& options,
+               const std::function<void(double)>& progress, std::vector<BoardPicture>& out) {
     const std::size_t first = out.size();
     std::size_t seen = 0, looked = 0;
     visit_frames(path, frames_looked_at, [&](const Photo& photo, double fraction) {
-        options.progress(fraction, photo.name);
+        progress(fraction);
         ++looked;
         auto picture = look_at(photo, board, options.search);
         if (picture.state == PictureState::no_board) return true;
@@ -141,10 +142,12 @@ std::vector<BoardPicture> find_boards(const std::vector<std::filesystem::path>& 
                                       const BoardPicturesOptions& options) {
     check_size(paths, board);
     std::vector<BoardPicture> out;
-    for (const auto& path : paths) {
-        options.progress(double(out.size()) / double(paths.size()), path.filename().string());
+    for (std::size_t k = 0; k < paths.size(); ++k) {
+        const auto& path = paths[k];
+        const auto progress = [&](double part) { options.progress((double(k) + part) / double(paths.size())); };
+        progress(0);
         if (is_video(path)) {
-            add_video(path, board, options, out);
+            add_video(path, board, options, progress, out);
             continue;
         }
         const auto read = read_photo(path);
@@ -157,6 +160,7 @@ std::vector<BoardPicture> find_boards(const std::vector<std::filesystem::path>& 
         }
         out.push_back(look_at(std::get<Photo>(read), board, options.search));
     }
+    options.progress(1);
     return out;
 }
 

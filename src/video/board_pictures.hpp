@@ -7,7 +7,7 @@ namespace treacle::video {
 
 struct BoardPicturesOptions {
     BoardSearch search;
-    std::function<void(double fraction, const std::string& text)> progress = [](double, const std::string&) {};
+    std::function<void(double fraction)> progress = [](double) {};
 };
 
 // Looks for the board in each picture, and in frames of videos, of which those are taken that show it at another place. What cannot be read, shows no board or is blurred is named with its reason; it

@@ -4,6 +4,7 @@
 #include "base/text.hpp"
 #include "video/calibration_covariance.hpp"
 #include "video/camera_matrix.hpp"
+#include "video/circle_bias.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -13,6 +14,8 @@
 namespace treacle::video {
 
 namespace {
+
+constexpr int bias_rounds = 3; // of lens, poses and the bias of circles
 
 using Used = std::vector<BoardPicture*>;
 
@@ -114,6 +117,24 @@ void fit(Calibration& calibration) {
     calibration.rms = std::sqrt(sum / double(used.size()));
 }
 
+// Fits, and where circles were seen fits again with their points moved to the images of the circles' middles.
+void fit_unbiased(Calibration& calibration) {
+    fit(calibration);
+    if (calibration.board.kind == BoardKind::chessboard) return;
+    const auto centres = board_points(calibration.board);
+    const auto used = used_pictures(calibration.pictures);
+    std::vector<std::vector<std::array<double, 2>>> seen;
+    for (const auto* picture : used) seen.push_back(picture->view.points);
+    for (int round = 0; round < bias_rounds; ++round) {
+        for (std::size_t k = 0; k < used.size(); ++k) {
+            const auto bias = circle_bias(unchecked_camera(calibration.lens, used[k]->pose), centres, used[k]->view.diameter);
+            for (std::size_t i = 0; i < centres.size(); ++i)
+                for (std::size_t c = 0; c < 2; ++c) used[k]->view.points[i][c] = seen[k][i][c] - bias[i][c];
+        }
+        fit(calibration);
+    }
+}
+
 // The picture to leave out, or nothing.
 BoardPicture* worst_outlier(Calibration& calibration) {
     auto used = used_pictures(calibration.pictures);
@@ -174,7 +195,7 @@ Calibration calibrate(const Board& board, const CalibrationOptions& options, std
     calibration.board = board;
     calibration.options = options;
     calibration.pictures = std::move(pictures);
-    fit(calibration);
+    fit_unbiased(calibration);
     while (worst_outlier(calibration)) fit(calibration);
     const auto points = board_points(board);
     for (auto& picture : calibration.pictures) {

@@ -58,6 +58,8 @@ struct Calibration {
 // picture share (focus, a board that is not flat, movement) count; never less than the covariance of independent
 // errors, by which OpenCV's standard deviations go.
 //
+// Points of circles are moved from the middles of their images to the images of their middles (circle_bias.hpp).
+//
 // InputError when fewer than `least_pictures` can be used, or when the pictures differ in size.
 inline constexpr std::size_t least_pictures = 4;
 Calibration calibrate(const Board& board, const CalibrationOptions& options, std::vector<BoardPicture> pictures);

@@ -1,5 +1,7 @@
 #include "video/film_raster.hpp"
 
+#include "scene/triangle_raster.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -9,7 +11,6 @@ namespace treacle::video {
 namespace {
 using scene::CameraModel;
 
-constexpr double sub = 256; // units of a sample
 constexpr float far_away = 1e30F;
 const Vec3 lamp{-0.37, -0.74, -0.56}; // towards the light, in camera axes: from above, left, behind the camera
 
@@ -26,14 +27,9 @@ std::array<float, 2> shade(const Vec3& normal, const Vec3& view) {
     return {float(0.45 + 0.55 * lit), float(std::pow(std::max(0.0, dot(normal, half)), 60))};
 }
 
+// A vertex as it is seen, and its light.
 struct Corner {
-    Vec3 place; // in camera axes [m]
-    std::array<float, 2> light;
-};
-
-struct Screen {
-    std::int64_t x, y; // [1/256 sample]
-    float depth;
+    scene::Seen seen;
     std::array<float, 2> light;
 };
 
@@ -52,94 +48,45 @@ struct Buffer {
     }
 };
 
-std::int64_t side(const Screen& a, const Screen& b, std::int64_t x, std::int64_t y) { return (b.x - a.x) * (y - a.y) - (b.y - a.y) * (x - a.x); }
-
-// Samples on an edge belong to it when it is a left or a top one of a triangle that turns from x to y.
-std::int64_t edge_bias(const Screen& a, const Screen& b) { return b.y < a.y || (b.y == a.y && b.x > a.x) ? 0 : -1; }
-
-void fill(Buffer& buffer, Screen a, Screen b, Screen c) {
-    std::int64_t area = side(a, b, c.x, c.y);
-    if (area == 0) return;
-    if (area < 0) {
-        std::swap(b, c);
-        area = -area;
-    }
-    const auto unit_of = std::int64_t(sub);
-    const auto first = [&](std::int64_t v) { return std::int64_t(std::max(0.0, std::ceil((double(v) - sub / 2) / sub))); };
-    const auto last = [&](std::int64_t v, int size) { return std::min(std::int64_t(size - 1), std::int64_t(std::floor((double(v) - sub / 2) / sub))); };
-    const auto x0 = first(std::min({a.x, b.x, c.x})), x1 = last(std::max({a.x, b.x, c.x}), buffer.width);
-    const auto y0 = first(std::min({a.y, b.y, c.y})), y1 = last(std::max({a.y, b.y, c.y}), buffer.height);
-    const auto ab = edge_bias(a, b), bc = edge_bias(b, c), ca = edge_bias(c, a);
-    for (auto j = y0; j <= y1; ++j)
-        for (auto i = x0; i <= x1; ++i) {
-            const auto x = i * unit_of + unit_of / 2, y = j * unit_of + unit_of / 2;
-            const auto wc = side(a, b, x, y), wa = side(b, c, x, y), wb = side(c, a, x, y);
-            if (wc + ab < 0 || wa + bc < 0 || wb + ca < 0) continue;
-            const auto u = float(double(wa) / double(area)), v = float(double(wb) / double(area)), w = 1 - u - v;
-            buffer.put(int(i), int(j), u * a.depth + v * b.depth + w * c.depth,
-                       {u * a.light[0] + v * b.light[0] + w * c.light[0], u * a.light[1] + v * b.light[1] + w * c.light[1]});
-        }
-}
-
 // Draws one instant of the exposure.
 class Instant {
 public:
     Instant(const FilmMesh& mesh, const CameraModel& camera, const FilmShot& shot, double time)
-        : mesh_(mesh), camera_(camera), samples_(shot.samples), buffer_(camera.lens().width * samples_, camera.lens().height * samples_) {
-        move_vertices(shot, time);
+        : mesh_(mesh), samples_(shot.samples),
+          projection_(camera, {time, camera.lens().height > 1 ? shot.readout / (camera.lens().height - 1) : 0}),
+          buffer_(camera.lens().width * samples_, camera.lens().height * samples_) {
+        see_vertices();
         if (mesh.dimensions == 2) fill_plane();
-        else
-            for (const auto& t : mesh.triangles) add(corners_[std::size_t(t[0])], corners_[std::size_t(t[1])], corners_[std::size_t(t[2])]);
+        else fill_space();
     }
     const Buffer& buffer() const { return buffer_; }
 
 private:
-    void move_vertices(const FilmShot& shot, double time) {
+    void see_vertices() {
         const auto count = mesh_.position.size() / 3;
-        const double height = camera_.lens().height;
         for (std::size_t i = 0; i < count; ++i) {
-            const auto at = [&](double t) {
-                Vec3 x;
-                for (std::size_t k = 0; k < 3; ++k) x[k] = mesh_.position[3 * i + k] + (mesh_.velocity.empty() ? 0 : t * mesh_.velocity[3 * i + k]);
-                return camera_.to_camera(x);
-            };
-            Corner corner{at(time), {1, 0}};
-            if (shot.readout > 0) {
-                const auto seen = camera_.project_camera(corner.place);
-                if (seen.depth > CameraModel::near_plane)
-                    corner.place = at(time + (std::clamp(seen.y, 0.0, height - 1) / (height - 1) - 0.5) * shot.readout);
-            }
+            Corner corner{projection_.see(&mesh_.position[3 * i], mesh_.velocity.empty() ? nullptr : &mesh_.velocity[3 * i]), {1, 0}};
             if (!mesh_.normal.empty()) {
-                const Vec3 n = scene::apply(camera_.pose().rotation, {mesh_.normal[3 * i], mesh_.normal[3 * i + 1], mesh_.normal[3 * i + 2]});
-                const auto& p = corner.place;
+                const auto& rotation = projection_.camera().pose().rotation;
+                const Vec3 n = scene::apply(rotation, {mesh_.normal[3 * i], mesh_.normal[3 * i + 1], mesh_.normal[3 * i + 2]});
+                const auto& p = corner.seen.camera;
                 corner.light = shade(n, unit({-p[0], -p[1], -p[2]}));
             }
             corners_.push_back(corner);
         }
     }
 
-    Screen to_screen(const Corner& c) const {
-        const auto seen = camera_.project_camera(c.place);
-        const auto fixed = [&](double v) { return std::int64_t(std::llround(std::clamp((v + 0.5) * samples_ * sub, -1e8, 1e8))); };
-        return {fixed(seen.x), fixed(seen.y), float(seen.depth), c.light};
-    }
-
-    // Cut at the near plane, and drawn.
-    void add(const Corner& a, const Corner& b, const Corner& c) {
-        constexpr double near = 2 * CameraModel::near_plane;
-        const Corner given[] = {a, b, c};
-        Corner kept[4];
-        int count = 0;
-        for (int i = 0; i < 3; ++i) {
-            const auto &p = given[i], &q = given[(i + 1) % 3];
-            if (p.place[2] >= near) kept[count++] = p;
-            if ((p.place[2] >= near) == (q.place[2] >= near)) continue;
-            const double t = (near - p.place[2]) / (q.place[2] - p.place[2]);
-            Corner cut = p;
-            for (std::size_t k = 0; k < 3; ++k) cut.place[k] += t * (q.place[k] - p.place[k]);
-            kept[count++] = cut;
+    void fill_space() {
+        scene::TriangleRaster raster(projection_, samples_);
+        for (const auto& t : mesh_.triangles) {
+            const Corner* c[3] = {&corners_[std::size_t(t[0])], &corners_[std::size_t(t[1])], &corners_[std::size_t(t[2])]};
+            raster.draw(c[0]->seen, c[1]->seen, c[2]->seen, [&](const scene::RasterSample& sample) {
+                std::array<float, 2> light{0, 0};
+                for (std::size_t k = 0; k < 3; ++k)
+                    for (std::size_t l = 0; l < 2; ++l) light[l] += float(sample.share[k]) * c[k]->light[l];
+                buffer_.put(int(sample.column), int(sample.row), float(sample.depth), light);
+            });
         }
-        for (int i = 2; i < count; ++i) fill(buffer_, to_screen(kept[0]), to_screen(kept[i - 1]), to_screen(kept[i]));
     }
 
     // Rows of samples between the segments that bound the liquid, by the sum of their turns.
@@ -147,16 +94,13 @@ private:
         std::vector<std::vector<std::pair<double, int>>> rows(std::size_t(buffer_.height));
         float depth = 1;
         for (const auto& s : mesh_.triangles) {
-            const auto a = to_screen(corners_[std::size_t(s[0])]), b = to_screen(corners_[std::size_t(s[1])]);
-            depth = a.depth;
-            const auto low = std::min(a.y, b.y), high = std::max(a.y, b.y);
-            const auto first = std::max<std::int64_t>(0, std::int64_t(std::ceil((double(low) - sub / 2) / sub)));
-            for (auto j = first; j < buffer_.height; ++j) {
-                const double y = (double(j) + 0.5) * sub;
-                if (y >= double(high)) break;
-                const double x = double(a.x) + (y - double(a.y)) / double(b.y - a.y) * double(b.x - a.x);
-                rows[std::size_t(j)].emplace_back(x / sub - 0.5, a.y < b.y ? 1 : -1);
-            }
+            const auto &a = corners_[std::size_t(s[0])].seen, &b = corners_[std::size_t(s[1])].seen;
+            depth = float(a.camera[2]);
+            const auto sample_at = [&](double pixel) { return (pixel + 0.5) * samples_ - 0.5; };
+            const double ax = sample_at(a.x), ay = sample_at(a.y), bx = sample_at(b.x), by = sample_at(b.y);
+            const double high = std::max(ay, by);
+            for (int j = int(std::max(0.0, std::ceil(std::min(ay, by)))); j < buffer_.height && j < high; ++j)
+                rows[std::size_t(j)].emplace_back(ax + (j - ay) / (by - ay) * (bx - ax), ay < by ? 1 : -1);
         }
         for (int j = 0; j < buffer_.height; ++j) {
             auto& row = rows[std::size_t(j)];
@@ -172,8 +116,8 @@ private:
     }
 
     const FilmMesh& mesh_;
-    const CameraModel& camera_;
     int samples_;
+    scene::Projection projection_;
     Buffer buffer_;
     std::vector<Corner> corners_;
 };
@@ -182,7 +126,7 @@ private:
 FilmDrawing draw_liquid(const FilmMesh& mesh, const CameraModel& camera, const FilmShot& shot, const FilmDepth& hidden) {
     const int width = camera.lens().width, height = camera.lens().height, n = shot.samples;
     const auto pixels = std::size_t(width) * std::size_t(height);
-    FilmDrawing out{{std::vector<float>(pixels, 0), std::vector<float>(3 * pixels, 0)}, {width, height, std::vector<std::uint8_t>(pixels, mask_background)}};
+    FilmDrawing out{{std::vector<float>(pixels, 0), std::vector<float>(3 * pixels, 0)}, {width, height, std::vector<std::uint8_t>(pixels, mask_background)}, FilmDepth(pixels, far_away)};
     const float weight = 1 / float(n * n * shot.instants);
     for (int instant = 0; instant < shot.instants; ++instant) {
         const double share = shot.instants > 1 ? (instant + 0.5) / shot.instants - 0.5 : 0;
@@ -198,7 +142,9 @@ FilmDrawing draw_liquid(const FilmMesh& mesh, const CameraModel& camera, const F
                     out.light.coverage[pixel] += weight;
                     for (std::size_t c = 0; c < 3; ++c)
                         out.light.liquid[3 * pixel + c] += weight * (float(shot.colour[c]) * buffer.diffuse[i] + float(shot.gloss) * buffer.highlight[i]);
-                    if (2 * instant + 1 == shot.instants && k == n * n / 2) out.mask.pixels[pixel] = mask_liquid;
+                    if (2 * instant + 1 != shot.instants || k != n * n / 2) continue;
+                    out.mask.pixels[pixel] = mask_liquid;
+                    out.depth[pixel] = buffer.depth[i];
                 }
             }
     }

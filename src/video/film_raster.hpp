@@ -33,11 +33,11 @@ using FilmDepth = std::vector<float>;
 struct FilmDrawing {
     FilmLight light;
     Mask mask; // pixels whose centre is liquid at the middle of the exposure, not hidden
+    FilmDepth depth; // of the liquid at the centres of the mask's pixels, 1e30 beside them
 };
 
-// Draws triangles with a depth buffer, vertices through the lens, edges straight. A sample belongs to a triangle by the
-// top-left rule on coordinates in 256ths of a sample; triangles are cut at the near plane. Rows of a rolling shutter are
-// at their own time by the row that a vertex has at `offset`.
+// Draws triangles with a depth buffer, by scene::TriangleRaster, seen at the time of their row: without `hidden` the mask is
+// the silhouette of src/surface, bit for bit.
 FilmDrawing draw_liquid(const FilmMesh& mesh, const scene::CameraModel& camera, const FilmShot& shot, const FilmDepth& hidden);
 
 // Solids by the distance from them: spheres are traced along the rays of pixel centres (Hart 1996), from `near` to `far` [m].

@@ -105,7 +105,7 @@ std::vector<fs::path> list_pictures(const fs::path& clip) {
 std::vector<double> times_of(const SourceRequest& request, std::size_t count) {
     std::vector<double> times;
     if (!request.times.empty()) {
-        times = read_number_table(request.times).column("time");
+        times = NumberTable(request.times).column("time", unit::time);
         if (times.size() != count)
             throw InputError({request.times.string(), "has " + std::to_string(times.size()) + " times",
                               request.clip.string() + " has " + std::to_string(count) + " pictures", "give one row a picture"});

@@ -2,9 +2,10 @@
 
 #include "base/error.hpp"
 #include "base/text.hpp"
-#include "video/liquid_surface.hpp"
+#include "video/liquid_light.hpp"
 #include "video/overlay.hpp"
 #include "video/scenery.hpp"
+#include "video/section.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -14,7 +15,7 @@
 namespace treacle::video {
 
 namespace {
-constexpr int samples = 2; // per pixel along each side
+constexpr int samples = LiquidView::samples; // per pixel along each side
 constexpr float plane_relief =
     0.45f; // share of the lamp in plane scenes, where value matters more than shape
 
@@ -47,7 +48,7 @@ Rgb8 default_colour(LayerKind kind) {
     case LayerKind::liquid:
         break;
     }
-    return {214, 128, 24};
+    return colour_of_liquid(0);
 }
 
 // A layer's balls as the camera sees them.
@@ -102,7 +103,9 @@ bool hides_inside(const Vec3& p, const DomainBox& box, const Vec3& camera, doubl
     return false;
 }
 
-PreparedLayer prepare(const ParticleLayer& layer, const RenderRequest& request, const Camera& camera) {
+// `cut`: towards the camera.
+PreparedLayer prepare(const ParticleLayer& layer, const RenderRequest& request, const Camera& camera,
+                      const std::optional<CutPlane>& cut) {
     check(layer);
     PreparedLayer out{&layer, {},   {}, {}, to_linear(layer.colour.value_or(default_colour(layer.kind))),
                       {},     0.22f};
@@ -121,6 +124,7 @@ PreparedLayer prepare(const ParticleLayer& layer, const RenderRequest& request, 
         if (layer.kind == LayerKind::wall &&
             hides_inside(p, request.domain, camera.position(), 2 * layer.radius))
             continue;
+        if (cut && dot(cut->normal, p - cut->point) > 0) continue;
         out.spheres.push_back({single(camera.to_camera(p)), float(layer.radius)});
         if (!valued) continue;
         const double place = (layer.values[i] - out.range.low) / (out.range.high - out.range.low);
@@ -135,12 +139,11 @@ struct Scene {
     Camera camera, fine; // per pixel and per sample
     Palette palette;
     Lamp lamp;
+    std::optional<CutPlane> cut; // towards the camera
     std::vector<PreparedLayer> layers;
     ShadowMap shadows;
+    std::vector<float> liquid; // depth of the liquid's surface per sample; empty without one
 
-    bool melts(const PreparedLayer& layer) const {
-        return request.look == Look::surface && layer.source->kind == LayerKind::liquid;
-    }
     bool is_flat() const { return request.lighting == Lighting::flat; }
     bool is_plane() const { return request.domain.dimensions == 2; }
 };
@@ -202,43 +205,61 @@ void composite_spheres(const Scene& scene, const PreparedLayer& layer, const Pas
         }
 }
 
-void composite_liquid(const Scene& scene, const PreparedLayer& layer, std::vector<float>& depth,
-                      Canvas& canvas) {
-    const LiquidSurface surface = melt(scene.fine, layer.spheres, layer.places);
+// Solids that are cut: their colour, hatched as on a drawing.
+void composite_section(const Scene& scene, std::vector<float>& depth, Canvas& canvas) {
+    if (!scene.cut || !scene.request.solid_distance) return;
+    const auto section = draw_section(scene.fine, *scene.cut, scene.request.solid_distance);
+    const Vec3f colour = to_linear(default_colour(LayerKind::body));
+    const int step = std::max(4, canvas.height / 60);
+    for (int row = 0; row < canvas.height; ++row)
+        for (int column = 0; column < canvas.width; ++column) {
+            const std::size_t i = std::size_t(row) * canvas.width + column;
+            if (!(section[i] < depth[i])) continue;
+            depth[i] = section[i];
+            const bool line = !scene.is_flat() && (row + column) % step < std::max(1, step / 6);
+            canvas.light[i] = line ? 0.45f * colour : colour;
+        }
+}
+
+void composite_liquid(const Scene& scene, std::vector<float>& depth, Canvas& canvas) {
+    const auto& layer = *scene.request.liquid;
+    std::array<Vec3f, 256> map{};
+    for (int k = 0; k < 256; ++k) map[k] = to_linear(colour_of(layer.map, k / 255.0));
     std::vector<float> nearest = depth;
-    for (std::size_t i = 0; i < nearest.size(); ++i) nearest[i] = std::min(nearest[i], surface.depth[i]);
+    for (std::size_t i = 0; i < nearest.size(); ++i) nearest[i] = std::min(nearest[i], scene.liquid[i]);
     std::vector<float> open;
     if (!scene.is_flat())
         open = ambient_occlusion(scene.camera, reduce_depth(nearest, canvas.width, canvas.height, samples),
-                                 12 * float(layer.source->radius));
+                                 6 * float(layer.spacing));
     const Vec3 size = scene.request.domain.max - scene.request.domain.min;
-    const float clarity = layer.places.empty() && !scene.is_plane() ? 0.045f * float(length(size)) : 0;
-    // The smooth surface runs between the balls that cast the shadows; none of them may shade its own place.
-    const float lift = 3.5f * float(layer.source->radius);
+    const float clarity = layer.has_values ? 0 : 0.045f * float(length(size));
+    // Balls that cast the shadows touch the surface from within; none of them may shade its own place.
+    const float lift = float(layer.spacing);
     const Canvas behind = canvas;
     for (int row = 0; row < canvas.height; ++row)
         for (int column = 0; column < canvas.width; ++column) {
             const std::size_t i = std::size_t(row) * canvas.width + column;
-            if (!(surface.depth[i] < depth[i])) continue;
-            depth[i] = surface.depth[i];
+            if (!(scene.liquid[i] < depth[i])) continue;
+            depth[i] = scene.liquid[i];
+            const auto seen = layer.view->at(column, row);
             const Ray ray = ray_through(scene.fine, column + 0.5f, row + 0.5f);
-            Fragment f{ray.origin + depth[i] * ray.direction, normal_at(surface, scene.fine, column, row),
-                       layer.places.empty() ? layer.colour : layer.albedo_at(surface.value[i])};
-            if (scene.is_flat()) {
+            Fragment f{ray.origin + depth[i] * ray.direction, seen.normal,
+                       layer.has_values ? map[std::size_t(std::lround(255 * seen.value))]
+                                        : to_linear(colour_of_liquid(seen.liquid))};
+            // Sections are there to read values from.
+            if (scene.is_flat() || seen.section) {
                 canvas.light[i] = f.albedo;
                 continue;
             }
             f.open = open_at(open, scene, column, row);
-            if (!scene.is_plane())
-                f.lit = scene.shadows.light_at(f.point + lift * f.normal,
-                                               (row % samples) * samples + column % samples);
+            f.lit = scene.shadows.light_at(f.point + lift * f.normal,
+                                           (row % samples) * samples + column % samples);
             // Light bends towards the normal inside: the scene behind seems shifted.
             const float bend = 0.06f * float(canvas.height);
             const int c = std::clamp(int(column + bend * f.normal[0]), 0, canvas.width - 1);
             const int r = std::clamp(int(row + bend * f.normal[1]), 0, canvas.height - 1);
-            const Vec3f light = shade_liquid(f, scene.lamp, behind.light[std::size_t(r) * canvas.width + c],
-                                             surface.thickness[i], clarity);
-            canvas.light[i] = scene.is_plane() ? mix(f.albedo, light, plane_relief) : light;
+            canvas.light[i] = shade_liquid(f, scene.lamp, behind.light[std::size_t(r) * canvas.width + c],
+                                           seen.thickness * length(ray.direction), clarity);
         }
 }
 
@@ -248,7 +269,9 @@ void paint_ground(const Scene& scene, DepthBuffer& ground, Canvas& canvas, float
     std::vector<float> open;
     if (shown && !scene.is_flat()) {
         DepthBuffer all(scene.camera.width(), scene.camera.height());
-        all.depth = reduce_depth(ground.depth, canvas.width, canvas.height, samples);
+        std::vector<float> nearest = ground.depth;
+        for (std::size_t i = 0; i < scene.liquid.size(); ++i) nearest[i] = std::min(nearest[i], scene.liquid[i]);
+        all.depth = reduce_depth(nearest, canvas.width, canvas.height, samples);
         for (const auto& layer : scene.layers)
             if (layer.source->kind != LayerKind::wall) splat(scene.camera, layer.spheres, all);
         open = ambient_occlusion(scene.camera, all.depth, reach);
@@ -303,25 +326,40 @@ std::vector<Sphere> shadow_casters(const std::vector<PreparedLayer>& layers) {
 
 Scene set_scene(const RenderRequest& request) {
     const Camera camera(request.view ? *request.view : automatic_view(request.domain, 1280, 720));
+    std::optional<CutPlane> cut;
+    if (request.cut) cut = facing(*request.cut, camera);
     std::vector<PreparedLayer> layers;
-    for (const auto& layer : request.layers) layers.push_back(prepare(layer, request, camera));
-    const Lamp lamp = lamp_of(camera, request.domain.dimensions == 2 ? Vec3{0, 1, 0} : Vec3{0, 0, 1});
+    for (const auto& layer : request.layers) layers.push_back(prepare(layer, request, camera, cut));
+    const Lamp lamp = lamp_of(camera, up_of(request.domain));
     // Opaque layers first, so that translucent ones find what shines through them.
     std::stable_sort(layers.begin(), layers.end(), [](const PreparedLayer& a, const PreparedLayer& b) {
         return (a.source->opacity == 1) > (b.source->opacity == 1);
     });
     const bool lit = request.domain.dimensions == 3 && request.lighting == Lighting::shaded;
-    ShadowMap shadows(lamp, lit ? shadow_casters(layers) : std::vector<Sphere>{});
+    const auto casters = lit ? shadow_casters(layers) : std::vector<Sphere>{};
+    auto shadows = request.liquid ? request.liquid->view->shadows() : ShadowMap(lamp, casters);
+    shadows.add(casters);
+    const Camera fine = camera.enlarged(samples);
+    std::vector<float> liquid;
+    if (request.liquid) {
+        for (int row = 0; row < fine.height(); ++row)
+            for (int column = 0; column < fine.width(); ++column) liquid.push_back(request.liquid->view->at(column, row).depth);
+    }
     return {request,
             camera,
-            camera.enlarged(samples),
+            fine,
             palette_of(request.background),
             lamp,
+            cut,
             std::move(layers),
-            std::move(shadows)};
+            std::move(shadows),
+            std::move(liquid)};
 }
 
 void draw_legend(const Scene& scene, Image& image) {
+    if (const auto& liquid = scene.request.liquid; liquid && liquid->has_values)
+        return draw_colour_bar(image, {liquid->title, liquid->map, liquid->range, liquid->has_lower, liquid->has_higher},
+                               scene.palette.ink);
     for (const auto& layer : scene.layers) {
         if (layer.source->values.empty()) continue;
         Legend legend{layer.source->title, layer.source->map, layer.range};
@@ -343,6 +381,11 @@ std::string caption_of(const std::string& name, double time, std::size_t particl
     return (name.empty() ? "" : name + "    ") + clock + "    " + count + " particles";
 }
 
+Rgb8 colour_of_liquid(int number) {
+    constexpr Rgb8 colours[] = {{214, 128, 24}, {44, 122, 190}, {112, 168, 60}, {168, 60, 92}, {120, 96, 180}, {60, 160, 150}};
+    return colours[std::size_t(std::max(number, 0)) % std::size(colours)];
+}
+
 Image render_frame(const RenderRequest& request) {
     const Scene scene = set_scene(request);
     const int width = scene.fine.width(), height = scene.fine.height();
@@ -350,13 +393,13 @@ Image render_frame(const RenderRequest& request) {
     DepthBuffer ground(width, height);
     float reach = 0;
     for (const auto& layer : request.layers) reach = std::max(reach, 10 * float(layer.radius));
+    if (request.liquid) reach = std::max(reach, 5 * float(request.liquid->spacing));
     paint_ground(scene, ground, canvas, reach);
     std::vector<float> depth = std::move(ground.depth);
     for (const auto& layer : scene.layers)
-        if (!scene.melts(layer))
-            composite_spheres(scene, layer, draw_pass(scene, layer, depth), depth, canvas);
-    for (const auto& layer : scene.layers)
-        if (scene.melts(layer)) composite_liquid(scene, layer, depth, canvas);
+        composite_spheres(scene, layer, draw_pass(scene, layer, depth), depth, canvas);
+    composite_section(scene, depth, canvas);
+    if (request.liquid) composite_liquid(scene, depth, canvas);
     if (request.scenery == Scenery::box_and_floor)
         draw_box(scene.fine, request.domain, depth, {scene.palette.lines, float(height) / 720, 0.7f}, canvas);
     Image image = develop(canvas);

@@ -1,8 +1,10 @@
 #pragma once
 #include "video/colour.hpp"
 #include "video/image.hpp"
+#include "video/liquid_view.hpp"
 #include "video/view.hpp"
 
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -31,10 +33,6 @@ struct ParticleLayer {
     double opacity = 1;                   // in (0, 1]; below 1 what lies behind shines through
 };
 
-enum class Look {
-    spheres, // every particle a ball
-    surface, // the liquid's particles melt into a smooth surface
-};
 enum class Background { white, dark };
 enum class Lighting {
     shaded, // lamp, shadows, ambient occlusion
@@ -45,13 +43,26 @@ enum class Scenery {
     box_and_floor, // edges of the domain; in space also its floor, which catches shadows
 };
 
+// Liquids drawn by their surfaces.
+struct LiquidLayer {
+    const LiquidView* view = nullptr; // of the picture's view; must stay valid during the call
+    bool has_values = false;          // else each liquid has its own colour and lets light through
+    std::string title = "";           // of the colour bar
+    ColourMap map = ColourMap::viridis;
+    ValueRange range = {};
+    bool has_lower = false, has_higher = false; // values beyond the range
+    double spacing = 0;                         // of the particles [m]
+};
+
 // One picture.
 struct RenderRequest {
     DomainBox domain;
     std::optional<View> view = {}; // automatic_view of the domain at 1280 x 720 unless given
     std::vector<ParticleLayer> layers = {};
     std::string caption = ""; // bottom left; see caption_of
-    Look look = Look::spheres;
+    std::optional<LiquidLayer> liquid = {};
+    std::optional<CutPlane> cut = {}; // particles on the camera's side are left out
+    std::function<double(const Vec3&)> solid_distance = {}; // [m] of the solids, whose section the cut shows; may be none
     Background background = Background::white;
     Lighting lighting = Lighting::shaded;
     Scenery scenery = Scenery::box_and_floor;
@@ -59,6 +70,9 @@ struct RenderRequest {
 
 // "t = 0.25 s   50 000 particles", with a name before it if there is one.
 std::string caption_of(const std::string& name, double time, std::size_t particles);
+
+// The colour of a liquid among others.
+Rgb8 colour_of_liquid(int number);
 
 // Draws a picture. The same request gives the same bytes. The colour bar belongs to the first layer with
 // values. InputError for a bad view or a layer whose arrays do not fit together; SimulationError for

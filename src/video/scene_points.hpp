@@ -16,8 +16,7 @@ struct ScenePoint {
 };
 
 // A table with a header: x, y, z, each with its unit in brackets, as in "x [cm]" (metres without one), u, v [pixels] and
-// optionally s, the standard deviation of u and v. Commas, semicolons, tabs or blanks between the values; lines that
-// begin with # do not count. InputError with file and line.
+// optionally s, the standard deviation of u and v; see NumberTable. InputError with file and line.
 std::vector<ScenePoint> read_scene_points(const std::filesystem::path& path);
 
 } // namespace treacle::video

@@ -8,17 +8,17 @@ namespace treacle::video {
 namespace {
 constexpr int shadow_pixels = 1400;
 
-View shadow_view(const Lamp& lamp, std::span<const Sphere> casters) {
+View shadow_view(const Lamp& lamp, std::span<const Sphere> around) {
     Vec3 low{1e30, 1e30, 1e30}, high{-1e30, -1e30, -1e30};
     double largest = 0;
-    for (const auto& [centre, radius] : casters) {
+    for (const auto& [centre, radius] : around) {
         for (int a = 0; a < 3; ++a) {
             low[a] = std::min(low[a], double(centre[a]));
             high[a] = std::max(high[a], double(centre[a]));
         }
         largest = std::max(largest, double(radius));
     }
-    if (casters.empty()) low = high = {0, 0, 0};
+    if (around.empty()) low = high = {0, 0, 0};
     const double reach = std::max(0.5 * length(high - low) + 4 * largest, 1e-9);
     const Vec3 towards{lamp.towards[0], lamp.towards[1], lamp.towards[2]};
     View view;
@@ -38,6 +38,8 @@ Lamp lamp_of(const Camera& camera, const Vec3& world_up) {
     return {towards, up};
 }
 
+Vec3 up_of(const DomainBox& domain) { return domain.dimensions == 2 ? Vec3{0, 1, 0} : Vec3{0, 0, 1}; }
+
 Vec3f shade(const Fragment& f, const Lamp& lamp) {
     const Vec3f towards_camera = normalised(-1.0f * f.point);
     const float facing = dot(f.normal, lamp.towards);
@@ -54,16 +56,21 @@ Vec3f shade(const Fragment& f, const Lamp& lamp) {
     return (lamp_light + sky * f.open) * f.albedo + Vec3f{highlight, highlight, highlight};
 }
 
-ShadowMap::ShadowMap(const Lamp& lamp, std::span<const Sphere> casters)
-    : camera_(shadow_view(lamp, casters)), buffer_(shadow_pixels, shadow_pixels) {
-    std::vector<Sphere> seen(casters.begin(), casters.end());
+ShadowMap::ShadowMap(const Lamp& lamp, std::span<const Sphere> around)
+    : camera_(shadow_view(lamp, around)), buffer_(shadow_pixels, shadow_pixels) {
     float radius = 0;
-    for (auto& [centre, r] : seen) {
-        centre = single(camera_.to_camera({centre[0], centre[1], centre[2]}));
-        radius = std::max(radius, r);
-    }
-    splat(camera_, seen, buffer_);
+    for (const auto& sphere : around) radius = std::max(radius, sphere.radius);
     bias_ = std::max(0.7f * radius, 3 / float(camera_.scale()));
+}
+
+void ShadowMap::add(std::span<const Sphere> casters) {
+    std::vector<Sphere> seen(casters.begin(), casters.end());
+    for (auto& [centre, radius] : seen) centre = single(camera_.to_camera({centre[0], centre[1], centre[2]}));
+    splat(camera_, seen, buffer_);
+}
+
+void ShadowMap::merge(std::span<const float> depth) {
+    for (std::size_t i = 0; i < depth.size(); ++i) buffer_.depth[i] = std::min(buffer_.depth[i], depth[i]);
 }
 
 float ShadowMap::light_at(const Vec3f& point, int pattern) const {

@@ -12,6 +12,7 @@ struct Lamp {
     Vec3f up;      // the sky
 };
 Lamp lamp_of(const Camera& camera, const Vec3& world_up);
+Vec3 up_of(const DomainBox& domain); // z; in plane scenes y
 
 // What a ray meets, camera axes.
 struct Fragment {
@@ -29,7 +30,12 @@ Vec3f shade(const Fragment& fragment, const Lamp& lamp);
 // Which points the lamp reaches.
 class ShadowMap {
 public:
-    ShadowMap(const Lamp& lamp, std::span<const Sphere> casters);
+    // Of what is among the spheres `around`, with casters of no larger radius than theirs. Points farther out are lit.
+    ShadowMap(const Lamp& lamp, std::span<const Sphere> around);
+    void add(std::span<const Sphere> casters);
+    // Depths of the lamp's nearest casters; the nearer of two maps of one lamp.
+    const std::vector<float>& depth() const { return buffer_.depth; }
+    void merge(std::span<const float> depth);
     // Share in [0, 1] of the lamp seen from `point`, averaged over a small square. `pattern` (0..3) picks one
     // of four sets of samples that complete each other when neighbouring pixels use different ones.
     float light_at(const Vec3f& point, int pattern) const;

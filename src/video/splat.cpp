@@ -6,12 +6,6 @@
 namespace treacle::video {
 
 namespace {
-// The pixels that may see a sphere, ends excluded.
-struct PixelBox {
-    int left, right, top, bottom;
-    bool is_empty() const { return left >= right || top >= bottom; }
-};
-
 // The tangents to a circle of radius r about (c, z) seen from the origin, as slopes.
 std::pair<float, float> tangent_slopes(float c, float z, float r) {
     const float zz = z * z - r * r;
@@ -42,6 +36,8 @@ PixelBox pixels_through_lens(const Camera& camera, const std::pair<float, float>
             clamped(std::floor(top - more), camera.height()), clamped(std::ceil(bottom + more), camera.height())};
 }
 
+} // namespace
+
 PixelBox pixels_of(const Camera& camera, const Sphere& s) {
     const auto& [c, r] = s;
     std::pair<float, float> x{c[0] - r, c[0] + r}, y{c[1] - r, c[1] + r};
@@ -66,7 +62,8 @@ PixelBox pixels_of(const Camera& camera, const Sphere& s) {
             last(y.second, half_height)};
 }
 
-// Both loops below meet each pixel of a sphere's box with: discriminant (of the ray meeting the ball), the
+namespace {
+// The loop below meets each pixel of a sphere's box with: discriminant (of the ray meeting the ball), the
 // middle of the two meetings times `dd`, and `dd`, the squared length of the ray's direction.
 // |d x c|^2 is written with d - c/c_z: the usual form cancels all digits of a small, distant ball.
 template <class Visit>
@@ -142,21 +139,6 @@ void splat(const Camera& camera, std::span<const Sphere> spheres, DepthBuffer& b
             });
         }
     }
-}
-
-std::vector<float> splat_thickness(const Camera& camera, std::span<const Sphere> spheres) {
-    std::vector<float> thickness(std::size_t(camera.width()) * camera.height(), 0.0f);
-    for (const Sphere& s : spheres) {
-        const PixelBox box = pixels_of(camera, s);
-        if (box.is_empty()) continue;
-        for (int row = box.top; row < box.bottom; ++row) {
-            float* line = thickness.data() + std::size_t(row) * camera.width();
-            visit_row(camera, s, box, row, [=](int i, float discriminant, float, float dd) {
-                line[i] += 2 * std::sqrt(std::max(discriminant, 0.0f) / dd);
-            });
-        }
-    }
-    return thickness;
 }
 
 } // namespace treacle::video

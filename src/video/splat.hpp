@@ -39,7 +39,11 @@ Ray ray_through(const Camera& camera, float x, float y);
 // depth the earlier sphere stays. Spheres that touch the plane of the camera are left out.
 void splat(const Camera& camera, std::span<const Sphere> spheres, DepthBuffer& buffer);
 
-// Adds up, per pixel, the lengths [m] of the ray inside each of the spheres: [height][width].
-std::vector<float> splat_thickness(const Camera& camera, std::span<const Sphere> spheres);
+// Pixels that may see a sphere, ends excluded; empty for one that touches the plane of the camera.
+struct PixelBox {
+    int left, right, top, bottom;
+    bool is_empty() const { return left >= right || top >= bottom; }
+};
+PixelBox pixels_of(const Camera& camera, const Sphere& sphere);
 
 } // namespace treacle::video

@@ -21,9 +21,9 @@ InputError refuse(const std::string& text, const std::string& problem) {
 TimeMap TimeMap::read(const std::string& text) {
     TimeMap map;
     if (std::filesystem::is_regular_file(text)) {
-        const auto table = read_number_table(text);
-        map.stamps_ = table.column("stamp");
-        map.times_ = table.column("time");
+        const NumberTable table(text);
+        map.stamps_ = table.column("stamp", unit::time);
+        map.times_ = table.column("time", unit::time);
     } else {
         std::istringstream words(text);
         for (std::string word; words >> word;) {

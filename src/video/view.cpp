@@ -132,6 +132,27 @@ Camera::Camera(const View& view)
     if (projection_ == Projection::orthographic) scale_ /= length(direction);
 }
 
+scene::CameraModel camera_model(const View& view, const std::string& name) {
+    if (view.model) return view.model->for_size(view.width, view.height);
+    const Camera seen(view);
+    scene::Lens lens;
+    lens.width = view.width;
+    lens.height = view.height;
+    lens.cx = (view.width - 1) / 2.0;
+    lens.cy = (view.height - 1) / 2.0;
+    scene::CameraPose pose;
+    for (std::size_t k = 0; k < 3; ++k) {
+        Vec3 axis{0, 0, 0};
+        axis[k] = 1;
+        const auto column = seen.direction_to_camera(axis);
+        for (std::size_t row = 0; row < 3; ++row) pose.rotation[row][k] = column[row];
+    }
+    pose.translation = seen.to_camera({0, 0, 0});
+    // On the plane z = 0 a pinhole at depth D with f = D times the pixels per metre draws what parallel rays draw.
+    lens.fx = lens.fy = seen.scale() * (seen.is_perspective() ? 1 : pose.translation[2]);
+    return {name, lens, pose};
+}
+
 LensRays::LensRays(const scene::CameraModel& camera) : model(camera) {
     const int width = model.lens().width, height = model.lens().height;
     x.reserve(std::size_t(width) * height);

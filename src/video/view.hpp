@@ -4,6 +4,7 @@
 
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 namespace treacle::video {
@@ -30,6 +31,9 @@ struct DomainBox {
 // A view of the whole domain: in space from the front, right and slightly above, z up; in the plane straight
 // onto it, y up. InputError for an empty or non-finite box and for a picture without pixels.
 View automatic_view(const DomainBox& box, int width, int height);
+
+// The view as a pinhole or a measured lens. An orthographic one becomes a pinhole that draws the same picture of the plane z = 0.
+scene::CameraModel camera_model(const View& view, const std::string& name);
 
 // A point as the camera sees it.
 struct ScreenPoint {

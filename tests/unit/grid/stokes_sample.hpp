@@ -55,7 +55,6 @@ public:
     StokesReport solve_together(double dt) {
         auto& problem = viscosity.problem();
         const auto viscous = viscous_scene();
-        problem.build(viscous, velocity, bodies, dt);
         auto report = stokes.solve({pressure, problem, viscous, dt}, velocity, bodies);
         gather_faces(grid, halo, velocity);
         return report;

@@ -112,6 +112,17 @@ TEST(Bracketing, NamesABoundThatTheLeastValueIsAt) {
     EXPECT_NEAR(at_bound.best()->point[0], 6.5, 0.01);
 }
 
+// Below its least value at -5 it levels out, as a drain's level does, and steps downhill from 3 go over that to the bound.
+TEST(Bracketing, LooksBackIntoTheGapBeforeABound) {
+    Axis wide = axis(3);
+    wide.lower = -7.5;
+    wide.step = 2;
+    Bracketing search(wide);
+    const auto level = [](double below) { return 0.1 * (1 - std::exp(-3 * below)) - 0.01 * below; };
+    minimise(search, of([&](double x) { return x < -5 ? level(-5 - x) : 0.3 * (x + 5); }));
+    EXPECT_NEAR(search.best()->point[0], -5, 0.01);
+}
+
 TEST(Bracketing, EndsWhereTheObjectiveFallsForEver) {
     Bracketing search(Axis{});
     minimise(search, of([](double x) { return -x; }));

@@ -120,6 +120,8 @@ TEST_F(Boards, CentresOfCirclesAreFound) {
         for (const auto& q : p) least = std::min(least, std::hypot(q[0] - c.x, q[1] - c.y));
         EXPECT_LT(least, 0.15);
     }
+    // 20 units of the centres are 25 mm; OpenCV fills half a pixel more all round.
+    EXPECT_NEAR(found[0].view.diameter, 0.025 / 20 * 19 / std::sqrt(1.7 * 1.8), 4e-4);
 }
 
 TEST_F(Boards, HeicIsRefusedWithACure) {

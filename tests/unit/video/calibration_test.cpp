@@ -3,6 +3,7 @@
 #include "shared_data.hpp"
 #include "video/board_pictures.hpp"
 #include "video/calibration_covariance.hpp"
+#include "video/circle_bias.hpp"
 
 #include <cmath>
 #include <gtest/gtest.h>
@@ -61,6 +62,65 @@ TEST(Calibration, ExactPointsGiveTheExactLens) {
     EXPECT_NEAR(result.lens.cy, 355, 0.01);
     EXPECT_NEAR(result.lens.distortion[0], -0.12, 1e-4);
     EXPECT_LT(result.rms, 1e-3); // OpenCV takes points in single precision
+}
+
+// The image of a circle through a pinhole is a conic whose middle follows from its matrix: Q* = P C* P^T, and the middle is
+// its pole of the line at infinity.
+TEST(Circles, MiddleOfTheImageIsThatOfItsEllipse) {
+    const Lens lens{1280, 720, 1100, 1105, 645, 355, {}};
+    const CameraPose pose{rotation_matrix({0.6, -0.5, 0.2}), {-0.05, 0.02, 0.3}};
+    const CameraModel camera("", lens, pose);
+    const double radius = 0.009;
+    const Vec3 centre{0.06, 0.03, 0};
+    const auto bias = circle_bias(camera, {centre}, 2 * radius);
+    // The dual conic of the circle is diag(r^2, r^2, -1) about its centre; columns of P for points (x, y, 1) of the board.
+    std::array<Vec3, 3> columns;
+    for (std::size_t k = 0; k < 3; ++k) {
+        const auto& r = pose.rotation;
+        const Vec3 axis = k < 2 ? Vec3{r[0][k], r[1][k], r[2][k]} : camera.to_camera(centre);
+        columns[k] = {lens.fx * axis[0] + lens.cx * axis[2], lens.fy * axis[1] + lens.cy * axis[2], axis[2]};
+    }
+    const auto dual = [&](std::size_t i, std::size_t j) {
+        return radius * radius * (columns[0][i] * columns[0][j] + columns[1][i] * columns[1][j]) - columns[2][i] * columns[2][j];
+    };
+    const auto middle = camera.project(centre);
+    EXPECT_NEAR(bias[0][0], dual(0, 2) / dual(2, 2) - middle.x, 1e-3);
+    EXPECT_NEAR(bias[0][1], dual(1, 2) / dual(2, 2) - middle.y, 1e-3);
+    EXPECT_GT(std::hypot(bias[0][0], bias[0][1]), 0.2);
+}
+
+// Middles of circles' images as points: the lens is found all the same, and without the circles' size it is not.
+TEST(Circles, GiveTheExactLens) {
+    auto board = read_board("circles:4x11");
+    board.spacing = 0.012;
+    const auto centres = board_points(board);
+    std::mt19937 random(5);
+    std::uniform_real_distribution<double> u(-1, 1);
+    std::vector<BoardPicture> list;
+    while (list.size() < 10) {
+        const Matrix3 turn = rotation_matrix({0.7 * u(random), 0.7 * u(random), 0.4 * u(random)});
+        const Vec3 middle = apply(turn, {0.04, 0.06, 0});
+        const double depth = 0.28 + 0.05 * u(random);
+        const CameraModel camera("", true_lens(), {turn, {0.05 * u(random) - middle[0], 0.02 * u(random) - middle[1], depth - middle[2]}});
+        const auto bias = circle_bias(camera, centres, 0.014);
+        BoardPicture picture;
+        picture.name = "picture";
+        picture.state = PictureState::used;
+        picture.width = 1280;
+        picture.height = 720;
+        picture.view.diameter = 0.014;
+        for (std::size_t i = 0; i < centres.size(); ++i) {
+            const auto seen = camera.project(centres[i]);
+            picture.view.points.push_back({seen.x + bias[i][0], seen.y + bias[i][1]});
+        }
+        list.push_back(picture);
+    }
+    const auto result = calibrate(board, {}, list);
+    EXPECT_NEAR(result.lens.fx, 1100, 0.05);
+    EXPECT_LT(result.rms, 2e-3);
+    for (auto& picture : list) picture.view.diameter = 0;
+    const auto biased = calibrate(board, {}, list);
+    EXPECT_GT(std::abs(biased.lens.fx - 1100) + 100 * biased.rms, 0.5);
 }
 
 TEST(Calibration, BadPictureIsLeftOutAndNamed) {

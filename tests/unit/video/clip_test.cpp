@@ -218,7 +218,7 @@ TEST_F(Clips, PicturesOfAFolderAndAPatternAreFrames) {
     request.clip = folder / "f_%d.png";
     expect_names(refusal(request), {"number 3 is missing"});
     request.clip = folder / "f_*.png";
-    std::ofstream(folder / "times.csv") << "picture,time [s]\n2,0.1\n9,0.2\n10,0.45\n";
+    std::ofstream(folder / "times.csv") << "picture,time [ms]\n2,100\n9,200\n10,450\n";
     request.rate = 0;
     request.times = folder / "times.csv";
     frames = read_all(*open_frames(request));

@@ -196,21 +196,19 @@ TEST(Rasteriser, TranslucentLayersLetTheOthersShineThrough) {
 
 TEST(Rasteriser, ColourOfAValueIsTheMaps) {
     const std::vector<double> positions{-0.5, 0, 0, 0.5, 0, 0}, values{-2, 6};
-    for (const auto map : {ColourMap::viridis, ColourMap::diverging})
-        for (const auto look : {Look::spheres, Look::surface}) {
-            auto request = bare(front_view(3));
-            request.look = look;
-            request.layers = {{.positions = positions,
-                               .radius = 0.2,
-                               .values = values,
-                               .map = map,
-                               .range = ValueRange{-2, 6}}};
-            const auto image = render_frame(request);
-            const Camera camera(*request.view);
-            const auto low = camera.project({-0.5, 0, 0}), high = camera.project({0.5, 0, 0});
-            EXPECT_EQ(pixel(image, int(low.x), int(low.y)), colour_of(map, 0));
-            EXPECT_EQ(pixel(image, int(high.x), int(high.y)), colour_of(map, 1));
-        }
+    for (const auto map : {ColourMap::viridis, ColourMap::diverging}) {
+        auto request = bare(front_view(3));
+        request.layers = {{.positions = positions,
+                           .radius = 0.2,
+                           .values = values,
+                           .map = map,
+                           .range = ValueRange{-2, 6}}};
+        const auto image = render_frame(request);
+        const Camera camera(*request.view);
+        const auto low = camera.project({-0.5, 0, 0}), high = camera.project({0.5, 0, 0});
+        EXPECT_EQ(pixel(image, int(low.x), int(low.y)), colour_of(map, 0));
+        EXPECT_EQ(pixel(image, int(high.x), int(high.y)), colour_of(map, 1));
+    }
 }
 
 TEST(Rasteriser, ColourBarStandsAtTheRightWhenThereAreValues) {
@@ -249,17 +247,18 @@ TEST(Rasteriser, WallsBetweenCameraAndInsideAreLeftOut) {
 }
 
 TEST(Rasteriser, NoParticlesAreAnEmptyDomain) {
-    for (const auto look : {Look::spheres, Look::surface})
-        for (const int dimensions : {2, 3}) {
-            RenderRequest request;
-            request.domain.dimensions = dimensions;
-            request.look = look;
-            request.view = automatic_view(request.domain, 160, 90);
-            const std::vector<double> none;
-            request.layers = {{.positions = none, .title = "speed [m/s]"}};
-            const auto image = render_frame(request);
-            EXPECT_EQ(image.pixels.size(), 3u * 160 * 90);
-        }
+    for (const int dimensions : {2, 3}) {
+        RenderRequest request;
+        request.domain.dimensions = dimensions;
+        request.view = automatic_view(request.domain, 160, 90);
+        const std::vector<double> none;
+        request.layers = {{.positions = none, .radius = 0.05, .title = "speed [m/s]"}};
+        const auto image = render_frame(request);
+        EXPECT_EQ(image.pixels.size(), 3u * 160 * 90);
+        const LiquidView view({*request.view, request.domain, 0.1, {}, {}});
+        request.liquid = LiquidLayer{.view = &view, .spacing = 0.1};
+        EXPECT_EQ(render_frame(request).pixels, image.pixels);
+    }
 }
 
 TEST(Rasteriser, ParticlesBehindTheCameraAreNotSeen) {
@@ -276,25 +275,19 @@ TEST(Rasteriser, TheSameRequestGivesTheSameBytes) {
         positions.insert(positions.end(), {0.1 * (k % 10), 0.1 * (k / 10 % 10), 0.1 * (k / 100)});
         values.push_back(k);
     }
-    for (const auto look : {Look::spheres, Look::surface}) {
-        RenderRequest request;
-        request.look = look;
-        request.view = automatic_view(request.domain, 320, 180);
-        request.layers = {{.positions = positions, .radius = 0.05, .values = values, .title = "id"}};
-        EXPECT_EQ(render_frame(request).pixels, render_frame(request).pixels);
-    }
+    RenderRequest request;
+    request.view = automatic_view(request.domain, 320, 180);
+    request.layers = {{.positions = positions, .radius = 0.05, .values = values, .title = "id"}};
+    EXPECT_EQ(render_frame(request).pixels, render_frame(request).pixels);
 }
 
 TEST(Rasteriser, LampLightsTheTopMoreThanTheBottom) {
     auto request = bare(front_view(3));
     request.lighting = Lighting::shaded;
     const std::vector<double> centre{0, 0, 0};
-    for (const auto look : {Look::spheres, Look::surface}) {
-        request.look = look;
-        request.layers = {red_ball(centre, 0.4)};
-        const auto image = render_frame(request);
-        EXPECT_GT(pixel(image, 160, 95)[0], pixel(image, 160, 145)[0] + 20);
-    }
+    request.layers = {red_ball(centre, 0.4)};
+    const auto image = render_frame(request);
+    EXPECT_GT(pixel(image, 160, 95)[0], pixel(image, 160, 145)[0] + 20);
 }
 
 TEST(Rasteriser, PositionsThatAreNotFiniteAreRefused) {

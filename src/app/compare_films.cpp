@@ -1,0 +1,225 @@
+#include "app/compare_films.hpp"
+
+#include "app/picture.hpp"
+#include "app/scene_surface.hpp"
+#include "app/scenery.hpp"
+#include "base/error.hpp"
+#include "base/text.hpp"
+#include "identify/residual_file.hpp"
+#include "io/manifest.hpp"
+#include "video/camera_file.hpp"
+#include "video/mask.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+#include <iterator>
+
+namespace treacle::app {
+
+namespace {
+using identify::Experiment;
+using identify::StudyFile;
+
+std::vector<const Experiment*> experiments_of(const StudyFile& file, const study::StudyScene& scene) {
+    std::vector<const Experiment*> out;
+    for (const auto& one : file.experiments) {
+        if (&file.scene_of(one) == &scene) out.push_back(&one);
+    }
+    return out;
+}
+
+std::string content_of(const std::filesystem::path& path) {
+    std::ifstream file(path, std::ios::binary);
+    return {std::istreambuf_iterator<char>(file), {}};
+}
+
+std::size_t nearest_frame(const RunView& run, double time) {
+    std::size_t best = 0;
+    for (std::size_t i = 1; i < run.frames.size(); ++i) {
+        if (std::abs(run.frames[i].time - time) < std::abs(run.frames[best].time - time)) best = i;
+    }
+    return best;
+}
+
+// The least time between masks that are compared [s]; 0 for one mask.
+double least_interval(const std::vector<identify::ObservedFrame>& frames) {
+    double least = 0;
+    for (std::size_t i = 1; i < frames.size(); ++i) {
+        const double gap = frames[i].time - frames[i - 1].time;
+        least = least > 0 ? std::min(least, gap) : gap;
+    }
+    return least;
+}
+
+// Draws the run for the frames of one film.
+class FilmComparison {
+public:
+    FilmComparison(const StudyFile& file, const Experiment& experiment, const RunView& run)
+        : run_(run), surface_(Comm::self(), run, {surface_options(run.input)}), model_(experiment_camera(file, experiment, run.input).model),
+          frames_(identify::observed_frames(experiment, file.beside(experiment.masks))) {
+        step_ = 0.25 * std::max(least_interval(frames_), 1e-3);
+    }
+    const std::vector<identify::ObservedFrame>& frames() const { return frames_; }
+
+    identify::FrameComparison compare(std::size_t k, const std::filesystem::path& masks) {
+        const auto& frame = frames_[k];
+        const auto& mesh = surface_.build(nearest_frame(run_, frame.time));
+        if (scenery_.depth.empty() || surface_.solids_move()) scenery_ = draw_scenery(run_.input, surface_.solids(), model_);
+        video::FilmShot shot;
+        shot.samples = 1;
+        shot.offset = frame.time - surface_.time();
+        const video::FilmMesh drawn{mesh.dimensions, mesh.vertices, mesh.normals, mesh.velocity, mesh.triangles};
+        identify::SimulatedFrame simulated;
+        simulated.step = step_;
+        simulated.now = video::draw_liquid(drawn, model_, shot, scenery_.depth);
+        shot.offset += step_;
+        simulated.later = video::draw_liquid(drawn, model_, shot, scenery_.depth);
+        video::write_mask(masks / frame.mask.filename(), simulated.now.mask);
+        return identify::compare_frame(frame, video::read_mask(frame.mask), simulated, model_);
+    }
+
+private:
+    const RunView& run_;
+    SceneSurface surface_;
+    scene::CameraModel model_;
+    std::vector<identify::ObservedFrame> frames_;
+    video::FilmScenery scenery_;
+    double step_ = 0; // [s]
+};
+
+// A comparison as numbers, to be sent.
+std::vector<double> packed(const identify::FrameComparison& one) {
+    std::vector<double> out{double(one.mismatches), double(one.observed), double(one.simulated), double(one.compared), double(one.segments.size())};
+    for (const auto& s : one.segments) {
+        out.insert(out.end(), {double(s.frame), s.time, s.x, s.y, s.normal_x, s.normal_y, s.points, s.displacement});
+        out.insert(out.end(), s.by_view.begin(), s.by_view.end());
+    }
+    return out;
+}
+
+identify::FrameComparison unpacked(const double*& at) {
+    identify::FrameComparison out;
+    out.mismatches = std::int64_t(*at++);
+    out.observed = std::int64_t(*at++);
+    out.simulated = std::int64_t(*at++);
+    out.compared = std::int64_t(*at++);
+    const auto count = std::size_t(*at++);
+    for (std::size_t i = 0; i < count; ++i) {
+        identify::SegmentResidual s{int(at[0]), at[1], at[2], at[3], at[4], at[5], at[6], at[7], {}};
+        at += 8;
+        std::copy_n(at, s.by_view.size(), s.by_view.begin());
+        at += s.by_view.size();
+        out.segments.push_back(s);
+    }
+    return out;
+}
+
+identify::RunResiduals compare(const Comm& comm, const StudyFile& file, const Experiment& experiment, const RunView& run, const std::filesystem::path& masks) {
+    std::optional<FilmComparison> film;
+    comm.guard([&] { film.emplace(file, experiment, run); });
+    comm.guard_root([&] { std::filesystem::create_directories(masks); });
+    identify::RunResiduals out;
+    const auto ranks = std::size_t(comm.size());
+    const auto& frames = film->frames();
+    for (std::size_t begin = 0; begin < frames.size(); begin += ranks) {
+        const auto mine = begin + std::size_t(comm.rank());
+        std::vector<double> numbers;
+        comm.guard([&] {
+            if (mine < frames.size()) numbers = packed(film->compare(mine, masks));
+        });
+        const auto all = comm.all_gather(std::span<const double>(numbers));
+        for (const double* at = all.data(); at < all.data() + all.size();) {
+            auto one = unpacked(at);
+            out.segments.insert(out.segments.end(), one.segments.begin(), one.segments.end());
+            one.segments.clear();
+            out.frames.push_back(std::move(one));
+        }
+    }
+    out.observed = frames;
+    return out;
+}
+} // namespace
+
+ExperimentCamera experiment_camera(const StudyFile& file, const Experiment& experiment, const Input& input) {
+    auto path = file.beside(experiment.camera);
+    std::string name;
+    if (const auto colon = experiment.camera.rfind(':'); !std::filesystem::exists(path) && colon != std::string::npos) {
+        path = file.beside(experiment.camera.substr(0, colon));
+        name = experiment.camera.substr(colon + 1);
+    }
+    if (experiment.camera.empty() || !std::filesystem::is_regular_file(path)) {
+        try {
+            const auto camera = find_camera(input.scene, experiment.camera);
+            return {video::camera_model(view_of(camera, input.scene.domain, {}), camera.name), {}, 0};
+        } catch (const InputError& error) {
+            throw InputError({experiment.where, "camera = " + experiment.camera + " is neither a file nor a camera of the scene", error.what(), ""});
+        }
+    }
+    const auto record = video::read_camera(path, name);
+    ExperimentCamera out{record.model(), {}, 0};
+    if (record.pose_covariance) out.pose_covariance = Eigen::Map<const Eigen::Matrix<double, 6, 6>>(record.pose_covariance->data());
+    if (record.covariance) out.focal_deviation = record.covariance->deviation(0) / record.lens.fx;
+    return out;
+}
+
+identify::Priors experiment_priors(const StudyFile& file) {
+    identify::Priors out;
+    for (const auto& experiment : file.experiments) {
+        const auto input = load_scene({file.study.scene_file(file.scene_of(experiment)), file.scene_of(experiment).set, {}, {}});
+        const auto camera = experiment_camera(file, experiment, input);
+        out.push_back(identify::information_of(experiment.plus_minus, camera.pose_covariance, camera.focal_deviation));
+    }
+    return out;
+}
+
+void compare_with_films(const Comm& comm, const StudyFile& file, const study::StudyScene& scene, const std::filesystem::path& folder) {
+    const auto experiments = experiments_of(file, scene);
+    if (experiments.empty()) return;
+    const auto run = open_run(comm, folder / "run");
+    require_frames(run);
+    for (const auto* experiment : experiments) {
+        const auto residuals = compare(comm, file, *experiment, run, folder / ("masks_" + experiment->name));
+        comm.guard_root([&] { identify::write_residuals(folder, experiment->name, residuals); });
+    }
+}
+
+FilmNeeds film_needs(const StudyFile& file, const study::StudyScene& scene) {
+    FilmNeeds out;
+    double interval = 0;
+    std::string content;
+    for (const auto* experiment : experiments_of(file, scene)) {
+        const auto frames = identify::observed_frames(*experiment, file.beside(experiment->masks));
+        const auto input = load_scene({file.study.scene_file(scene), scene.set, {}, {}});
+        const auto camera = experiment_camera(file, *experiment, input).model;
+        if (frames.back().time > input.scene.time.end * (1 + 1e-9)) {
+            throw InputError({experiment->where, experiment->name + " is compared up to " + format_number(frames.back().time) + " s",
+                              "the scene ends at " + format_number(input.scene.time.end) + " s", "give `to`, or a longer time.end"});
+        }
+        const auto mask = video::read_mask(frames.front().mask);
+        if (mask.width != camera.lens().width || mask.height != camera.lens().height) {
+            throw InputError({experiment->where, frames.front().mask.string() + " has " + std::to_string(mask.width) + " x " + std::to_string(mask.height) + " pixels",
+                              "the camera's pictures have " + std::to_string(camera.lens().width) + " x " + std::to_string(camera.lens().height),
+                              "give the camera of these pictures"});
+        }
+        const double own = least_interval(frames);
+        if (own > 0) interval = interval > 0 ? std::min(interval, own) : own;
+        const auto& pose = camera.pose();
+        const auto& lens = camera.lens();
+        content += "film " + experiment->name;
+        for (const double v : {lens.fx, lens.fy, lens.cx, lens.cy}) content += " " + format_number(v);
+        for (const double v : lens.distortion) content += " " + format_number(v);
+        for (const auto& row : pose.rotation) {
+            for (const double v : row) content += " " + format_number(v);
+        }
+        for (const double v : pose.translation) content += " " + format_number(v);
+        for (const auto& frame : frames) content += " " + format_number(frame.time) + content_of(frame.mask);
+    }
+    if (content.empty()) return out;
+    out.content = io::text_hash(content);
+    if (interval > 0) out.assignments.push_back({"output.interval=" + format_number(interval), "the interval of the masks"});
+    return out;
+}
+
+} // namespace treacle::app

@@ -1,0 +1,45 @@
+#include "app/identify.hpp"
+
+#include "base/log.hpp"
+#include "identify/report.hpp"
+
+#include <numeric>
+
+namespace treacle::app {
+
+namespace {
+void require_experiments(const identify::StudyFile& file) {
+    if (!file.experiments.empty()) return;
+    throw InputError({file.study.path.string(), "has no experiments", "there is nothing to compare the runs with",
+                      "name the masks of a film: experiments: [{masks: masks, camera: camera.yaml}]; `treacle sweep` needs none"});
+}
+} // namespace
+
+ExitCode identify_study(const SweepRequest& request) {
+    const auto file = load_checked_study(request.study, request.overrides);
+    require_experiments(file);
+    const StudyScenes scenes(file);
+    identify::check_searched(file, scenes.reader());
+    const auto priors = experiment_priors(file);
+    const auto folder = study_folder(file.study.path, request.out);
+    Log log(Voice::speaks);
+    study::check_launcher(file.study);
+    study::StudyRuns runs(file.study, {folder, this_program(), {}}, log);
+    const auto found = identify::identify(file, priors, runs, scenes.reader(), log);
+    std::vector<std::int64_t> all(runs.journal().runs().size());
+    std::iota(all.begin(), all.end(), std::int64_t{1});
+    write_tables(folder, study::table_of(file.study, runs.journal(), all));
+    if (found.end == study::StudyEnd::stopped) return ExitCode::stopped;
+    const auto folder_of = [&](std::int64_t number) {
+        const auto* outcome = runs.journal().outcome(number);
+        return outcome && !outcome->folder.empty() ? std::filesystem::path(outcome->folder) : runs.run_folder(number);
+    };
+    identify::write_report(folder / "report", file, found, folder_of);
+    for (const auto& line : identify::answer_lines(file, found)) log.line(line);
+    const auto said = identify::verdict(found);
+    if (!said.empty()) log.warn(said);
+    log.line("report: " + (folder / "report" / "index.html").string());
+    return found.estimate ? ExitCode::ok : ExitCode::simulation_failed;
+}
+
+} // namespace treacle::app

@@ -1,0 +1,10 @@
+#pragma once
+#include "app/sweep.hpp"
+
+namespace treacle::app {
+
+// `treacle identify` in a process without MPI: searches the parameters with which the study's scenes look like its films,
+// and writes the table of the runs and a report. Exit code 0 with an answer, 3 without, 5 when stopped.
+ExitCode identify_study(const SweepRequest& request);
+
+} // namespace treacle::app

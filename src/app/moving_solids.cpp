@@ -1,0 +1,98 @@
+#include "app/moving_solids.hpp"
+
+#include "app/bodies.hpp"
+#include "app/geometry.hpp"
+#include "base/error.hpp"
+#include "base/text.hpp"
+#include "rigid/algebra.hpp"
+
+#include <algorithm>
+#include <fstream>
+#include <sstream>
+
+namespace treacle::app {
+
+namespace {
+std::vector<std::string> split(const std::string& line) {
+    std::vector<std::string> out;
+    std::stringstream stream(line);
+    for (std::string word; std::getline(stream, word, ',');) out.push_back(word);
+    return out;
+}
+
+// Rows of the table: the step, then the columns asked for.
+std::vector<std::vector<double>> read_columns(const std::filesystem::path& path, const std::vector<std::string>& names) {
+    std::ifstream stream(path);
+    std::string line;
+    if (!stream || !std::getline(stream, line)) {
+        throw InputError({path.string(), "cannot be read", "it says where bodies are", "give the folder of a run that is whole"});
+    }
+    const auto header = split(line);
+    std::vector<std::size_t> columns{0};
+    for (const auto& name : names) {
+        const auto at = std::find(header.begin(), header.end(), name);
+        if (at == header.end()) throw InputError({path.string(), "has no column " + name, "it says where a body is", ""});
+        columns.push_back(static_cast<std::size_t>(at - header.begin()));
+    }
+    std::vector<std::vector<double>> rows;
+    while (std::getline(stream, line)) {
+        const auto words = split(line);
+        if (words.size() != header.size()) continue; // the row that a run is writing
+        auto& row = rows.emplace_back();
+        for (const auto column : columns) row.push_back(read_number(words[column]).value_or(0));
+    }
+    return rows;
+}
+} // namespace
+
+MovingSolids::MovingSolids(const Comm& comm, const RunView& run) {
+    const auto& bodies = run.input.scene.bodies;
+    if (bodies.empty()) return;
+    const auto geometry = build_geometry(run.input);
+    const bool any = treacle::app::any_moves(run.input);
+    const auto setup = any ? make_bodies(run.input, geometry) : rigid::BodiesSetup{};
+    std::vector<std::string> names;
+    for (std::size_t b = 0; b < bodies.size(); ++b) {
+        auto& solid = start_.emplace_back(surface::Solid{geometry.bodies[b]});
+        moving_.push_back(-1);
+        if (!moves(bodies[b])) continue;
+        solid.centre = setup.bodies[b].centre;
+        moving_.back() = static_cast<int>(names.size());
+        for (const char* what : {" position", " rotation"}) {
+            const char* unit = what[1] == 'p' ? " [m]" : " [rad]";
+            for (const char* axis : {" x", " y", " z"}) names.push_back(bodies[b].name + what + axis + unit);
+        }
+    }
+    if (!names.empty()) comm.guard([&] { poses_ = read_columns(run.folder.bodies(), names); });
+}
+
+surface::Solids MovingSolids::at(std::int64_t step) const {
+    surface::Solids out{start_};
+    const auto row = std::lower_bound(poses_.begin(), poses_.end(), static_cast<double>(step),
+                                      [](const auto& one, double s) { return one[0] < s; });
+    if (row == poses_.end() || (*row)[0] != static_cast<double>(step)) return out; // before the first step
+    for (std::size_t b = 0; b < moving_.size(); ++b) {
+        if (moving_[b] < 0) continue;
+        const double* pose = row->data() + 1 + moving_[b];
+        auto& solid = out.bodies[b];
+        const auto turn = rigid::to_matrix(rigid::rotation_by({pose[3], pose[4], pose[5]}));
+        for (std::size_t k = 0; k < 3; ++k) {
+            solid.translation[k] = pose[k] - solid.centre[k];
+            for (std::size_t l = 0; l < 3; ++l) solid.rotation[k][l] = turn[k][l];
+        }
+    }
+    return out;
+}
+
+std::function<double(const Vec3&)> distance_of_seen(const Input& input, const surface::Solids& solids, double none) {
+    std::vector<surface::Solid> seen;
+    for (std::size_t b = 0; b < input.scene.bodies.size(); ++b)
+        if (!input.scene.bodies[b].shape.inverted) seen.push_back(solids.bodies[b]);
+    return [seen = std::move(seen), none](const Vec3& x) {
+        double least = none;
+        for (const auto& solid : seen) least = std::min(least, solid.distance(x));
+        return least;
+    };
+}
+
+} // namespace treacle::app

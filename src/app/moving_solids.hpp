@@ -1,0 +1,27 @@
+#pragma once
+#include "app/frame_set.hpp"
+#include "surface/solids.hpp"
+
+#include <functional>
+
+namespace treacle::app {
+
+// The solids of a run where they are at its frames, by its table of bodies.
+class MovingSolids {
+public:
+    // Collective. Throws InputError. The run must stay.
+    MovingSolids(const Comm& comm, const RunView& run);
+
+    surface::Solids at(std::int64_t step) const;
+    bool any_moves() const { return !poses_.empty(); }
+
+private:
+    std::vector<surface::Solid> start_;      // per body
+    std::vector<int> moving_;                // per body: column of its position in bodies.csv; -1: it stays
+    std::vector<std::vector<double>> poses_; // rows of bodies.csv: step, then 6 numbers a moving body
+};
+
+// Distance [m] from the solids that do not fill all space but what they hold, negative inside; `none` without any.
+std::function<double(const Vec3&)> distance_of_seen(const Input& input, const surface::Solids& solids, double none);
+
+} // namespace treacle::app

@@ -1,0 +1,29 @@
+#include "app/scenery.hpp"
+
+#include "app/moving_solids.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace treacle::app {
+
+namespace {
+// From the camera to the farthest corner of the domain [m].
+double farthest(const scene::Domain& domain, const Vec3& place) {
+    double far = 0;
+    for (int corner = 0; corner < 8; ++corner) {
+        double square = 0;
+        for (std::size_t k = 0; k < 3; ++k) square += std::pow((corner >> k & 1 ? domain.max[k] : domain.min[k]) - place[k], 2);
+        far = std::max(far, std::sqrt(square));
+    }
+    return far;
+}
+} // namespace
+
+video::FilmScenery draw_scenery(const Input& input, const surface::Solids& solids, const scene::CameraModel& camera) {
+    if (input.scene.domain.dimensions != 3) return {};
+    const double far = farthest(input.scene.domain, camera.pose().position());
+    return video::draw_solids(camera, distance_of_seen(input, solids, far), far);
+}
+
+} // namespace treacle::app

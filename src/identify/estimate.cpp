@@ -1,0 +1,364 @@
+#include "identify/estimate.hpp"
+
+#include "base/error.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numeric>
+
+namespace treacle::identify {
+
+namespace {
+using Vector = Eigen::VectorXd;
+using Matrix = Eigen::MatrixXd;
+
+constexpr double least_noise = 0.05; // [px]
+constexpr int rounds = 20;           // of reweighting
+constexpr double correlated = 0.2;   // autocorrelation below which frames count as independent
+
+// Segments of all experiments in one list: those that stand in every run.
+struct Layout {
+    struct Row {
+        std::size_t experiment, segment;
+    };
+    std::vector<Row> rows;
+};
+
+Layout layout_of(const EvaluatedRun& run) {
+    Layout out;
+    for (std::size_t e = 0; e < run.experiments.size(); ++e) {
+        for (std::size_t s = 0; s < run.experiments[e].segments.size(); ++s) out.rows.push_back({e, s});
+    }
+    return out;
+}
+
+const SegmentResidual& at(const EvaluatedRun& run, const Layout::Row& row) { return run.experiments[row.experiment].segments[row.segment]; }
+
+double huber_weight(double residual, double scale, double bend) { return std::abs(residual) <= bend * scale ? 1 : bend * scale / std::abs(residual); }
+
+double median(std::vector<double> values) {
+    if (values.empty()) return 0;
+    const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
+    std::ranges::nth_element(values, middle);
+    return *middle;
+}
+
+double robust_scale(const Vector& residuals) {
+    std::vector<double> sizes(residuals.size());
+    for (Eigen::Index i = 0; i < residuals.size(); ++i) sizes[std::size_t(i)] = std::abs(residuals[i]);
+    return std::max(least_noise, 1.4826 * median(sizes));
+}
+
+// Derivatives by the view's parameters of all experiments, [rows][experiments * view_count].
+Matrix view_matrix(const EvaluatedRun& run, const Layout& layout) {
+    Matrix out = Matrix::Zero(Eigen::Index(layout.rows.size()), Eigen::Index(run.experiments.size() * view_count));
+    for (std::size_t i = 0; i < layout.rows.size(); ++i) {
+        const auto& row = layout.rows[i];
+        for (int k = 0; k < view_count; ++k) out(Eigen::Index(i), Eigen::Index(row.experiment) * view_count + k) = at(run, row).by_view[std::size_t(k)];
+    }
+    return out;
+}
+
+Vector displacements(const EvaluatedRun& run, const Layout& layout) {
+    Vector out(Eigen::Index(layout.rows.size()));
+    for (std::size_t i = 0; i < layout.rows.size(); ++i) out[Eigen::Index(i)] = at(run, layout.rows[i]).displacement;
+    return out;
+}
+
+Vector sizes(const EvaluatedRun& run, const Layout& layout) {
+    Vector out(Eigen::Index(layout.rows.size()));
+    for (std::size_t i = 0; i < layout.rows.size(); ++i) out[Eigen::Index(i)] = at(run, layout.rows[i]).points;
+    return out / out.mean();
+}
+
+Matrix prior_matrix(const std::vector<ViewInformation>& priors, Eigen::Index before) {
+    const auto n = before + Eigen::Index(priors.size()) * view_count;
+    Matrix out = Matrix::Zero(n, n);
+    for (std::size_t e = 0; e < priors.size(); ++e) {
+        const auto first = before + Eigen::Index(e) * view_count;
+        out.block(first, first, view_count, view_count) = priors[e];
+    }
+    return out;
+}
+
+// The parameters of a linear model r + G x whose reweighted squares are least within the priors.
+struct Fit {
+    Vector x, left, weights;
+    Matrix inverse; // of G^T W G + P
+    double noise = 0;
+};
+
+// `dilution`: how many correlated segments count as one.
+Fit fit(const Vector& r, const Matrix& g, const Vector& size, const Matrix& information, double fixed_noise, double bend, double dilution = 1) {
+    Fit out;
+    out.x = Vector::Zero(g.cols());
+    out.weights = size;
+    for (int round = 0; round < rounds; ++round) {
+        out.left = r + g * out.x;
+        out.noise = fixed_noise > 0 ? fixed_noise : robust_scale(out.left);
+        for (Eigen::Index i = 0; i < r.size(); ++i) out.weights[i] = size[i] * huber_weight(out.left[i], out.noise, bend) / (out.noise * out.noise * dilution);
+        const Matrix weighted = out.weights.asDiagonal() * g;
+        out.inverse = (g.transpose() * weighted + information).ldlt().solve(Matrix::Identity(g.cols(), g.cols()));
+        const Vector next = -out.inverse * (weighted.transpose() * r);
+        const double change = (next - out.x).norm();
+        out.x = next;
+        if (change <= 1e-10 * (1e-10 + out.x.norm())) break;
+    }
+    out.left = r + g * out.x;
+    return out;
+}
+
+// Value, gradient and square term of each row through the runs nearest to the centre [p].
+struct LocalModel {
+    Vector value;
+    Matrix gradient; // [rows][p]
+    Vector square;   // second derivative along the first parameter; 0 where the runs do not give it
+    std::size_t runs = 0;
+};
+
+LocalModel local_model(const std::vector<EvaluatedRun>& runs, const Layout& layout, const Vector& centre, const Vector& reach) {
+    const auto p = centre.size();
+    std::vector<std::pair<double, const EvaluatedRun*>> near;
+    for (const auto& run : runs) near.emplace_back(((run.point - centre).array() / reach.array()).matrix().norm(), &run);
+    std::ranges::stable_sort(near, {}, &std::pair<double, const EvaluatedRun*>::first);
+    const bool squares = p == 1;
+    const std::size_t terms = std::size_t(p) + (squares ? 2 : 1), wanted = terms + 2;
+    LocalModel out;
+    out.runs = std::min(near.size(), wanted);
+    if (out.runs < std::size_t(p) + 1) {
+        throw InputError({"identify", "has " + std::to_string(near.size()) + " good runs", "its local model needs " + std::to_string(p + 1),
+                          "raise search.evaluations, or see why runs failed"});
+    }
+    const bool quadratic = squares && out.runs >= 3;
+    Matrix basis(Eigen::Index(out.runs), p + 1 + (quadratic ? 1 : 0));
+    Matrix values(Eigen::Index(out.runs), Eigen::Index(layout.rows.size()));
+    for (std::size_t k = 0; k < out.runs; ++k) {
+        const auto i = Eigen::Index(k);
+        const Vector d = near[k].second->point - centre;
+        // Further runs count less, where there are more than the model needs.
+        const double weight = 1 / (1 + near[k].first * near[k].first);
+        basis(i, 0) = weight;
+        basis.row(i).segment(1, p) = weight * d.transpose();
+        if (quadratic) basis(i, p + 1) = weight * 0.5 * d[0] * d[0];
+        values.row(i) = weight * displacements(*near[k].second, layout).transpose();
+    }
+    const Matrix coefficients = basis.colPivHouseholderQr().solve(values);
+    out.value = coefficients.row(0).transpose();
+    out.gradient = coefficients.middleRows(1, p).transpose();
+    out.square = quadratic ? Vector(coefficients.row(p + 1).transpose()) : Vector(Vector::Zero(out.value.size()));
+    return out;
+}
+
+// Frames until the displacements left over are no more correlated: from those of segments at like places in the picture.
+int correlation_frames(const EvaluatedRun& run, const Layout& layout, const Vector& left, const std::vector<int>& sector) {
+    std::map<std::pair<std::size_t, int>, std::map<int, std::pair<double, int>>> series; // by experiment and sector: sums by frame
+    std::map<std::size_t, std::map<int, int>> order;
+    for (const auto& row : layout.rows) order[row.experiment].emplace(at(run, row).frame, 0);
+    for (auto& [experiment, frames] : order) {
+        int k = 0;
+        for (auto& [frame, place] : frames) place = k++;
+    }
+    for (std::size_t i = 0; i < layout.rows.size(); ++i) {
+        const auto& row = layout.rows[i];
+        auto& entry = series[{row.experiment, sector[i]}][order[row.experiment][at(run, row).frame]];
+        entry.first += left[Eigen::Index(i)];
+        ++entry.second;
+    }
+    for (int lag = 1; lag < 200; ++lag) {
+        double product = 0, square = 0;
+        for (const auto& [key, sums] : series) {
+            for (const auto& [place, sum] : sums) {
+                const auto other = sums.find(place + lag);
+                if (other == sums.end()) continue;
+                const double a = sum.first / sum.second, b = other->second.first / other->second.second;
+                product += a * b;
+                square += 0.5 * (a * a + b * b);
+            }
+        }
+        if (!(square > 0) || product < correlated * square) return lag;
+    }
+    return 200;
+}
+
+// Sixths of the picture around the middle of a frame's contour: parts that share no noise.
+std::vector<int> sectors(const EvaluatedRun& run, const Layout& layout) {
+    std::map<std::pair<std::size_t, int>, std::array<double, 3>> sums;
+    for (const auto& row : layout.rows) {
+        const auto& s = at(run, row);
+        auto& sum = sums[{row.experiment, s.frame}];
+        sum[0] += s.x;
+        sum[1] += s.y;
+        sum[2] += 1;
+    }
+    std::vector<int> out;
+    for (const auto& row : layout.rows) {
+        const auto& s = at(run, row);
+        const auto& sum = sums[{row.experiment, s.frame}];
+        const double angle = std::atan2(s.y - sum[1] / sum[2], s.x - sum[0] / sum[2]);
+        out.push_back(std::min(5, int((angle + 3.14159265358979) / 1.04719755119660)));
+    }
+    return out;
+}
+// Block of each row: neighbouring frames, a sector.
+std::vector<int> blocks_of(const EvaluatedRun& run, const Layout& layout, const std::vector<int>& sector, int frames_each) {
+    std::map<std::size_t, std::map<int, int>> order;
+    for (const auto& row : layout.rows) order[row.experiment].emplace(at(run, row).frame, 0);
+    for (auto& [experiment, frames] : order) {
+        int k = 0;
+        for (auto& [frame, place] : frames) place = k++;
+    }
+    std::map<std::tuple<std::size_t, int, int>, int> numbers;
+    std::vector<int> out;
+    for (std::size_t i = 0; i < layout.rows.size(); ++i) {
+        const auto& row = layout.rows[i];
+        const int part = order[row.experiment][at(run, row).frame] / frames_each;
+        out.push_back(numbers.try_emplace({row.experiment, part, sector[i]}, int(numbers.size())).first->second);
+    }
+    return out;
+}
+
+// What leaving out each block changes of the parameters, [blocks][parameters]: (A - A_b)^-1 G_b^T W_b r_b.
+Matrix block_changes(const Fit& fit, const Matrix& g, const Matrix& information, const std::vector<int>& blocks) {
+    const int count = *std::ranges::max_element(blocks) + 1;
+    const auto n = g.cols();
+    std::vector<Matrix> shares(std::size_t(count), Matrix::Zero(n, n));
+    Matrix scores = Matrix::Zero(count, n);
+    for (Eigen::Index i = 0; i < g.rows(); ++i) {
+        const auto b = std::size_t(blocks[std::size_t(i)]);
+        shares[b] += fit.weights[i] * g.row(i).transpose() * g.row(i);
+        scores.row(Eigen::Index(b)) += fit.weights[i] * fit.left[i] * g.row(i);
+    }
+    Matrix whole = information;
+    for (const auto& share : shares) whole += share;
+    Matrix out(count, n);
+    for (int b = 0; b < count; ++b) out.row(b) = (whole - shares[std::size_t(b)]).ldlt().solve(scores.row(b).transpose()).transpose();
+    return out * (count > 1 ? std::sqrt(double(count - 1) / double(count)) : 1.0);
+}
+
+// Variance of the parameters by blocks over that by independent segments, the largest.
+double inflation(const Fit& fit, const Matrix& g, const Matrix& changes, Eigen::Index p) {
+    const Matrix& a = fit.inverse;
+    const Matrix weighted = fit.weights.cwiseProduct(fit.left).asDiagonal() * g;
+    const Matrix independent = a * (weighted.transpose() * weighted) * a;
+    double most = 0;
+    for (Eigen::Index k = 0; k < p; ++k) most = std::max(most, independent(k, k) > 0 ? changes.col(k).squaredNorm() / independent(k, k) : 0.0);
+    return most;
+}
+
+VarianceParts parts_of(Eigen::Index k, Eigen::Index p, const Matrix& changes, const Matrix& a, const Matrix& information, std::size_t experiments) {
+    VarianceParts out;
+    out.pixels = changes.col(k).squaredNorm();
+    for (std::size_t e = 0; e < experiments; ++e) {
+        const auto part = [&](int first, int count) {
+            const auto at_view = p + Eigen::Index(e) * view_count + first;
+            const Vector column = a.row(k).segment(at_view, count).transpose();
+            return column.dot(information.block(at_view, at_view, count, count) * column);
+        };
+        out.time += part(view_time, 1);
+        out.contour += part(view_contour, 1);
+        out.camera += part(view_focal, view_count - view_focal);
+    }
+    return out;
+}
+} // namespace
+
+double contour_objective(const EvaluatedRun& run, const std::vector<ViewInformation>& priors, double noise, double bend) {
+    const auto layout = layout_of(run);
+    if (layout.rows.empty()) return 1e300;
+    const auto r = displacements(run, layout), size = sizes(run, layout);
+    const auto best = fit(r, view_matrix(run, layout), size, prior_matrix(priors, 0), noise, bend);
+    double sum = best.x.dot(prior_matrix(priors, 0) * best.x);
+    for (Eigen::Index i = 0; i < r.size(); ++i) {
+        const double u = std::abs(best.left[i]) / noise;
+        sum += size[i] * (u <= bend ? u * u : 2 * bend * u - bend * bend);
+    }
+    return 0.5 * sum / double(r.size());
+}
+
+double VarianceParts::total() const {
+    double sum = pixels + time + contour + camera + resolution + noise;
+    for (const auto& [name, part] : measured) sum += part;
+    return sum;
+}
+
+double ninety_percent(const VarianceParts& parts, double freedom) {
+    constexpr double z = 1.6449;
+    const double total = parts.total();
+    if (!(parts.pixels > 0)) return z;
+    const double n = freedom * (total / parts.pixels) * (total / parts.pixels);
+    // Expansion of the quantile in 1 / n (Abramowitz & Stegun 26.7.5).
+    const double z3 = z * z * z, z5 = z3 * z * z, z7 = z5 * z * z;
+    return z + (z3 + z) / (4 * n) + (5 * z5 + 16 * z3 + 3 * z) / (96 * n * n) + (3 * z7 + 19 * z5 + 17 * z3 - 15 * z) / (384 * n * n * n);
+}
+
+Estimate estimate(const std::vector<EvaluatedRun>& runs, const std::vector<ViewInformation>& priors, const EvaluatedRun* instead) {
+    if (runs.empty()) throw InputError({"identify", "has no good run", "all have failed", "look at their reasons in the table"});
+    const auto layout = layout_of(runs.front());
+    const auto size = sizes(runs.front(), layout);
+    const auto p = runs.front().point.size();
+    const auto least = std::ranges::min_element(runs, {}, [&](const EvaluatedRun& run) { return contour_objective(run, priors); });
+    const auto* best = instead ? instead : &*least;
+    const auto views = view_matrix(*best, layout);
+    const auto information = prior_matrix(priors, p);
+
+    Estimate out;
+    out.point = best->point;
+    Fit result;
+    LocalModel model;
+    Matrix g(views.rows(), p + views.cols());
+    const auto settle = [&](double dilution) {
+        const Vector reach = Vector::Constant(p, 0.3);
+        for (int round = 0; round < 12; ++round) {
+            model = local_model(runs, layout, out.point, reach);
+            if (instead) {
+                const Vector way = out.point - instead->point;
+                model.value = displacements(*instead, layout) + model.gradient * way;
+                if (p == 1) model.value -= 0.5 * way[0] * way[0] * model.square; // the gradient is that of the point, not of the run
+            }
+            g << model.gradient, views;
+            result = fit(model.value, g, size, information, 0, 3, dilution);
+            const Vector step = result.x.head(p);
+            // Not far beyond the runs, where the model is a guess.
+            out.point += step / std::max(1.0, step.cwiseAbs().maxCoeff() / 0.5);
+            if (step.cwiseAbs().maxCoeff() < 1e-6) break;
+        }
+    };
+    settle(1);
+    const auto sector = sectors(*best, layout);
+    out.block_frames = correlation_frames(*best, layout, result.left, sector);
+    const auto blocks = blocks_of(*best, layout, sector, 2 * out.block_frames);
+    out.blocks = std::size_t(*std::ranges::max_element(blocks)) + 1;
+    // Segments that share their noise must not outvote what is known of the view.
+    settle(std::max(1.0, inflation(result, g, block_changes(result, g, information, blocks), p)));
+
+    const Matrix changes = block_changes(result, g, information, blocks);
+    for (Eigen::Index k = 0; k < p; ++k) {
+        out.parts.push_back(parts_of(k, p, changes, result.inverse, information, priors.size()));
+        const auto squares = changes.col(k).array().square();
+        out.freedom.push_back(std::max(1.0, squares.sum() * squares.sum() / std::max(1e-300, squares.square().sum()) - 1));
+    }
+    for (std::size_t e = 0; e < priors.size(); ++e) out.view.push_back(result.x.segment(p + Eigen::Index(e) * view_count, view_count));
+    out.noise = result.noise;
+    out.runs = model.runs;
+    const double deviation = std::sqrt(out.parts.front().total());
+    const double slope = model.gradient.col(0).norm();
+    out.curvature = slope > 0 ? 0.5 * deviation * model.square.norm() / slope : 0;
+    std::map<std::pair<std::size_t, int>, std::array<double, 3>> frames;
+    for (std::size_t i = 0; i < layout.rows.size(); ++i) {
+        const auto& row = layout.rows[i];
+        const auto& s = at(*best, row);
+        auto& sum = frames[{row.experiment, s.frame}];
+        const double left = result.left[Eigen::Index(i)];
+        sum[0] += s.points * left * left;
+        sum[1] += s.points;
+        sum[2] = s.time;
+    }
+    for (const auto& [key, sum] : frames) {
+        out.misfit.push_back(std::sqrt(sum[0] / sum[1]));
+        out.times.push_back(sum[2]);
+    }
+    return out;
+}
+
+} // namespace treacle::identify

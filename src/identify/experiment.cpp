@@ -1,0 +1,51 @@
+#include "identify/experiment.hpp"
+
+#include "base/options.hpp"
+
+namespace treacle::identify {
+
+void ViewUncertainty::declare(Declaration& d) {
+    d.number("time_zero", time_zero, unit::time, range_at_least(0), "Standard deviation of the time at which the flow starts.");
+    d.number("contour", contour, unit::none, range_at_least(0), "Pixels by which all contours of the film may lie too far out or in.");
+    d.number("focal", focal, unit::none, range_at_least(0), "Relative, of the focal length, where the camera's file has no covariance.");
+    d.number("turn", turn, unit::angle, range_at_least(0), "Of the camera about each of its axes, likewise.");
+    d.number("place", place, unit::length, range_at_least(0), "Of the camera along each of its axes, likewise.");
+}
+
+void Experiment::declare(Declaration& d) {
+    if (d.parsing()) where = d.place();
+    d.text("name", name, "Name in reports; by default that of the masks' folder.");
+    d.text("scene", scene, "Name of the scene that simulates it; by default the first.");
+    d.text("masks", masks, "Folder with masks and their times, by `treacle silhouettes` or `treacle film`.");
+    d.required("masks");
+    d.text("camera", camera, "The camera's file, or the name of a camera of the scene; by default the scene's first.");
+    d.number("time_zero", time_zero, unit::time, range_any(), "Time of the masks' table at which the scene's time is 0: when the flow starts.");
+    d.number("from", from, unit::time, range_at_least(0), "Scene's time from which masks are compared.");
+    d.number("to", to, unit::time, range_at_least(0), "Scene's time up to which they are; 0: as long as film and run last.");
+    d.integer("every", every, range_at_least(1), "Masks from one that is compared to the next.");
+    d.block("plus_minus", plus_minus, "Standard deviations of what the comparison does not know exactly.");
+    if (d.parsing() && name.empty()) {
+        const auto end = masks.find_last_not_of('/');
+        const auto slash = masks.rfind('/', end);
+        name = masks.substr(slash == std::string::npos ? 0 : slash + 1, end - (slash == std::string::npos ? std::string::npos : slash));
+    }
+    d.check(to == 0 || to > from, "to", {"must be after `from`", "", "leave it out to compare to the end"});
+    d.check(name.find_first_of(",/\"\n\r ") == std::string::npos, "name",
+            {"must not have a blank, a comma, a slash, a quote or a line break", "files are named after it", "choose a plainer name"});
+}
+
+void SearchSettings::declare(Declaration& d) {
+    d.choice<Method>("method", method,
+                     {{"bracketing", Method::bracketing}, {"cma_es", Method::cma_es}, {"dissertation", Method::dissertation}},
+                     "bracketing: for one parameter, from both sides, then Brent's method; cma_es: for several; dissertation: that of its section "
+                     "6.5.5, CMA-ES without a logarithm.");
+    d.integer("evaluations", evaluations, range_at_least(3), "Runs of each scene at most.");
+    d.number("tolerance", tolerance, unit::none, range_above(0), "Relative change of the parameters at which the search ends.");
+    d.integer("seed", seed, range_at_least(0), "Of the random numbers of cma_es.");
+    d.texts("rungs", rungs, "Spacings of the scenes, the coarsest first: [8 mm, 5.6 mm, 4 mm]. The search runs with the first, one run each with the "
+                            "others corrects its answer, and their differences say how far it is from that of spacing 0. Without them the "
+                            "interval lacks the error of the resolution.");
+    d.integer("noise_runs", noise_runs, range_between(0, 8), "Runs with the first spacing changed by 1.5 to 6 %, of which the scatter of the answer is the numerical noise.");
+}
+
+} // namespace treacle::identify

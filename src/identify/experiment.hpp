@@ -1,0 +1,53 @@
+#pragma once
+#include <array>
+#include <string>
+#include <vector>
+
+namespace treacle {
+class Declaration;
+}
+
+namespace treacle::identify {
+
+// Standard deviations of what a comparison of contours does not know exactly. They enter the interval, as parameters that
+// need no run: the contours move a little.
+struct ViewUncertainty {
+    double time_zero = 5e-3; // [s]
+    double contour = 0.3;    // [px] that all contours of a film may lie too far out or in: threshold, blur, iso value
+    double focal = 1e-3;     // relative; without the covariance of a camera file
+    double turn = 1e-3;      // [rad] of the camera about each axis, likewise
+    double place = 1e-3;     // [m] of the camera along each axis, likewise
+
+    void declare(Declaration& d);
+};
+
+// A film of a flow beside the scene that simulates it.
+struct Experiment {
+    std::string name;
+    std::string scene;    // name of the study's scene; empty: its first
+    std::string masks;    // folder of `treacle silhouettes` or `treacle film`, beside the study's file
+    std::string camera;   // a camera file, or the name of a camera of the scene
+    double time_zero = 0; // [s] time of the masks' table at which the scene's time is 0
+    double from = 0;      // [s] of the scene's time
+    double to = 0;        // [s]; 0: as long as both last
+    int every = 1;        // masks from one that is compared to the next
+    ViewUncertainty plus_minus;
+    std::string where;
+
+    void declare(Declaration& d);
+};
+
+enum class Method { bracketing, cma_es, dissertation };
+
+struct SearchSettings {
+    Method method = Method::bracketing;
+    int evaluations = 20;    // at most
+    double tolerance = 0.01; // of the parameters, relative
+    int seed = 1;
+    std::vector<std::string> rungs; // spacings of the scenes, the coarsest first: the search's, then those that correct it
+    int noise_runs = 4;             // of the search's spacing, changed a little, that measure the numerical noise
+
+    void declare(Declaration& d);
+};
+
+} // namespace treacle::identify

@@ -1,0 +1,50 @@
+#pragma once
+#include "identify/estimate.hpp"
+#include "identify/study_file.hpp"
+#include "search/rungs.hpp"
+#include "search/search.hpp"
+#include "study/study_runs.hpp"
+
+namespace treacle::identify {
+
+// One candidate and what came of it.
+struct Trial {
+    std::vector<double> values;      // of all parameters of the study, in their units
+    std::vector<std::int64_t> runs;  // one a scene
+    double objective = 0;            // contour_objective; not a number where a run failed
+    double mismatch = 0;             // (6.9), mean over frames and experiments
+    std::string purpose;             // "search", "around the answer", "rung 4 mm", "noise", "density"
+};
+
+// The answer at one spacing.
+struct RungAnswer {
+    std::string spacing;
+    std::vector<double> values; // of the searched parameters, in their units
+};
+
+struct Identification {
+    study::StudyEnd end = study::StudyEnd::complete;
+    std::string stop;             // why the search ended, a sentence
+    std::vector<Trial> trials;    // in their order
+    std::optional<Estimate> estimate; // nothing when stopped, or without good runs; its point is that of the search's spacing
+    std::vector<RungAnswer> rungs;    // the coarsest first
+    std::vector<search::Extrapolation> corrections; // [p] to spacing 0, of the coordinates
+    std::vector<double> values;   // [p] identified, in the parameters' units
+    std::vector<double> low, high; // ends of the 90 % interval
+    std::string problem;          // why there is no estimate
+};
+
+// What the films say of the view before they are looked at, per experiment.
+using Priors = std::vector<ViewInformation>;
+ViewInformation information_of(const ViewUncertainty& uncertainty, const std::optional<Eigen::Matrix<double, 6, 6>>& pose, double focal_deviation);
+
+// Throws InputError without a parameter, for one without a range, for one that silhouettes cannot know, and for ends of ranges
+// that a scene refuses.
+void check_searched(const StudyFile& file, const study::SceneReader& read_scene);
+
+// Searches the study's parameters for the least difference of contours, fits the answer to the runs around the least one,
+// corrects it by finer rungs, and adds to its interval what the resolution, the numerical noise and each measured value make
+// of it, a run each. Runs are those of the study: done once, in order, resumed after any stop.
+Identification identify(const StudyFile& file, const Priors& priors, study::StudyRuns& runs, const study::SceneReader& read_scene, Log& log);
+
+} // namespace treacle::identify

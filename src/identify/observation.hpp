@@ -1,0 +1,27 @@
+#pragma once
+#include "identify/experiment.hpp"
+#include "video/contour.hpp"
+
+#include <filesystem>
+
+namespace treacle::identify {
+
+// A mask of a film that is compared, by its time in the scene.
+struct ObservedFrame {
+    int number = 0;    // of the mask in its folder
+    double time = 0;   // [s] of the scene
+    std::filesystem::path mask;
+};
+
+// The masks of an experiment whose times lie between `from` and `to`, every so many of them. Times stand in the folder's
+// silhouettes.csv or film.csv. Throws InputError where a mask is missing, or none is left.
+std::vector<ObservedFrame> observed_frames(const Experiment& experiment, const std::filesystem::path& folder);
+
+// A part of a contour of a mask, some 25 pixels long: longer than the noise of a contour is correlated along it.
+struct ContourSegment {
+    std::vector<video::ContourPoint> points;
+};
+// Of contours without corners, excluded pixels and the rim of the picture, by pieces.
+std::vector<ContourSegment> contour_segments(const video::Mask& mask, double length = 25);
+
+} // namespace treacle::identify

@@ -1,0 +1,22 @@
+#pragma once
+#include "identify/identification.hpp"
+
+#include <filesystem>
+#include <functional>
+
+namespace treacle::identify {
+
+// Writes into `folder`, each file as a whole:
+//   result.yaml   the identified values with their intervals, for programs
+//   index.html    the same for people, with plots, and pictures of film and run at the best trial; opens from disk
+// `folder_of` says where a run's files are. Throws SimulationError.
+void write_report(const std::filesystem::path& folder, const StudyFile& file, const Identification& identification,
+                  const std::function<std::filesystem::path(std::int64_t)>& folder_of);
+
+// Lines for a terminal: "viscosity = 10.1 Pa.s, 90 % interval 9.7 to 10.5".
+std::vector<std::string> answer_lines(const StudyFile& file, const Identification& identification);
+
+// What the misfit says of the model: empty when the displacements left over are those of a contour's noise.
+std::string verdict(const Identification& identification);
+
+} // namespace treacle::identify

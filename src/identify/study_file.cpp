@@ -1,0 +1,86 @@
+#include "identify/study_file.hpp"
+
+#include "base/document.hpp"
+#include "base/options.hpp"
+#include "base/text.hpp"
+
+#include <algorithm>
+
+namespace treacle::identify {
+
+void StudyFile::declare(Declaration& d) {
+    study.declare(d);
+    d.list("experiments", experiments, "Films that the runs are compared with, for `treacle identify`.");
+    d.block("search", search, "How `treacle identify` looks for the parameters.", "method");
+    if (!d.parsing()) return;
+    searched = study.parameters.size();
+    if (!experiments.empty()) add_measured_and_rungs(d);
+    for (std::size_t i = 0; i < experiments.size(); ++i) {
+        const auto& one = experiments[i];
+        const bool known = one.scene.empty() || std::ranges::find(study.scenes, one.scene, &study::StudyScene::name) != study.scenes.end();
+        d.check(known, "experiments", {"must name scenes of the study", one.where + ": there is no scene " + one.scene, "give the name of one under `scenes`"});
+        for (std::size_t k = 0; k < i; ++k) {
+            d.check(experiments[k].name != one.name, "experiments",
+                    {"must have names that differ", one.where + ": " + one.name + " stands at " + experiments[k].where + " too", "give one of them another name"});
+        }
+    }
+}
+
+// Runs differ in the measured values and the spacing as in the parameters: the journal and the requests know them as such.
+void StudyFile::add_measured_and_rungs(Declaration& d) {
+    for (const auto& one : study.measured) {
+        study::Parameter parameter;
+        parameter.name = one.name;
+        parameter.key = one.key;
+        parameter.where = one.where;
+        parameter.values = {one.value};
+        parameter.settle();
+        study.parameters.push_back(parameter);
+        const auto deviation = study::read_number_and_unit(one.plus_minus);
+        deviations.push_back(deviation ? deviation->value : 0);
+    }
+    measured = study.measured.size();
+    study.measured.clear();
+    if (search.rungs.empty()) return;
+    study::Parameter spacing;
+    spacing.name = "spacing";
+    spacing.key = "domain.spacing";
+    spacing.where = study.path.string() + ": search.rungs";
+    spacing.values = search.rungs;
+    spacing.settle();
+    bool falls = spacing.numeric;
+    for (std::size_t i = 1; falls && i < search.rungs.size(); ++i) {
+        const auto coarse = spacing.number(search.rungs[i - 1]), fine = spacing.number(search.rungs[i]);
+        falls = coarse && fine && *fine < *coarse;
+    }
+    d.check(falls, "search", {"must have rungs of one unit, the coarsest first", "they are " + join(search.rungs, ", "), "write for instance rungs: [8 mm, 5.6 mm, 4 mm]"});
+    for (const auto& parameter : study.parameters) {
+        d.check(parameter.key != spacing.key, "search", {"must not have rungs beside a parameter of the spacing", parameter.where + " sets it too", "leave one of them out"});
+    }
+    study.parameters.push_back(spacing);
+}
+
+const study::StudyScene& StudyFile::scene_of(const Experiment& experiment) const {
+    if (experiment.scene.empty()) return study.scenes.front();
+    return *std::ranges::find(study.scenes, experiment.scene, &study::StudyScene::name);
+}
+
+std::filesystem::path StudyFile::beside(const std::string& name) const {
+    const std::filesystem::path path = name;
+    return (path.is_absolute() ? path : study.path.parent_path() / path).lexically_normal();
+}
+
+StudyFile load_study_file(const std::filesystem::path& path, const std::vector<std::string>& overrides) {
+    auto document = Document::load(path);
+    for (const auto& assignment : overrides) document.set(assignment);
+    StudyFile out;
+    out.study.overrides = overrides;
+    out.study.path = std::filesystem::absolute(path).lexically_normal();
+    parse(document, out);
+    return out;
+}
+
+std::string study_manual(const std::string& key) { return manual(StudyFile{}, key); }
+std::string study_schema() { return json_schema(StudyFile{}); }
+
+} // namespace treacle::identify

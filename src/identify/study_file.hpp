@@ -1,0 +1,34 @@
+#pragma once
+#include "identify/experiment.hpp"
+#include "study/study.hpp"
+
+namespace treacle::identify {
+
+// A study file whole: the runs, and the films that they are compared with.
+struct StudyFile {
+    study::Study study; // behind the parameters that are searched stand, with experiments, the measured values and the spacing
+    std::vector<Experiment> experiments;
+    SearchSettings search;
+    std::size_t searched = 0; // parameters, the first of the study's
+    std::size_t measured = 0; // behind those
+    std::vector<double> deviations; // [measured] in the units of the parameters
+    bool has_rungs() const { return study.parameters.size() > searched + measured; }
+
+    void declare(Declaration& d);
+
+    const study::StudyScene& scene_of(const Experiment& experiment) const;
+    // Absolute.
+    std::filesystem::path beside(const std::string& name) const;
+
+private:
+    void add_measured_and_rungs(Declaration& d);
+};
+
+// Throws InputError with all that is wrong in the file itself.
+StudyFile load_study_file(const std::filesystem::path& path, const std::vector<std::string>& overrides = {});
+
+// The manual of the study file, and its JSON Schema.
+std::string study_manual(const std::string& key);
+std::string study_schema();
+
+} // namespace treacle::identify

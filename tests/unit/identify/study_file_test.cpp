@@ -1,0 +1,77 @@
+#include "identify/identification.hpp"
+
+#include "../own_folder.hpp"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+namespace treacle::identify {
+namespace {
+
+class StudyFileTest : public testing::Test {
+protected:
+    StudyFile load(const std::string& text) const {
+        const auto path = folder_.path() / "study.yaml";
+        std::ofstream(path) << "schema_version: 1\nscenes:\n  - {name: slump, file: scene.yaml}\n" << text;
+        return load_study_file(path);
+    }
+    std::string refusal(const std::string& text) const {
+        try {
+            load(text);
+        } catch (const std::exception& error) {
+            return error.what();
+        }
+        return "";
+    }
+    const test::OwnFolder folder_;
+};
+
+TEST_F(StudyFileTest, MeasuredValuesAndTheSpacingFollowTheParameters) {
+    const auto file = load("parameters:\n  - {key: liquids.syrup.viscosity, range: [1 Pa.s, 9 Pa.s]}\n"
+                           "measured:\n  - {key: liquids.syrup.density, value: 1.4 g/cm3, plus_minus: 0.02 g/cm3}\n"
+                           "experiments:\n  - {masks: films/one}\nsearch: {rungs: [8 mm, 4 mm]}\n");
+    EXPECT_EQ(file.searched, 1u);
+    EXPECT_EQ(file.measured, 1u);
+    EXPECT_TRUE(file.has_rungs());
+    ASSERT_EQ(file.study.parameters.size(), 3u);
+    EXPECT_EQ(file.study.parameters[1].word(1.42), "1.42 g/cm3");
+    EXPECT_EQ(file.study.parameters[2].key, "domain.spacing");
+    EXPECT_EQ(file.deviations, std::vector<double>{0.02});
+    EXPECT_EQ(file.experiments[0].name, "one");
+    EXPECT_EQ(file.scene_of(file.experiments[0]).name, "slump");
+}
+
+TEST_F(StudyFileTest, WithoutExperimentsMeasuredValuesStayAsTheyAre) {
+    const auto file = load("measured:\n  - {key: liquids.syrup.density, value: 1.4 g/cm3, plus_minus: 0.02 g/cm3}\n");
+    EXPECT_EQ(file.study.measured.size(), 1u);
+    EXPECT_TRUE(file.study.parameters.empty());
+}
+
+TEST_F(StudyFileTest, WhatDoesNotFitIsRefused) {
+    const std::string experiment = "experiments:\n  - {masks: m}\n";
+    EXPECT_NE(refusal("experiments:\n  - {masks: m, scene: other}\n").find("there is no scene other"), std::string::npos);
+    EXPECT_NE(refusal("experiments:\n  - {masks: m}\n  - {masks: n/m/}\n").find("m stands at"), std::string::npos);
+    EXPECT_NE(refusal("experiments:\n  - {camera: c}\n").find("masks"), std::string::npos);
+    EXPECT_NE(refusal(experiment + "search: {rungs: [4 mm, 8 mm]}\n").find("the coarsest first"), std::string::npos);
+    EXPECT_NE(refusal(experiment + "search: {rungs: [8 mm, 0.4 cm]}\n").find("of one unit"), std::string::npos);
+    EXPECT_NE(refusal("parameters:\n  - {key: domain.spacing, range: [1 mm, 2 mm]}\n" + experiment + "search: {rungs: [8 mm, 4 mm]}\n").find("sets it too"),
+              std::string::npos);
+}
+
+TEST(ViewInformation, IsTheInverseOfTheVariances) {
+    ViewUncertainty uncertainty;
+    uncertainty.time_zero = 0.1;
+    uncertainty.turn = 0.01;
+    const auto without = information_of(uncertainty, {}, 0);
+    EXPECT_NEAR(without(view_time, view_time), 100, 1e-9);
+    EXPECT_NEAR(without(view_turn + 1, view_turn + 1), 1e4, 1e-6);
+    Eigen::Matrix<double, 6, 6> pose = Eigen::Matrix<double, 6, 6>::Identity() * 4e-6;
+    pose(0, 1) = pose(1, 0) = 1e-6;
+    const auto with = information_of(uncertainty, pose, 0.002);
+    EXPECT_NEAR(with(view_focal, view_focal), 250000, 1e-3);
+    EXPECT_TRUE((with.block<6, 6>(view_turn, view_turn) * pose).isIdentity(1e-6));
+}
+
+} // namespace
+} // namespace treacle::identify
