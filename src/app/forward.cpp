@@ -62,13 +62,14 @@ std::vector<study::Figure> figures_of(const study::Study& study, const std::file
     }
 }
 
-ExitCode run_asked(const Comm& comm, const std::filesystem::path& folder, const Asked& asked) {
+ExitCode run_asked(const Comm& comm, const std::filesystem::path& folder, const Asked& asked, const Company& company) {
     const auto start = std::chrono::steady_clock::now();
     RunRequest request;
     request.source = asked.source;
     request.out = folder / "run";
     request.existing = io::ExistingFiles::overwrite;
     request.command = {"treacle", "forward", folder.string()};
+    request.company = company;
     const auto code = run_scene(comm, request);
     if (code != ExitCode::ok) return code;
     compare_with_films(comm, asked.file, *asked.scene, folder);
@@ -82,7 +83,7 @@ ExitCode run_asked(const Comm& comm, const std::filesystem::path& folder, const 
 } // namespace
 
 namespace {
-ExitCode answer(const Comm& comm, const std::filesystem::path& folder) {
+ExitCode answer(const Comm& comm, const std::filesystem::path& folder, const Company& company) {
     Asked asked;
     bool done = false;
     comm.guard([&] {
@@ -99,14 +100,14 @@ ExitCode answer(const Comm& comm, const std::filesystem::path& folder) {
         return ExitCode::ok;
     }
     comm.guard_root([&] { std::filesystem::remove(folder / "FAIL"); });
-    return run_asked(comm, folder, asked);
+    return run_asked(comm, folder, asked, company);
 }
 } // namespace
 
-ExitCode forward_run(const Comm& comm, const std::filesystem::path& folder) {
+ExitCode forward_run(const Comm& comm, const std::filesystem::path& folder, const Company& company) {
     study::end_with_parent();
     try {
-        return answer(comm, folder);
+        return answer(comm, folder, company);
     } catch (const Error& error) {
         if (comm.is_root() && std::filesystem::exists(folder / "params.yaml")) study::write_failure(folder, error.what());
         throw;

@@ -88,7 +88,7 @@ ExitCode run_scene(const Comm& comm, const RunRequest& request) {
     progress.reference_speed = reference_speed(input, geometry);
     auto solver = make_simulation(comm, input, progress.reference_speed, geometry);
     const auto notes = solver->fill(geometry);
-    TimeLoop loop({comm, folder, input, state_hash(input), request.wall_limit}, std::move(solver), progress);
+    TimeLoop loop({comm, folder, input, state_hash(input), request.wall_limit, request.company}, std::move(solver), progress);
     for (const auto& note : notes) loop.log().warn(note);
     return loop.run(Opening::fresh);
 }
@@ -111,7 +111,7 @@ ExitCode resume_run(const Comm& comm, const ResumeRequest& request) {
     load_checkpoint(checkpoint, *solver);
     describe_resumption(comm, folder, request, request.changes.empty() ? before : effective(input), checkpoint.progress.step);
     io::remove_checkpoints_after(comm, folder.checkpoints(), checkpoint.progress.step); // broken ones
-    TimeLoop loop({comm, folder, input, hash, request.wall_limit}, std::move(solver), checkpoint.progress);
+    TimeLoop loop({comm, folder, input, hash, request.wall_limit, {}}, std::move(solver), checkpoint.progress);
     for (const auto& message : checkpoint.skipped) loop.log().warn(message);
     loop.log().line("going on from " + checkpoint.path.string());
     return loop.run(Opening::resumed);

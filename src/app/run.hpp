@@ -1,4 +1,5 @@
 #pragma once
+#include "app/company.hpp"
 #include "app/continuation.hpp"
 #include "base/error.hpp"
 #include "io/run_folder.hpp"
@@ -12,6 +13,7 @@ struct RunRequest {
     io::ExistingFiles existing = io::ExistingFiles::refuse;
     double wall_limit = 0;                                       // [s] of the clock, 0: none; then exit code 5
     std::vector<std::string> command;                            // the command line, for the manifest
+    Company company;
 };
 
 // `treacle run`. Collective; returns the exit code, ok or stopped; throws Error for the others.

@@ -2,6 +2,7 @@
 
 #include "app/handed_study.hpp"
 #include "app/identify.hpp"
+#include "app/split_sweep.hpp"
 #include "app/study_history.hpp"
 #include "app/study_plan.hpp"
 #include "app/sweep.hpp"
@@ -35,6 +36,18 @@ struct SweepWords {
         if (!tell.empty()) return tell_runs(request, tell);
         return ask > 0 ? ask_runs(request, ask, to) : sweep_study(request);
     }
+
+    ExitCode run_on_ranks(const Comm& comm) {
+        if (ask == 0 && tell.empty()) {
+            comm.guard([&] { request.study = find_study(request.study); });
+            request.retry_failed = !retry.empty();
+            return sweep_on_groups(comm, request);
+        }
+        std::int64_t code = 0;
+        comm.guard_root([&] { code = std::int64_t(run()); });
+        comm.broadcast(std::span(&code, 1));
+        return static_cast<ExitCode>(code);
+    }
 };
 
 void add_sweep(CLI::App& program, const ChooseStudyCommand& choose) {
@@ -52,7 +65,7 @@ void add_sweep(CLI::App& program, const ChooseStudyCommand& choose) {
     app.add_option("--tell", words->tell, "Run nothing: take in the results of such folders")->excludes(ask)->type_name("DIR");
     app.callback([words, choose] {
         choose.alone([words] { return words->run(); });
-        choose.on_ranks([]() -> Command { return refuse_ranks("treacle sweep"); });
+        choose.on_ranks([words]() -> Command { return [words](const Comm& comm) { return words->run_on_ranks(comm); }; });
     });
 }
 

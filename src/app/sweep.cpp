@@ -67,6 +67,16 @@ std::filesystem::path study_folder(const std::filesystem::path& study, const std
     return std::filesystem::absolute(std::filesystem::path("out") / name).lexically_normal();
 }
 
+std::vector<std::int64_t> ask_once(study::StudyRuns& runs, const std::vector<study::Candidate>& candidates) {
+    std::vector<std::int64_t> numbers;
+    std::set<std::int64_t> seen;
+    for (const auto& candidate : candidates) {
+        const auto number = runs.ask(candidate);
+        if (seen.insert(number).second) numbers.push_back(number);
+    }
+    return numbers;
+}
+
 ExitCode write_results(const study::Study& study, const study::Journal& journal, const std::vector<std::int64_t>& runs,
                        const std::filesystem::path& folder, Log& log) {
     const auto table = table_of(study, journal, runs);
@@ -97,11 +107,7 @@ ExitCode sweep_study(const SweepRequest& request) {
     const auto tell_table = [&] { write_tables(folder, table_of(study, under_way->journal(), numbers)); };
     study::StudyRuns runs(study, {folder, this_program(), tell_table}, log);
     under_way = &runs;
-    std::set<std::int64_t> seen; // points that give the same run are one row
-    for (const auto& candidate : candidates) {
-        const auto number = runs.ask(candidate);
-        if (seen.insert(number).second) numbers.push_back(number);
-    }
+    numbers = ask_once(runs, candidates);
     log.line(std::to_string(numbers.size()) + " runs on " + std::to_string(runs.lanes()) + " lanes in " + folder.string());
     const auto end = runs.run(numbers, request.retry_failed);
     const auto code = write_results(study, runs.journal(), numbers, folder, log);

@@ -52,7 +52,7 @@ void check_time_step(const Input& input) {
 TimeLoop::TimeLoop(LoopSetup setup, std::unique_ptr<Simulation> solver, const Progress& progress)
     : setup_(std::move(setup)), solver_(std::move(solver)), progress_(progress),
       stop_(setup_.comm, setup_.folder.stop(), setup_.wall_limit),
-      log_(setup_.comm.is_root() ? Voice::speaks : Voice::silent), next_line_(progress.time),
+      log_(setup_.comm.is_root() ? setup_.company.voice : Voice::silent), next_line_(progress.time),
       start_time_(progress.time), next_wall_save_(setup_.input.scene.output.checkpoint_wall_interval),
       start_step_(progress.step) {}
 
@@ -253,6 +253,7 @@ ExitCode TimeLoop::run(Opening opening) {
     auto reason = StopControl::Reason::none;
     while (!finished() && reason == StopControl::Reason::none) {
         take_step(outputs);
+        if (setup_.company.between_steps) setup_.company.between_steps();
         reason = stop_.ask();
     }
     outputs.flush();

@@ -1,8 +1,8 @@
 #pragma once
+#include "app/company.hpp"
 #include "app/outputs.hpp"
 #include "app/stop_control.hpp"
 #include "base/error.hpp"
-#include "base/log.hpp"
 
 namespace treacle::app {
 
@@ -12,6 +12,7 @@ struct LoopSetup {
     Input input;
     std::string state_hash; // of continuation.hpp
     double wall_limit = 0; // [s]
+    Company company;
 };
 
 // Carries a run from where its progress stands to its end, with all output on the way.

@@ -20,15 +20,14 @@ namespace treacle::study {
 namespace {
 constexpr int adjusted_score = 500; // of -1000 (never) to 1000 (first), for the kernel's choice when memory runs out
 
-std::vector<std::string> clean_environment() {
+std::vector<std::string> clean_environment(const std::vector<std::string>& added) {
     std::vector<std::string> out;
     for (char** entry = environ; *entry != nullptr; ++entry) {
         const std::string text = *entry;
         if (!is_of_a_launcher(text.substr(0, text.find('=')))) out.push_back(text);
     }
     out.push_back(std::string(lane_variable) + "=1");
-    // One rank by itself needs no daemon of Open MPI's beside it.
-    if (std::getenv("OMPI_MCA_ess_singleton_isolated") == nullptr) out.emplace_back("OMPI_MCA_ess_singleton_isolated=1");
+    out.insert(out.end(), added.begin(), added.end());
     return out;
 }
 
@@ -98,9 +97,9 @@ bool is_of_a_launcher(const std::string& name) {
     return false;
 }
 
-ChildProcess::ChildProcess(const std::vector<std::string>& command, const std::filesystem::path& log) {
+ChildProcess::ChildProcess(const std::vector<std::string>& command, const std::filesystem::path& log, const std::vector<std::string>& added) {
     auto words = command;
-    auto variables = clean_environment();
+    auto variables = clean_environment(added);
     const auto arguments = pointers(words), environment = pointers(variables);
     const int file = ::open(log.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
     if (file < 0) throw SimulationError({log.string(), "cannot be written", std::strerror(errno), "free some space, or check the folder"});

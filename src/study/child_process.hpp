@@ -24,8 +24,8 @@ void end_with_parent();
 // terminal; it is the first to go when memory runs out. Needs a process with one thread and without MPI.
 class ChildProcess {
 public:
-    // Output and errors go into `log`, which is replaced. Throws SimulationError when the program cannot be started.
-    ChildProcess(const std::vector<std::string>& command, const std::filesystem::path& log);
+    // Output and errors go into `log`, which is replaced; `added` are variables of the environment, "NAME=value". Throws SimulationError when the program cannot be started.
+    ChildProcess(const std::vector<std::string>& command, const std::filesystem::path& log, const std::vector<std::string>& added = {});
     // Ends it, with all that it has started.
     ~ChildProcess();
     ChildProcess(const ChildProcess&) = delete;

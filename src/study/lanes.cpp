@@ -61,7 +61,7 @@ void Lanes::start(const LaneTask& task) {
     Running run;
     run.task = task;
     run.lane = int(std::ranges::find(taken, false) - taken.begin());
-    run.process = std::make_unique<ChildProcess>(task.command, task.folder / "log.txt");
+    run.process = std::make_unique<ChildProcess>(task.command, task.folder / "log.txt", task.environment);
     run.start = run.last_step = Clock::now();
     run.started = utc_now();
     running_.push_back(std::move(run));

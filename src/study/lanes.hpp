@@ -14,6 +14,7 @@ struct LaneTask {
     std::int64_t number = 0;
     std::filesystem::path folder; // of the request; its run's tables are in folder/run
     std::vector<std::string> command;
+    std::vector<std::string> environment; // added to that of this process, "NAME=value"
 };
 
 // Why a lane ended its run; `none`: the run ended by itself.

@@ -17,6 +17,7 @@
 namespace treacle::study {
 
 namespace {
+constexpr const char* session_folder = "session";
 constexpr double stop_grace = 20; // [s] for runs that are asked to end
 
 double bytes_of(const std::filesystem::path& folder) {
@@ -200,17 +201,39 @@ bool StudyRuns::adopt_finished(std::int64_t number) {
     return false;
 }
 
+void StudyRuns::write_request(std::int64_t number) const {
+    check_disk();
+    std::filesystem::remove_all(run_folder(number));
+    study::write_request(run_folder(number), request_of(study_, journal_.runs()[std::size_t(number - 1)]));
+}
+
+void StudyRuns::finish(const LaneResult& result) {
+    journal_.finish(settle(result));
+    read_again(result.number);
+    changed_ = true;
+}
+
+namespace {
+// Programs of Open MPI that start and end at the same time remove each other's session folder below /tmp.
+std::vector<std::string> session_of_its_own(const RunOptions& options, const std::filesystem::path& folder) {
+    if (!options.launcher.empty()) return {};
+    std::filesystem::create_directories(folder / session_folder);
+    return {"OMPI_MCA_orte_tmpdir_base=" + (folder / session_folder).string()};
+}
+} // namespace
+
 void StudyRuns::start(std::int64_t number, Lanes& lanes) const {
     const auto folder = run_folder(number);
-    std::filesystem::remove_all(folder);
-    write_request(folder, request_of(study_, journal_.runs()[std::size_t(number - 1)]));
+    write_request(number);
     auto command = study_.runs.launch_words();
     command.insert(command.end(), {setup_.program.string(), "forward", folder.string()});
-    lanes.start({number, folder, command});
+    lanes.start({number, folder, command, session_of_its_own(study_.runs, folder)});
 }
 
 // Removes what the study does not keep.
 void StudyRuns::tidy(std::int64_t number) const {
+    std::error_code unimportant;
+    std::filesystem::remove_all(run_folder(number) / session_folder, unimportant);
     if (study_.runs.keep == Keep::everything) return;
     const auto run = run_folder(number) / "run";
     std::error_code ignored;
@@ -268,7 +291,7 @@ void StudyRuns::check_disk() const {
                            "raise it, keep less (runs.keep), or remove folders of runs that are done; then start again"});
 }
 
-StudyEnd StudyRuns::run(std::span<const std::int64_t> runs, bool retry_failed) {
+std::vector<std::int64_t> StudyRuns::waiting(std::span<const std::int64_t> runs, bool retry_failed) {
     journal_.sync();
     std::vector<std::int64_t> waiting;
     for (const auto number : runs) {
@@ -280,6 +303,11 @@ StudyEnd StudyRuns::run(std::span<const std::int64_t> runs, bool retry_failed) {
         }
         if (std::ranges::find(waiting, number) == waiting.end()) waiting.push_back(number);
     }
+    return waiting;
+}
+
+StudyEnd StudyRuns::run(std::span<const std::int64_t> runs, bool retry_failed) {
+    const auto waiting = this->waiting(runs, retry_failed);
     if (waiting.empty()) return StudyEnd::complete;
     Lanes lanes(lane_count_, {study_.runs.time_limit, study_.runs.hang_factor, study_.runs.hang_least, study_.runs.memory * 1e9});
     std::size_t next = 0;
@@ -287,15 +315,12 @@ StudyEnd StudyRuns::run(std::span<const std::int64_t> runs, bool retry_failed) {
         for (const auto& result : results) {
             // A run that was asked to end has no outcome; it is done again.
             if (result.end == LaneEnd::stop && (result.ending.exit_code != 0 || result.ending.signal != 0)) continue;
-            journal_.finish(settle(result));
-            read_again(result.number);
-            changed_ = true;
+            finish(result);
         }
     };
     const auto stop_file = setup_.folder / "STOP";
     for (;;) {
         while (next < waiting.size() && lanes.free() > 0) {
-            check_disk();
             start(waiting[next++], lanes);
         }
         if (lanes.idle()) break;

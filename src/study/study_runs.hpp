@@ -73,6 +73,12 @@ public:
     // have; the runs that are done stay so.
     StudyEnd run(std::span<const std::int64_t> runs, bool retry_failed = false);
 
+    // For those who do the runs themselves: the runs without an outcome, each once, in their order; the folder and request of
+    // one; and its outcome, from how it ended and its folder, into the journal.
+    std::vector<std::int64_t> waiting(std::span<const std::int64_t> runs, bool retry_failed);
+    void write_request(std::int64_t number) const;
+    void finish(const LaneResult& result);
+
     const Journal& journal() const { return journal_; }
     const Study& study() const { return study_; }
     std::filesystem::path run_folder(std::int64_t number) const; // with the request and the result

@@ -3,6 +3,7 @@
 
 usage: inputs_test.py PROGRAM MPIEXEC SCENE RANKS... (SCENE is the name of a folder of inputs/)
 """
+import glob
 import os
 import sys
 import unittest
@@ -70,6 +71,8 @@ class Scene(Workplace):
 
     def test_the_scene_is_good_and_described(self):
         self.treacle("check", self.file)
+        for study in glob.glob(os.path.join(INPUTS, SCENE, "study*.yaml")):
+            self.treacle("check", study)
         self.assertTrue(os.path.exists(os.path.join(INPUTS, SCENE, "README.md")))
 
     def test_the_answer_is_the_same_on_any_number_of_ranks(self):

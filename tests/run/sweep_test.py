@@ -56,6 +56,9 @@ class Study(Workplace):
         with open(self.path(out, "journal.jsonl")) as file:
             return [line for line in map(json.loads, file) if kind in line]
 
+    def ended(self):
+        return len(self.lines("ended")) if os.path.exists(self.path("out", "journal.jsonl")) else 0
+
     def sweep(self, *arguments, out="out", code=0):
         return self.treacle("sweep", "study.yaml", "--out", out, *arguments, code=code)
 
@@ -114,9 +117,6 @@ class Sweep(Study):
         ended = [line["ended"] for line in self.lines("ended")]
         self.assertEqual(sorted(ended), list(range(1, 9)), "each run is finished once")
 
-    def ended(self):
-        return len(self.lines("ended")) if os.path.exists(self.path("out", "journal.jsonl")) else 0
-
     def test_runs_of_two_ranks(self):
         self.change("points: 4", "points: 2")
         self.sweep("--set", "runs.ranks=2", "--set", "runs.lanes=1")
@@ -138,6 +138,41 @@ class Sweep(Study):
         self.assertEqual(len(self.lines("ended")), 8)
         with open(self.path("out", "status.json")) as file:
             self.assertEqual(json.load(file)["failed"], 0)
+
+
+class Split(Study):
+    """mpiexec treacle sweep: groups of ranks do the runs."""
+
+    def on_groups(self, ranks, *arguments, out="split", code=0):
+        return self.treacle("sweep", "study.yaml", "--out", out, *arguments, ranks=ranks, code=code)
+
+    def test_the_journal_is_that_of_processes(self):
+        self.sweep(out="good")
+        self.on_groups(3)
+        self.assertEqual(self.figures("split"), self.figures("good"))
+        asked = [[line["asked"], line["values"], line["key"]] for line in self.lines("asked", "split")]
+        self.assertEqual(asked, [[line["asked"], line["values"], line["key"]] for line in self.lines("asked", "good")])
+
+    def test_a_run_that_throws_fails_alone_and_groups_have_ranks(self):
+        self.change("points: 4", "points: 2")
+        self.change("values: [1000, 1400]", "values: [0.0001 s, 0.5 s]")
+        self.change("liquids.syrup.density", "time.min_step")  # above what the liquid allows
+        two = ("--set", "runs.ranks=2")
+        self.on_groups(4, *two, code=3)
+        rows = self.rows("split")
+        self.assertEqual([row["status"] for row in rows], ["done", "failed"] * 2)
+        self.assertIn("time.min_step", rows[1]["reason"])
+        self.assertIn("does not divide the 3 ranks", self.on_groups(3, *two, out="other", code=2).stderr)
+
+    def test_killed_it_goes_on_in_processes(self):
+        self.sweep(out="good")
+        process = self.start("sweep", "study.yaml", "--out", "out", ranks=2)
+        while process.poll() is None and self.ended() < 2:
+            time.sleep(0.005)
+        kill_all(process)
+        self.sweep()
+        self.assertEqual(self.figures(), self.figures("good"))
+        self.assertEqual(sorted(line["ended"] for line in self.lines("ended")), list(range(1, 9)))
 
 
 class History(Study):

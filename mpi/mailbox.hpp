@@ -1,0 +1,37 @@
+#pragma once
+#include "mpi/comm.hpp"
+
+#include <list>
+#include <memory>
+#include <optional>
+
+namespace treacle {
+
+// Texts between ranks that do not wait for each other: a rank looks for letters when it suits it.
+class Mailbox {
+public:
+    struct Letter {
+        int rank = 0; // of the sender
+        std::string text;
+    };
+
+    // Collective.
+    explicit Mailbox(const Comm& comm);
+    // Waits until all letters of this rank are on their way.
+    ~Mailbox();
+    Mailbox(const Mailbox&) = delete;
+    Mailbox& operator=(const Mailbox&) = delete;
+
+    void send(int rank, const std::string& text);
+    // A letter that has arrived; those of one sender in their order. Does not wait.
+    std::optional<Letter> poll();
+    // Waits for a letter, and leaves the core to others meanwhile.
+    Letter wait();
+
+private:
+    struct Sent; // a text under way
+    Comm comm_;  // of its own
+    std::list<std::unique_ptr<Sent>> sent_;
+};
+
+} // namespace treacle
