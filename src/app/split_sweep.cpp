@@ -135,6 +135,7 @@ struct Desk {
 
 ExitCode sweep_on_groups(const Comm& comm, const SweepRequest& request) {
     identify::StudyFile file;
+    std::vector<study::Candidate> candidates;
     const auto& study = file.study;
     comm.guard([&] {
         file = load_checked_study(request.study, request.overrides);
@@ -146,7 +147,8 @@ ExitCode sweep_on_groups(const Comm& comm, const SweepRequest& request) {
     const auto folder = study_folder(study.path, request.out);
     std::unique_ptr<Desk> desk;
     comm.guard_root([&] {
-        desk = std::make_unique<Desk>(study, sweep_candidates(file), folder, request, comm.size() / study.runs.ranks);
+        candidates = sweep_candidates(file);
+        desk = std::make_unique<Desk>(study, candidates, folder, request, comm.size() / study.runs.ranks);
     });
     Groups(comm, study.runs.ranks).work(desk ? &desk->hand_out : nullptr, folder);
     std::int64_t code = 0;

@@ -122,9 +122,16 @@ namespace {
 KOKKOS_INLINE_FUNCTION bool link_cell(const Triangulation::View& view, const int c[3], int next[12]) {
     double value[8];
     int signs = 0;
+    const int last[3] = {c[0] + 1, c[1] + 1, c[2] + 1};
+    bool in_tile = !view.lattice.outside(c) && !view.lattice.outside(last);
+    for (int k = 0; k < 3; ++k) in_tile = in_tile && NodeField::tile(c[k]) == NodeField::tile(last[k]);
+    const int slot = in_tile ? view.field.slot(c) : 0;
+    if (slot < 0) return false;
+    const std::int64_t first = std::int64_t(slot) * view.field.nodes() + view.field.local(c);
     for (int k = 0; k < 8; ++k) {
-        const int node[3] = {c[0] + (k & 1), c[1] + (k >> 1 & 1), c[2] + (k >> 2)};
-        value[k] = view.value(node);
+        const int x = k & 1, y = k >> 1 & 1, z = k >> 2;
+        const int node[3] = {c[0] + x, c[1] + y, c[2] + z};
+        value[k] = in_tile ? view.field.value(first + x + tile_edge * (y + tile_edge * z)) : view.value(node);
         signs |= (value[k] > 0 ? 1 : 0) << k;
     }
     if (signs == 0 || signs == 255) return false;

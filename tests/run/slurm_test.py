@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Jobs of a real Slurm of one node, which the test starts and stops: arrays, a study in one job, a chain of jobs.
 
-usage: slurm_test.py PROGRAM MPIEXEC; exit code 77 where Slurm is not installed
+usage: TREACLE_SLURM_TESTS=1 slurm_test.py PROGRAM MPIEXEC; exit code 77 without the variable and where Slurm is not installed
 """
 import os
 import subprocess
