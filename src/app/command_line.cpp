@@ -206,8 +206,8 @@ void add_manuals(CLI::App& program, Chosen& chosen) {
 
 void add_info(CLI::App& program, Chosen& chosen) {
     auto path = std::make_shared<std::string>();
-    auto& app = *program.add_subcommand("info", "What a frame, a checkpoint or a run's folder holds.");
-    app.add_option("path", *path, "A .hdf, .hdf.series or .h5 file, or the folder of a run")
+    auto& app = *program.add_subcommand("info", "What a frame, a checkpoint, a run's folder or a velocity field of PIV holds.");
+    app.add_option("path", *path, "A .hdf, .hdf.series or .h5 file, the folder of a run, or a file of DaVis, Insight, OpenPIV or PIVlab")
         ->required()
         ->type_name("FILE|DIR");
     app.callback([path, &chosen] {

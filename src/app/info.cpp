@@ -5,6 +5,7 @@
 #include "app/table_text.hpp"
 #include "base/log.hpp"
 #include "base/text.hpp"
+#include "identify/piv_files.hpp"
 #include "io/checkpoint.hpp"
 #include "io/frame.hpp"
 
@@ -70,6 +71,22 @@ void show_series(const std::filesystem::path& path, Log& log) {
     for (const auto& entry : entries) log.line("  " + entry.file + "  " + format_number(entry.time) + " s");
 }
 
+bool may_be_piv(const std::string& extension) { return extension == ".txt" || extension == ".vec" || extension == ".mat" || extension == ".csv"; }
+
+void show_piv(const std::filesystem::path& path, Log& log) {
+    const auto fields = identify::read_piv(path);
+    const auto& first = fields.front();
+    const auto unit = [](const std::string& text) { return text.empty() ? std::string("not stated") : text; };
+    std::size_t valid = 0;
+    for (const auto& field : fields) valid += field.count_valid();
+    log.line("velocity field of a sheet, as " + first.format + " writes it: " + path.string());
+    log.line(label("frames") + std::to_string(fields.size()));
+    log.line(label("vectors a frame") + std::to_string(first.x.size()));
+    log.line(label("valid in all frames") + std::to_string(valid));
+    log.line(label("unit of places") + unit(first.length_unit));
+    log.line(label("unit of velocities") + unit(first.velocity_unit));
+}
+
 } // namespace
 
 ExitCode show_info(const Comm& comm, const std::filesystem::path& path) {
@@ -90,10 +107,12 @@ ExitCode show_info(const Comm& comm, const std::filesystem::path& path) {
         show_checkpoint(comm, path, log);
     } else if (kind == ".series") {
         comm.guard([&] { show_series(path, log); });
+    } else if (may_be_piv(kind)) {
+        comm.guard([&] { show_piv(path, log); });
     } else {
         throw InputError(
             {path.string(), "is nothing that treacle writes",
-             "frames end in .hdf, their index in .hdf.series, checkpoints in .h5; a run has a folder",
+             "frames end in .hdf, their index in .hdf.series, checkpoints in .h5; a run has a folder; of others PIV's .txt, .vec, .mat and .csv are known",
              kind == ".yaml" ? "look at a scene with treacle check" : ""});
     }
     return ExitCode::ok;
