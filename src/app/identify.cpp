@@ -36,6 +36,9 @@ ExitCode identify_study(const SweepRequest& request) {
     };
     identify::write_report(folder / "report", file, found, folder_of);
     for (const auto& line : identify::answer_lines(file, found)) log.line(line);
+    for (std::size_t k = 0; k < found.values.size(); ++k) {
+        log.line(file.study.parameters[k].name + ": " + identify::identifiability(file, found, k));
+    }
     const auto said = identify::verdict(found);
     if (!said.empty()) log.warn(said);
     log.line("report: " + (folder / "report" / "index.html").string());

@@ -295,6 +295,10 @@ double ninety_percent(const VarianceParts& parts, double freedom) {
 Estimate estimate(const std::vector<EvaluatedRun>& runs, const std::vector<ViewInformation>& priors, const EvaluatedRun* instead) {
     if (runs.empty()) throw InputError({"identify", "has no good run", "all have failed", "look at their reasons in the table"});
     const auto layout = layout_of(runs.front());
+    if (layout.rows.empty()) {
+        throw InputError({"identify", "finds no contour in the masks that are compared", "they hold no liquid, or only specks and what touches the rim",
+                          "look at the masks, and at from and to"});
+    }
     const auto size = sizes(runs.front(), layout);
     const auto p = runs.front().point.size();
     const auto least = std::ranges::min_element(runs, {}, [&](const EvaluatedRun& run) { return contour_objective(run, priors); });

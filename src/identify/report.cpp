@@ -137,6 +137,9 @@ std::string html(const StudyFile& file, const Identification& identification, co
                       "td,th{padding:.25em .8em;border-bottom:1px solid #ddd;text-align:left}figure{display:inline-block;margin:.3em}img{max-width:18em;border:1px solid #ddd}.big{font-size:150%}.warn{background:#fff3d6;padding:.6em}</style></head><body>\n<h1>" +
                       title + "</h1>\n";
     for (const auto& line : answer_lines(file, identification)) out += "<p class=\"big\">" + line + "</p>\n";
+    for (std::size_t k = 0; k < identification.values.size(); ++k) {
+        out += "<p>" + file.study.parameters[k].name + ": " + identifiability(file, identification, k) + "</p>\n";
+    }
     const auto said = verdict(identification);
     if (!said.empty()) out += "<p class=\"warn\">" + said + "</p>\n";
     out += "<p>" + identification.stop + "</p>\n";
@@ -181,7 +184,8 @@ std::string yaml(const StudyFile& file, const Identification& identification) {
         const auto& parameter = file.study.parameters[k];
         const auto& parts = identification.estimate->parts[k];
         out += "  - name: " + parameter.name + "\n    key: " + parameter.key + "\n    value: " + parameter.word(identification.values[k]) +
-               "\n    interval_90: [" + parameter.word(identification.low[k]) + ", " + parameter.word(identification.high[k]) + "]\n    deviations:\n";
+               "\n    identifiability: \"" + identifiability(file, identification, k) +
+               "\"\n    interval_90: [" + parameter.word(identification.low[k]) + ", " + parameter.word(identification.high[k]) + "]\n    deviations:\n";
         for (const auto& [name, part] : shares(parts, file.has_rungs())) out += "      " + name + ": " + format_number(std::sqrt(part)) + "\n";
     }
     if (identification.estimate) out += "misfit_px: " + format_number(misfit_of(*identification.estimate)) + "\n";
@@ -201,6 +205,22 @@ std::vector<std::string> answer_lines(const StudyFile& file, const Identificatio
     }
     if (out.empty()) out.push_back("nothing is identified" + (identification.problem.empty() ? "" : ": " + identification.problem));
     return out;
+}
+
+std::string identifiability(const StudyFile& file, const Identification& identification, std::size_t k) {
+    const auto& parameter = file.study.parameters[k];
+    const double value = identification.values[k], low = identification.low[k], high = identification.high[k];
+    const double span = parameter.upper - parameter.lower;
+    const auto near = [&](double end) {
+        return parameter.scale == study::Scale::log ? std::abs(std::log(value / end)) < 0.02 : std::abs(value - end) < 0.01 * span;
+    };
+    if (near(parameter.lower)) return "at the lower end of its range: widen the range, or the film does not tell it";
+    if (near(parameter.upper)) return "at the upper end of its range: widen the range, or the film does not tell it";
+    if (low <= parameter.lower && high >= parameter.upper) return "not determined: the interval is as wide as the range";
+    if (low <= parameter.lower) return "an upper limit alone: everything down to the lower end of the range looks alike";
+    if (high >= parameter.upper) return "a lower limit alone: everything up to the upper end of the range looks alike";
+    const double wide = parameter.scale == study::Scale::log ? high / low > 4 : high - low > 0.5 * span;
+    return wide ? "poorly determined: a film of faster flow, of more of it, or from nearer by tells more" : "well determined";
 }
 
 std::string verdict(const Identification& identification) {

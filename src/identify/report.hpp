@@ -16,6 +16,9 @@ void write_report(const std::filesystem::path& folder, const StudyFile& file, co
 // Lines for a terminal: "viscosity = 10.1 Pa.s, 90 % interval 9.7 to 10.5".
 std::vector<std::string> answer_lines(const StudyFile& file, const Identification& identification);
 
+// Whether the films tell a parameter: "well determined", or why not, in words.
+std::string identifiability(const StudyFile& file, const Identification& identification, std::size_t parameter);
+
 // What the misfit says of the model: empty when the displacements left over are those of a contour's noise.
 std::string verdict(const Identification& identification);
 

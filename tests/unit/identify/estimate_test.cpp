@@ -109,6 +109,9 @@ TEST(Estimate, OneRunIsNotEnough) {
     const Film film(1, 0.1, 1, 1, 0);
     EXPECT_THROW(estimate({film.run(2)}, prior(0.3)), std::exception);
     EXPECT_THROW(estimate({}, prior(0.3)), std::exception);
+    auto empty = film.run(2);
+    empty.experiments.front().segments.clear();
+    EXPECT_THROW(estimate({empty, empty}, prior(0.3)), std::exception);
 }
 
 TEST(ContourObjective, IsLeastAtTheTruthAndCutsWhatIsFarAway) {

@@ -1,4 +1,4 @@
-#include "identify/identification.hpp"
+#include "identify/report.hpp"
 
 #include "../own_folder.hpp"
 
@@ -57,6 +57,24 @@ TEST_F(StudyFileTest, WhatDoesNotFitIsRefused) {
     EXPECT_NE(refusal(experiment + "search: {rungs: [8 mm, 0.4 cm]}\n").find("of one unit"), std::string::npos);
     EXPECT_NE(refusal("parameters:\n  - {key: domain.spacing, range: [1 mm, 2 mm]}\n" + experiment + "search: {rungs: [8 mm, 4 mm]}\n").find("sets it too"),
               std::string::npos);
+}
+
+TEST_F(StudyFileTest, IdentifiabilityIsSaidInWords) {
+    const auto file = load("parameters:\n  - {key: liquids.syrup.viscosity, range: [1 Pa.s, 100 Pa.s], scale: log}\nexperiments:\n  - {masks: m}\n");
+    const auto words = [&](double low, double value, double high) {
+        Identification found;
+        found.values = {value};
+        found.low = {low};
+        found.high = {high};
+        return identifiability(file, found, 0);
+    };
+    EXPECT_EQ(words(9, 10, 11), "well determined");
+    EXPECT_EQ(words(3, 10, 30).substr(0, 6), "poorly");
+    EXPECT_NE(words(0.2, 10, 300).find("not determined"), std::string::npos);
+    EXPECT_NE(words(0.5, 3, 9).find("an upper limit alone"), std::string::npos);
+    EXPECT_NE(words(30, 60, 110).find("a lower limit alone"), std::string::npos);
+    EXPECT_NE(words(0.9, 1.01, 1.1).find("at the lower end"), std::string::npos);
+    EXPECT_NE(words(90, 99, 110).find("at the upper end"), std::string::npos);
 }
 
 TEST(ViewInformation, IsTheInverseOfTheVariances) {
