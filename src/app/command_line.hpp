@@ -15,11 +15,11 @@ struct CommandLine {
     std::function<ExitCode()> alone;              // in its place where neither MPI nor a launcher is there: it starts processes
 };
 
-// The same on every rank. Throws InputError for an unknown command or option, with the nearest known one.
-// Help and version are commands that print.
-// Whether the arguments name a command that may do without MPI.
+// Commands that may do without MPI: whether the arguments name one.
 bool may_go_alone(const std::vector<std::string>& arguments);
 
+// The same on every rank. Throws InputError for an unknown command or option, with the nearest known one.
+// Help and version are commands that print.
 CommandLine read_command_line(const std::vector<std::string>& arguments);
 
 } // namespace treacle::app

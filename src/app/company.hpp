@@ -5,7 +5,7 @@
 
 namespace treacle::app {
 
-// What a run has beside it.
+// Companions of a run.
 struct Company {
     Voice voice = Voice::speaks;         // of rank 0
     std::function<void()> between_steps; // called on every rank after each step; may be empty

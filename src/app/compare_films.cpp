@@ -4,6 +4,7 @@
 #include "app/scene_surface.hpp"
 #include "app/scenery.hpp"
 #include "base/error.hpp"
+#include "base/file.hpp"
 #include "base/text.hpp"
 #include "identify/residual_file.hpp"
 #include "io/manifest.hpp"
@@ -13,8 +14,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <fstream>
-#include <iterator>
 
 namespace treacle::app {
 
@@ -28,19 +27,6 @@ std::vector<const Experiment*> experiments_of(const StudyFile& file, const study
         if (&file.scene_of(one) == &scene) out.push_back(&one);
     }
     return out;
-}
-
-std::string content_of(const std::filesystem::path& path) {
-    std::ifstream file(path, std::ios::binary);
-    return {std::istreambuf_iterator<char>(file), {}};
-}
-
-std::size_t nearest_frame(const RunView& run, double time) {
-    std::size_t best = 0;
-    for (std::size_t i = 1; i < run.frames.size(); ++i) {
-        if (std::abs(run.frames[i].time - time) < std::abs(run.frames[best].time - time)) best = i;
-    }
-    return best;
 }
 
 // The least time between masks that are compared [s]; 0 for one mask.
@@ -187,11 +173,13 @@ void compare_with_films(const Comm& comm, const StudyFile& file, const study::St
 
 FilmNeeds film_needs(const StudyFile& file, const study::StudyScene& scene) {
     FilmNeeds out;
+    const auto experiments = experiments_of(file, scene);
+    if (experiments.empty()) return out;
+    const auto input = load_scene({file.study.scene_file(scene), scene.set, {}, {}});
     double interval = 0;
     std::string content;
-    for (const auto* experiment : experiments_of(file, scene)) {
+    for (const auto* experiment : experiments) {
         const auto frames = identify::observed_frames(*experiment, file.beside(experiment->masks));
-        const auto input = load_scene({file.study.scene_file(scene), scene.set, {}, {}});
         const auto camera = experiment_camera(file, *experiment, input).model;
         if (frames.back().time > input.scene.time.end * (1 + 1e-9)) {
             throw InputError({experiment->where, experiment->name + " is compared up to " + format_number(frames.back().time) + " s",
@@ -214,9 +202,8 @@ FilmNeeds film_needs(const StudyFile& file, const study::StudyScene& scene) {
             for (const double v : row) content += " " + format_number(v);
         }
         for (const double v : pose.translation) content += " " + format_number(v);
-        for (const auto& frame : frames) content += " " + format_number(frame.time) + content_of(frame.mask);
+        for (const auto& frame : frames) content += " " + format_number(frame.time) + read_file(frame.mask);
     }
-    if (content.empty()) return out;
     out.content = io::text_hash(content);
     if (interval > 0) out.assignments.push_back({"output.interval=" + format_number(interval), "the interval of the masks"});
     return out;

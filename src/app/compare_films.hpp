@@ -14,14 +14,14 @@ struct ExperimentCamera {
 // Throws InputError for a camera that is neither a file beside the study nor one of the scene's.
 ExperimentCamera experiment_camera(const identify::StudyFile& file, const identify::Experiment& experiment, const Input& input);
 
-// What the films say of their views before they are looked at. Throws InputError.
+// Priors of the films' views. Throws InputError.
 identify::Priors experiment_priors(const identify::StudyFile& file);
 
 // Compares a finished run of a scene with the films of that scene, and writes residuals_NAME.csv, mismatches_NAME.csv and
 // the masks that the camera would see, masks_NAME/, into the folder. Collective; each rank draws some of the frames.
 void compare_with_films(const Comm& comm, const identify::StudyFile& file, const study::StudyScene& scene, const std::filesystem::path& folder);
 
-// What the run of a scene must write for its films: the interval of its frames, and the hash of the films' masks and
+// Needs of a scene's films of its run: the interval of its frames, and the hash of the films' masks and
 // cameras, on which its comparison depends. Throws InputError for a film that is longer than the run, masks of another size
 // than the camera's pictures, and a camera that does not see the liquid's domain.
 struct FilmNeeds {

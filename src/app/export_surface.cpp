@@ -32,7 +32,7 @@ std::array<Vec3, 2> read_box(const std::string& text) {
     return {read_vector(parts[0], unit::length, "--box"), read_vector(parts[1], unit::length, "--box")};
 }
 
-// Whether the mesh is closed, oriented and a manifold, and what is not, in a line.
+// Verdict on a mesh in a line: closed, oriented and a manifold, or what is not.
 bool report_check(const Comm& comm, const surface::Mesh& mesh, Log& log) {
     const auto faults = surface::check_mesh(comm, mesh);
     if (faults.none()) {

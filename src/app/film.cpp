@@ -49,13 +49,6 @@ void check(const FilmRequest& request) {
     if (std::abs(request.look.exposure_drift) >= 1) refuse("--drift", "must be below 1", "0.2 is much");
 }
 
-std::size_t nearest_frame(const RunView& run, double time) {
-    std::size_t best = 0;
-    for (std::size_t i = 1; i < run.frames.size(); ++i)
-        if (std::abs(run.frames[i].time - time) < std::abs(run.frames[best].time - time)) best = i;
-    return best;
-}
-
 // Stamps begin at 0; the run's first filmed time is at the stamp lead + still.
 std::vector<FilmFrame> plan_frames(const FilmRequest& request, const RunView& run) {
     const double first = request.first >= 0 ? request.first : run.frames.front().time;
@@ -147,9 +140,7 @@ public:
 
     void add(std::size_t number, const FilmFrame& frame, const video::Image& image, const video::Mask& mask) {
         writer_->add(image, frame.stamp);
-        auto digits = std::to_string(number);
-        digits.insert(0, digits.size() < 6 ? 6 - digits.size() : 0, '0');
-        video::write_mask(folder_.path() / ("mask_" + digits + ".png"), mask);
+        video::write_mask(folder_.path() / video::mask_name(std::int64_t(number)), mask);
         table_.append(std::vector<double>{double(number), frame.stamp, frame.time, frame.frame ? double(*frame.frame) : -1, double(mask.area())});
     }
 

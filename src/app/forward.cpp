@@ -80,9 +80,7 @@ ExitCode run_asked(const Comm& comm, const std::filesystem::path& folder, const 
     });
     return code;
 }
-} // namespace
 
-namespace {
 ExitCode answer(const Comm& comm, const std::filesystem::path& folder, const Company& company) {
     Asked asked;
     bool done = false;

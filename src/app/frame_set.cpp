@@ -3,6 +3,7 @@
 #include "base/error.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <charconv>
 
 namespace treacle::app {
@@ -72,6 +73,14 @@ std::vector<std::size_t> pick_frames(const FrameRange& range, std::size_t count)
             {"--frames", "no frame is left", "the first one comes after the last one", "swap the two"});
     }
     return places;
+}
+
+std::size_t nearest_frame(const RunView& run, double time) {
+    std::size_t best = 0;
+    for (std::size_t i = 1; i < run.frames.size(); ++i) {
+        if (std::abs(run.frames[i].time - time) < std::abs(run.frames[best].time - time)) best = i;
+    }
+    return best;
 }
 
 RunView open_run(const Comm& comm, const std::filesystem::path& path) {

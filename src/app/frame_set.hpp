@@ -35,6 +35,9 @@ struct RunView {
     std::filesystem::path frame(std::size_t i) const { return folder.frames() / frames[i].file; }
 };
 
+// The place of the frame nearest to a time [s]; the run has frames.
+std::size_t nearest_frame(const RunView& run, double time);
+
 // Collective. Throws InputError on every rank when it is no run's folder.
 RunView open_run(const Comm& comm, const std::filesystem::path& path);
 

@@ -23,7 +23,7 @@ struct Change {
     std::string assignment, origin;
 };
 
-// Where an input comes from, as the command line or a study gives it.
+// Sources of an input, as the command line or a study gives it.
 struct InputSource {
     std::filesystem::path scene;
     std::vector<std::string> overrides;               // "a.b.c=value", of --set

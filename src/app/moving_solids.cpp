@@ -2,44 +2,26 @@
 
 #include "app/bodies.hpp"
 #include "app/geometry.hpp"
+#include "base/csv_reader.hpp"
 #include "base/error.hpp"
-#include "base/text.hpp"
 #include "rigid/algebra.hpp"
 
 #include <algorithm>
-#include <fstream>
-#include <sstream>
 
 namespace treacle::app {
 
 namespace {
-std::vector<std::string> split(const std::string& line) {
-    std::vector<std::string> out;
-    std::stringstream stream(line);
-    for (std::string word; std::getline(stream, word, ',');) out.push_back(word);
-    return out;
-}
-
 // Rows of the table: the step, then the columns asked for.
 std::vector<std::vector<double>> read_columns(const std::filesystem::path& path, const std::vector<std::string>& names) {
-    std::ifstream stream(path);
-    std::string line;
-    if (!stream || !std::getline(stream, line)) {
+    if (!std::filesystem::exists(path)) {
         throw InputError({path.string(), "cannot be read", "it says where bodies are", "give the folder of a run that is whole"});
     }
-    const auto header = split(line);
-    std::vector<std::size_t> columns{0};
-    for (const auto& name : names) {
-        const auto at = std::find(header.begin(), header.end(), name);
-        if (at == header.end()) throw InputError({path.string(), "has no column " + name, "it says where a body is", ""});
-        columns.push_back(static_cast<std::size_t>(at - header.begin()));
-    }
-    std::vector<std::vector<double>> rows;
-    while (std::getline(stream, line)) {
-        const auto words = split(line);
-        if (words.size() != header.size()) continue; // the row that a run is writing
-        auto& row = rows.emplace_back();
-        for (const auto column : columns) row.push_back(read_number(words[column]).value_or(0));
+    const auto table = read_csv(path);
+    std::vector<const std::vector<double>*> columns{&table.column("step")};
+    for (const auto& name : names) columns.push_back(&table.column(name));
+    std::vector<std::vector<double>> rows(table.rows());
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+        for (const auto* column : columns) rows[i].push_back((*column)[i]);
     }
     return rows;
 }

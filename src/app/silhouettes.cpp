@@ -35,12 +35,6 @@ std::vector<double> row_of(const FrameSilhouette& s) {
             number(s.shadow), s.faint, number(s.moved), s.edge_width, s.contrast, s.gain, s.shift.x, s.shift.y, s.shift.angle, s.shift.changed};
 }
 
-std::string mask_name(std::int64_t index) {
-    auto number = std::to_string(index);
-    number.insert(0, number.size() < 6 ? 6 - number.size() : 0, '0');
-    return "mask_" + number + ".png";
-}
-
 std::string digits(double value, int after_point) {
     std::array<char, 64> text{};
     std::snprintf(text.data(), text.size(), "%.*f", after_point, value);
@@ -156,7 +150,7 @@ void work(const SilhouettesRequest& request) {
     Totals totals;
     video::TimedFrame frame;
     while (auto silhouette = maker.next(frame)) {
-        video::write_mask(folder.path() / mask_name(silhouette->index), silhouette->mask);
+        video::write_mask(folder.path() / video::mask_name(silhouette->index), silhouette->mask);
         table.append(row_of(*silhouette));
         if (overlay) overlay->add(frame.image, *silhouette);
         totals.add(std::move(*silhouette), info.width, info.height);

@@ -17,7 +17,7 @@ namespace treacle::app {
 namespace {
 constexpr std::int64_t none_left = 0; // in the place of a run's number
 
-// What a group tells rank 0 when it asks for its next run: how the last one ended.
+// Message of a group to rank 0 when it asks for its next run: how the last one ended.
 struct Ended {
     std::int64_t number = none_left; // none_left: there was none
     int code = 0;
@@ -119,7 +119,7 @@ private:
     int open_; // groups that have not been told that none is left
 };
 
-// Of rank 0.
+// Study and hand-out, on rank 0 alone.
 struct Desk {
     Desk(const study::Study& study, const std::vector<study::Candidate>& candidates, const std::filesystem::path& folder, const SweepRequest& request, int groups)
         : runs(study, {folder, this_program(), {}}, log), numbers(ask_once(runs, candidates)),

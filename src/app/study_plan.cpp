@@ -32,7 +32,7 @@ identify::StudyFile coarse_study(const study::Study& study, const study::Candida
     if (!varied) scene.set.push_back("domain.spacing=" + format_number(coarsening * spacing) + " m");
     out.sweep = {};
     out.sweep.design = study::Design::list;
-    out.sweep.row_texts = {join(candidate.values, ", ")};
+    out.sweep.rows = {join(candidate.values, ", ")};
     out.runs.lanes = 1;
     out.runs.keep = study::Keep::everything;
     out.runs.disk = 0;
@@ -40,15 +40,6 @@ identify::StudyFile coarse_study(const study::Study& study, const study::Candida
     std::filesystem::create_directories(folder);
     write_file_atomically(folder / "study.yaml", effective(out));
     return load_checked_study(folder / "study.yaml");
-}
-
-double bytes_below(const std::filesystem::path& folder) {
-    std::error_code ignored;
-    double sum = 0;
-    for (const auto& entry : std::filesystem::recursive_directory_iterator(folder, ignored)) {
-        if (entry.is_regular_file()) sum += double(entry.file_size());
-    }
-    return sum;
 }
 
 MeasuredRun measure(const identify::StudyFile& file, const std::filesystem::path& folder) {
@@ -81,8 +72,8 @@ MeasuredRun measure(const identify::StudyFile& file, const std::filesystem::path
         const auto size = std::filesystem::file_size(run / table, none);
         if (!none) out.bytes_by_step += double(size);
     }
-    out.bytes_by_frame = bytes_below(run / "frames");
-    out.bytes_fixed = bytes_below(runs.run_folder(number)) - out.bytes_by_step - out.bytes_by_frame - bytes_below(run / "checkpoints");
+    out.bytes_by_frame = folder_bytes(run / "frames");
+    out.bytes_fixed = folder_bytes(runs.run_folder(number)) - out.bytes_by_step - out.bytes_by_frame - folder_bytes(run / "checkpoints");
     return out;
 }
 

@@ -5,6 +5,8 @@
 #include <cerrno>
 #include <cstring>
 #include <fcntl.h>
+#include <fstream>
+#include <iterator>
 #include <unistd.h>
 
 namespace treacle {
@@ -23,6 +25,21 @@ void sync_path(const std::filesystem::path& path, int flags) {
     if (status != 0) fail(path, "sync");
 }
 } // namespace
+
+std::string read_file(const std::filesystem::path& path) {
+    std::ifstream file(path, std::ios::binary);
+    return {std::istreambuf_iterator<char>(file), {}};
+}
+
+double folder_bytes(const std::filesystem::path& folder) {
+    std::error_code ignored;
+    double sum = 0;
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(folder, ignored)) {
+        const auto size = entry.is_regular_file(ignored) ? entry.file_size(ignored) : 0;
+        if (!ignored) sum += double(size);
+    }
+    return sum;
+}
 
 void sync_and_rename(const std::filesystem::path& temporary, const std::filesystem::path& path) {
     sync_path(temporary, O_RDONLY);

@@ -8,6 +8,12 @@ namespace treacle {
 // Throws SimulationError when the disk is full or the folder cannot be written; the old file then stands.
 void write_file_atomically(const std::filesystem::path& path, const std::string& content);
 
+// The content of a file; empty when it cannot be read.
+std::string read_file(const std::filesystem::path& path);
+
+// Size of all files in a folder and below [bytes]; 0 when it is not there.
+double folder_bytes(const std::filesystem::path& folder);
+
 // Syncs a finished temporary file to disk and gives it its final name (for writers that stream).
 void sync_and_rename(const std::filesystem::path& temporary, const std::filesystem::path& path);
 

@@ -150,15 +150,21 @@ LocalModel local_model(const std::vector<EvaluatedRun>& runs, const Layout& layo
     return out;
 }
 
-// Frames until the displacements left over are no more correlated: from those of segments at like places in the picture.
-int correlation_frames(const EvaluatedRun& run, const Layout& layout, const Vector& left, const std::vector<int>& sector) {
-    std::map<std::pair<std::size_t, int>, std::map<int, std::pair<double, int>>> series; // by experiment and sector: sums by frame
+// Number of each frame among those of its experiment.
+std::map<std::size_t, std::map<int, int>> frame_order(const EvaluatedRun& run, const Layout& layout) {
     std::map<std::size_t, std::map<int, int>> order;
     for (const auto& row : layout.rows) order[row.experiment].emplace(at(run, row).frame, 0);
     for (auto& [experiment, frames] : order) {
         int k = 0;
-        for (auto& [frame, place] : frames) place = k++;
+        for (auto& [frame, number] : frames) number = k++;
     }
+    return order;
+}
+
+// Frames until the displacements left over are no more correlated: from those of segments at like places in the picture.
+int correlation_frames(const EvaluatedRun& run, const Layout& layout, const Vector& left, const std::vector<int>& sector) {
+    std::map<std::pair<std::size_t, int>, std::map<int, std::pair<double, int>>> series; // by experiment and sector: sums by frame
+    auto order = frame_order(run, layout);
     for (std::size_t i = 0; i < layout.rows.size(); ++i) {
         const auto& row = layout.rows[i];
         auto& entry = series[{row.experiment, sector[i]}][order[row.experiment][at(run, row).frame]];
@@ -202,12 +208,7 @@ std::vector<int> sectors(const EvaluatedRun& run, const Layout& layout) {
 }
 // Block of each row: neighbouring frames, a sector.
 std::vector<int> blocks_of(const EvaluatedRun& run, const Layout& layout, const std::vector<int>& sector, int frames_each) {
-    std::map<std::size_t, std::map<int, int>> order;
-    for (const auto& row : layout.rows) order[row.experiment].emplace(at(run, row).frame, 0);
-    for (auto& [experiment, frames] : order) {
-        int k = 0;
-        for (auto& [frame, place] : frames) place = k++;
-    }
+    auto order = frame_order(run, layout);
     std::map<std::tuple<std::size_t, int, int>, int> numbers;
     std::vector<int> out;
     for (std::size_t i = 0; i < layout.rows.size(); ++i) {
@@ -261,6 +262,12 @@ VarianceParts parts_of(Eigen::Index k, Eigen::Index p, const Matrix& changes, co
     }
     return out;
 }
+
+const EvaluatedRun& least_of(const std::vector<EvaluatedRun>& runs, const std::vector<ViewInformation>& priors) {
+    std::vector<double> objectives;
+    for (const auto& run : runs) objectives.push_back(contour_objective(run, priors));
+    return runs[std::size_t(std::ranges::min_element(objectives) - objectives.begin())];
+}
 } // namespace
 
 double contour_objective(const EvaluatedRun& run, const std::vector<ViewInformation>& priors, double noise, double bend) {
@@ -301,8 +308,7 @@ Estimate estimate(const std::vector<EvaluatedRun>& runs, const std::vector<ViewI
     }
     const auto size = sizes(runs.front(), layout);
     const auto p = runs.front().point.size();
-    const auto least = std::ranges::min_element(runs, {}, [&](const EvaluatedRun& run) { return contour_objective(run, priors); });
-    const auto* best = instead ? instead : &*least;
+    const auto* best = instead ? instead : &least_of(runs, priors);
     const auto views = view_matrix(*best, layout);
     const auto information = prior_matrix(priors, p);
 

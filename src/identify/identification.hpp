@@ -34,7 +34,7 @@ struct Identification {
     std::string problem;          // why there is no estimate
 };
 
-// What the films say of the view before they are looked at, per experiment.
+// Information on the view before the films are looked at, per experiment.
 using Priors = std::vector<ViewInformation>;
 ViewInformation information_of(const ViewUncertainty& uncertainty, const std::optional<Eigen::Matrix<double, 6, 6>>& pose, double focal_deviation);
 

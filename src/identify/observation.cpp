@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 namespace treacle::identify {
 
@@ -46,8 +45,7 @@ std::vector<ObservedFrame> observed_frames(const Experiment& experiment, const s
     for (std::size_t i = 0; i < numbers.size(); ++i) {
         const double time = times[i] - experiment.time_zero;
         if (!(time >= experiment.from) || time > end || skipped++ % experiment.every != 0) continue;
-        char name[32];
-        std::snprintf(name, sizeof name, "mask_%06d.png", int(numbers[i]));
+        const auto name = video::mask_name(std::int64_t(numbers[i]));
         frames.push_back({int(numbers[i]), time, folder / name});
         if (!std::filesystem::exists(frames.back().mask)) {
             throw InputError({table.path.string(), "names frame " + format_number(numbers[i]) + ", but " + name + " is not there",

@@ -23,11 +23,6 @@ std::uint64_t fnv1a(const std::string& text) {
     return hash;
 }
 
-std::string host_name() {
-    char name[256] = {};
-    return ::gethostname(name, sizeof name - 1) == 0 ? name : "unknown";
-}
-
 std::string time_now() {
     const std::time_t now = std::time(nullptr);
     std::tm utc{};
@@ -58,6 +53,11 @@ Value sources(const BuildInfo& build) {
 
 BuildInfo build_info() {
     return {build::version, build::commit, build::state, build::compiler, build::flags, build::type};
+}
+
+std::string host_name() {
+    char name[256] = {};
+    return ::gethostname(name, sizeof name - 1) == 0 ? name : "unknown";
 }
 
 Versions library_versions() {

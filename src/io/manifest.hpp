@@ -27,6 +27,9 @@ Versions library_versions();
 // 64-bit FNV-1a of a text as 16 hexadecimal digits: tells scenes apart, no protection against intent.
 std::string text_hash(const std::string& text);
 
+// Name of this machine; "unknown" where it has none.
+std::string host_name();
+
 struct Manifest {
     std::vector<std::string> command; // the command line
     std::string input;                // path of the scene

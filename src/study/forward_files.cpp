@@ -10,8 +10,6 @@
 
 #include <cmath>
 #include <cstdio>
-#include <fstream>
-#include <sstream>
 
 namespace treacle::study {
 
@@ -38,13 +36,6 @@ struct RequestFile {
         d.check(parameters.size() == values.size(), "values", {"must be as many as the parameters", "", "give one for each"});
     }
 };
-
-std::string read_text(const std::filesystem::path& path) {
-    std::ifstream file(path, std::ios::binary);
-    std::ostringstream text;
-    text << file.rdbuf();
-    return text.str();
-}
 
 // Dakota's "standard" format: a count and a word, then a value and a label a line.
 std::string dakota_parameters(const ForwardRequest& request) {
@@ -121,7 +112,7 @@ std::optional<ForwardResult> read_result(const std::filesystem::path& folder, co
     const auto path = folder / "result.json";
     if (!std::filesystem::exists(path)) return {};
     try {
-        const auto json = Json::parse(read_text(path));
+        const auto json = Json::parse(read_file(path));
         ForwardResult out{json.at("number").get<std::int64_t>(), json.at("key").get<std::string>(), {}, json.at("seconds").get<double>(),
                           json.at("peak_bytes").get<double>()};
         if (out.key != key) return {};
@@ -135,7 +126,7 @@ std::optional<ForwardResult> read_result(const std::filesystem::path& folder, co
 }
 
 std::string read_failure(const std::filesystem::path& folder) {
-    auto text = read_text(folder / "FAIL");
+    auto text = read_file(folder / "FAIL");
     for (auto& c : text) c = c == '\n' ? ' ' : c;
     text.erase(text.find_last_not_of(' ') + 1);
     return text;

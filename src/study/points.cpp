@@ -45,15 +45,6 @@ std::vector<Point> grid_points(const Study& study) {
     return points;
 }
 
-std::vector<Point> list_points(const Study& study) {
-    for (const auto& row : study.sweep.rows) {
-        if (row.size() == study.parameters.size()) continue;
-        refuse(study.sweep.where, "a row of the sweep has " + std::to_string(row.size()) + " values: " + shorten(join(row, ", ")),
-               "there are " + std::to_string(study.parameters.size()) + " parameters", "give one for each");
-    }
-    return study.sweep.rows;
-}
-
 std::vector<std::string> words_of(const std::string& line) {
     std::vector<std::string> words;
     for (std::size_t from = 0; from <= line.size();) {
@@ -65,6 +56,18 @@ std::vector<std::string> words_of(const std::string& line) {
         from = comma + 1;
     }
     return words;
+}
+
+std::vector<Point> list_points(const Study& study) {
+    std::vector<Point> points;
+    for (const auto& text : study.sweep.rows) {
+        const auto row = words_of(text);
+        points.push_back(row);
+        if (row.size() == study.parameters.size()) continue;
+        refuse(study.sweep.where, "a row of the sweep has " + std::to_string(row.size()) + " values: " + shorten(join(row, ", ")),
+               "there are " + std::to_string(study.parameters.size()) + " parameters", "give one for each");
+    }
+    return points;
 }
 
 // Place of each parameter in a header whose columns are "viscosity" or "viscosity [Pa.s]".

@@ -22,19 +22,6 @@ void check_names(Declaration& d, const std::string& key, const std::vector<T>& i
                              "give one of them another name"});
     }
 }
-
-std::vector<std::string> split_row(const std::string& row) {
-    std::vector<std::string> words{""};
-    for (const char c : row) {
-        if (c == ',') {
-            words.emplace_back();
-        } else if (!(c == ' ' && words.back().empty())) {
-            words.back() += c;
-        }
-    }
-    for (auto& word : words) word.erase(word.find_last_not_of(" \t") + 1);
-    return words;
-}
 } // namespace
 
 void StudyScene::declare(Declaration& d) {
@@ -104,17 +91,15 @@ void Sweep::declare(Declaration& d) {
                       {"latin_hypercube", Design::latin_hypercube}, {"sobol", Design::sobol}},
                      "Which points: every combination of the parameters' values, a list of rows, a CSV file of rows, or points spread over "
                      "the parameters' ranges.");
-    d.texts("rows", row_texts, "Of a list: a text each run with a value for each parameter, in their order: [\"1 Pa.s, sph\", \"1 Pa.s, grid\"].");
+    d.texts("rows", rows, "Of a list: a text each run with a value for each parameter, in their order: [\"1 Pa.s, sph\", \"1 Pa.s, grid\"].");
     d.text("file", file, "Of design: file, a CSV whose header names the parameters.");
     d.integer("runs", runs, range_at_least(0), "Number of points of latin_hypercube and sobol.");
     d.integer("seed", seed, range_at_least(0), "Another number gives other points of latin_hypercube; of sobol, points further along the sequence.");
     if (!d.parsing()) return;
-    d.check(design != Design::list || !row_texts.empty(), "rows", {"must not be empty", "the design is a list", "give a row a run"});
+    d.check(design != Design::list || !rows.empty(), "rows", {"must not be empty", "the design is a list", "give a row a run"});
     d.check(design != Design::file || !file.empty(), "file", {"must be given", "the design is a file", "write file: rows.csv"});
     const bool spread = design == Design::latin_hypercube || design == Design::sobol;
     d.check(!spread || runs > 0, "runs", {"must be given", "nothing else says how many points there are", "write for instance runs: 40"});
-    rows.clear();
-    for (const auto& text : row_texts) rows.push_back(split_row(text));
 }
 
 void Study::declare(Declaration& d) {

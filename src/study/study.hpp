@@ -58,9 +58,8 @@ enum class Design { none, grid, list, file, latin_hypercube, sobol };
 
 struct Sweep {
     Design design = Design::none;
-    std::vector<std::vector<std::string>> rows; // of a list, a word per parameter
-    std::vector<std::string> row_texts;         // "0.5 Pa.s, 2 cm"
-    std::string file;                           // CSV whose columns are the parameters' names
+    std::vector<std::string> rows; // of a list, each with a word per parameter: "0.5 Pa.s, 2 cm"
+    std::string file;              // CSV whose columns are the parameters' names
     int runs = 0;
     int seed = 1;
     std::string where;

@@ -20,22 +20,6 @@ namespace {
 constexpr const char* session_folder = "session";
 constexpr double stop_grace = 20; // [s] for runs that are asked to end
 
-double bytes_of(const std::filesystem::path& folder) {
-    std::error_code ignored;
-    double sum = 0;
-    for (const auto& entry : std::filesystem::recursive_directory_iterator(folder, ignored)) {
-        const auto size = entry.is_regular_file(ignored) ? entry.file_size(ignored) : 0;
-        if (!ignored) sum += double(size);
-    }
-    return sum;
-}
-
-std::string host_name() {
-    char name[256] = "";
-    ::gethostname(name, sizeof name - 1);
-    return name;
-}
-
 // The last line of a run's log that says something: the error that ended it.
 std::string last_words(const std::filesystem::path& log) {
     std::ifstream file(log);
@@ -183,7 +167,7 @@ std::int64_t StudyRuns::ask(const Candidate& candidate) {
 bool StudyRuns::adopt_finished(std::int64_t number) {
     const auto& run = journal_.runs()[std::size_t(number - 1)];
     if (const auto result = read_result(run_folder(number), run.key)) {
-        RunOutcome outcome{number, RunStatus::done, "", result->figures, result->seconds, result->peak_bytes, bytes_of(run_folder(number)), 0, utc_now(), host_name(), ""};
+        RunOutcome outcome{number, RunStatus::done, "", result->figures, result->seconds, result->peak_bytes, folder_bytes(run_folder(number)), 0, utc_now(), io::host_name(), ""};
         tidy(number);
         journal_.finish(outcome);
         return true;
@@ -250,7 +234,7 @@ RunOutcome StudyRuns::settle(const LaneResult& result) const {
     out.peak_bytes = result.peak_bytes;
     out.lane = result.lane;
     out.started = result.started;
-    out.host = host_name();
+    out.host = io::host_name();
     std::optional<ForwardResult> read;
     if (result.end == LaneEnd::none && result.ending.signal == 0 && result.ending.exit_code == 0) read = read_result(folder, run.key);
     if (read) {
@@ -261,7 +245,7 @@ RunOutcome StudyRuns::settle(const LaneResult& result) const {
         out.reason = reason_of(result, study_.runs, folder);
     }
     tidy(result.number);
-    out.bytes = bytes_of(folder);
+    out.bytes = folder_bytes(folder);
     return out;
 }
 

@@ -14,6 +14,12 @@ namespace treacle::video {
 
 std::size_t Mask::area() const { return static_cast<std::size_t>(std::ranges::count(pixels, mask_liquid)); }
 
+std::string mask_name(std::int64_t frame) {
+    auto number = std::to_string(frame);
+    number.insert(0, number.size() < 6 ? 6 - number.size() : 0, '0');
+    return "mask_" + number + ".png";
+}
+
 void write_mask(const std::filesystem::path& path, const Mask& mask) {
     std::vector<std::uint8_t> bytes;
     if (!cv::imencode(".png", pixels_of(mask), bytes))

@@ -2,6 +2,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <string>
 #include <vector>
 
 namespace treacle::video {
@@ -19,6 +20,9 @@ struct Mask {
     bool liquid(int column, int row) const { return at(column, row) == mask_liquid; }
     std::size_t area() const; // of liquid [px]
 };
+
+// The file of a frame's mask in a folder of masks: mask_000012.png.
+std::string mask_name(std::int64_t frame);
 
 // Grey PNG, written as a whole. SimulationError as write_png().
 void write_mask(const std::filesystem::path& path, const Mask& mask);
