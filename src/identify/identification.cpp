@@ -129,7 +129,7 @@ private:
             if (!outcome || outcome->status != study::RunStatus::done) return {};
             run.experiments.push_back(read_residuals(outcome->folder.empty() ? runs_.run_folder(number) : std::filesystem::path(outcome->folder), experiment.name));
         }
-        trial.objective = contour_objective(run, priors_);
+        trial.objective = residual_objective(run, priors_);
         trial.mismatch = 0;
         for (const auto& one : run.experiments) trial.mismatch += one.mismatch / double(run.experiments.size());
         return run;

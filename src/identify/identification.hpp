@@ -11,7 +11,7 @@ namespace treacle::identify {
 struct Trial {
     std::vector<double> values;      // of all parameters of the study, in their units
     std::vector<std::int64_t> runs;  // one a scene
-    double objective = 0;            // contour_objective; not a number where a run failed
+    double objective = 0;            // residual_objective; not a number where a run failed
     double mismatch = 0;             // (6.9), mean over frames and experiments
     std::string purpose;             // "search", "around the answer", "rung 4 mm", "noise", "density"
 };

@@ -12,7 +12,7 @@
 namespace treacle::identify {
 
 namespace {
-constexpr double usual_noise = 0.5; // [px] of a contour that image processing finds
+constexpr double usual_contour_noise = 0.5; // [px] of a contour that image processing finds
 
 std::string digits(double value, int count = 4) {
     char text[32];
@@ -155,7 +155,7 @@ std::string html(const StudyFile& file, const Identification& identification, co
             out += row(cells);
         }
         out += "</table>\n<p>Standard deviations. Displacements are taken as correlated over " + std::to_string(estimate.block_frames) +
-               " frames; " + std::to_string(estimate.blocks) + " independent blocks, a noise of " + digits(estimate.noise, 2) + " px a segment.</p>\n";
+               " frames; " + std::to_string(estimate.blocks) + " independent blocks, a noise of " + digits(estimate.noise.front(), 2) + " px a segment.</p>\n";
         out += svg(misfit_chart(estimate));
         out += rungs_text(file, identification);
     }
@@ -226,8 +226,8 @@ std::string identifiability(const StudyFile& file, const Identification& identif
 std::string verdict(const Identification& identification) {
     if (!identification.estimate) return "";
     const double misfit = misfit_of(*identification.estimate);
-    if (misfit <= 1.5 * usual_noise) return "";
-    return "The model does not explain the video: the contours differ by " + digits(misfit, 2) + " px at the best values, where " + digits(usual_noise, 2) +
+    if (misfit <= 1.5 * usual_contour_noise) return "";
+    return "The model does not explain the video: the contours differ by " + digits(misfit, 2) + " px at the best values, where " + digits(usual_contour_noise, 2) +
            " px are usual. The interval holds if what is left over is without a trend in time; look at the frames.";
 }
 

@@ -114,11 +114,11 @@ TEST(Estimate, OneRunIsNotEnough) {
     EXPECT_THROW(estimate({empty, empty}, prior(0.3)), std::exception);
 }
 
-TEST(ContourObjective, IsLeastAtTheTruthAndCutsWhatIsFarAway) {
+TEST(ResidualObjective, IsLeastAtTheTruthAndCutsWhatIsFarAway) {
     const Film film(1, 0.3, 3, 4, 0.3);
-    const double best = contour_objective(film.run(truth), prior(0.3));
-    for (const double x : {0.5, 1.5, 2.1, 2.5, 4.0}) EXPECT_GT(contour_objective(film.run(x), prior(0.3)), best);
-    EXPECT_GT(contour_objective(film.run(8), prior(0.3)), contour_objective(film.run(5), prior(0.3)));
+    const double best = residual_objective(film.run(truth), prior(0.3));
+    for (const double x : {0.5, 1.5, 2.1, 2.5, 4.0}) EXPECT_GT(residual_objective(film.run(x), prior(0.3)), best);
+    EXPECT_GT(residual_objective(film.run(8), prior(0.3)), residual_objective(film.run(5), prior(0.3)));
 }
 
 } // namespace
