@@ -1,5 +1,6 @@
 #include "app/study_check.hpp"
 
+#include "app/experiments.hpp"
 #include "app/study_memory.hpp"
 #include "app/sweep.hpp"
 #include "base/text.hpp"
@@ -50,7 +51,7 @@ void check_study(const std::filesystem::path& file, const std::vector<std::strin
     for (const auto& one : study.parameters) row("parameter " + one.name, one.key + ": " + values_of(one));
     for (const auto& one : study.measured) row("measured " + one.name, one.key + ": " + one.value + " +- " + one.plus_minus);
     for (const auto& one : study.read) row("figure " + one.name, one.measurement.empty() ? one.table + ": " + one.column : one.measurement);
-    for (const auto& one : checked.experiments) row("experiment " + one.name, checked.beside(one.masks).string());
+    for (const auto& one : checked.experiments) row("experiment " + one.name, describe_observations(checked, one));
     if (!checked.experiments.empty()) identify::check_searched(checked, StudyScenes(checked).reader());
     print_runs(checked);
 }

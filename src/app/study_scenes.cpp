@@ -1,5 +1,6 @@
 #include "app/study_scenes.hpp"
 
+#include "app/experiments.hpp"
 #include "base/error.hpp"
 #include "base/options.hpp"
 #include "base/text.hpp"
@@ -46,7 +47,7 @@ void check_readings(const study::Study& study, const study::StudyScene& one, con
 
 StudyScenes::StudyScenes(const identify::StudyFile& file) {
     for (const auto& scene : file.study.scenes) {
-        auto needs = film_needs(file, scene);
+        auto needs = scene_needs(file, scene);
         auto& known = needs_[file.study.scene_file(scene)];
         known.content += needs.content;
         known.assignments.insert(known.assignments.end(), needs.assignments.begin(), needs.assignments.end());

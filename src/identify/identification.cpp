@@ -119,7 +119,7 @@ public:
 
 private:
     std::optional<EvaluatedRun> evaluate(Trial& trial, const search::Point& point) const {
-        trial.objective = trial.mismatch = none;
+        trial.objective = none;
         EvaluatedRun run;
         run.point = Eigen::Map<const Eigen::VectorXd>(point.data(), Eigen::Index(point.size()));
         for (const auto& experiment : file_.experiments) {
@@ -127,11 +127,10 @@ private:
             const auto number = trial.runs[scene];
             const auto* outcome = runs_.journal().outcome(number);
             if (!outcome || outcome->status != study::RunStatus::done) return {};
-            run.experiments.push_back(read_residuals(outcome->folder.empty() ? runs_.run_folder(number) : std::filesystem::path(outcome->folder), experiment.name));
+            run.experiments.push_back(read_residuals(outcome->folder.empty() ? runs_.run_folder(number) : std::filesystem::path(outcome->folder), experiment.name, experiment.kind));
         }
         trial.objective = residual_objective(run, priors_);
-        trial.mismatch = 0;
-        for (const auto& one : run.experiments) trial.mismatch += one.mismatch / double(run.experiments.size());
+        for (const auto& one : run.experiments) trial.mismatches.push_back(one.mismatch);
         return run;
     }
     void tell(const Trial& trial) const {
@@ -176,6 +175,8 @@ std::vector<std::pair<search::Point, Variation>> runs_around(const Estimate& est
     }
     return out;
 }
+
+double information(double deviation) { return 1 / std::max(1e-24, deviation * deviation); }
 
 search::Point point_of(const Eigen::VectorXd& vector) { return {vector.data(), vector.data() + vector.size()}; }
 
@@ -287,8 +288,17 @@ void search_and_estimate(const StudyFile& file, const Priors& priors, Trials& tr
 }
 } // namespace
 
+ViewInformation sheet_information(const ViewUncertainty& uncertainty) {
+    ViewInformation out = ViewInformation::Identity(); // of the parameters that a sheet does not have
+    out(sheet_time, sheet_time) = information(uncertainty.time_zero);
+    out(sheet_scale, sheet_scale) = information(uncertainty.scale);
+    out(sheet_right, sheet_right) = out(sheet_up, sheet_up) = information(uncertainty.shift);
+    out(sheet_turn, sheet_turn) = information(uncertainty.turn);
+    return out;
+}
+
 ViewInformation information_of(const ViewUncertainty& uncertainty, const std::optional<Eigen::Matrix<double, 6, 6>>& pose, double focal_deviation) {
-    const auto of = [](double deviation) { return 1 / std::max(1e-24, deviation * deviation); };
+    const auto of = information;
     ViewInformation out = ViewInformation::Zero();
     out(view_time, view_time) = of(uncertainty.time_zero);
     out(view_contour, view_contour) = of(uncertainty.contour);
