@@ -38,9 +38,8 @@ struct Tracked {
     Tracked(const StudyFile& file, const Experiment& experiment, const scene::Scene& scene)
         : number(ball_of(experiment, scene)), region(scene.bodies[number].shape, scene.domain.dimensions), track(experiment.piv, file.beside(experiment.piv.ball.track)),
           time_zero(experiment.time_zero) {
-        const auto bounds = region.surface_bounds();
-        for (std::size_t k = 0; k < 3; ++k) centre[k] = 0.5 * (bounds.min[k] + bounds.max[k]);
-        size = bounds.max[0] - bounds.min[0];
+        centre = region.moments().centre;
+        size = region.surface_bounds().max[0] - region.surface_bounds().min[0];
     }
     Vec3 at(double time) const { return track.at(time + time_zero); }
     double distance(const Vec3& x, double time) const {

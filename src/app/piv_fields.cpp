@@ -5,7 +5,9 @@
 #include "base/csv_reader.hpp"
 #include "base/log.hpp"
 #include "base/text.hpp"
+#include "scene/signed_distance.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <random>
@@ -88,14 +90,18 @@ void write_track(const PivRequest& request, const RunView& run, std::mt19937_64&
     auto table = CsvTable::create(request.out / "track.csv", {"time [s]", "x [mm]", "y [mm]", "plus_minus [mm]"});
     std::normal_distribution<double> normal;
     const std::vector<double>* place[3] = {&bodies.column(request.track + " position x"), &bodies.column(request.track + " position y"), &bodies.column(request.track + " position z")};
-    for (std::size_t i = 0; i < times.size(); ++i) {
+    const auto add = [&](double time, const Vec3& at) {
         double x = 0, y = 0;
         for (std::size_t k = 0; k < 3; ++k) {
-            x += request.sheet.right[k] * ((*place[k])[i] - request.sheet.origin[k]);
-            y += request.sheet.up[k] * ((*place[k])[i] - request.sheet.origin[k]);
+            x += request.sheet.right[k] * (at[k] - request.sheet.origin[k]);
+            y += request.sheet.up[k] * (at[k] - request.sheet.origin[k]);
         }
-        table.append(std::vector<double>{times[i], 1e3 * (x + request.track_noise * normal(draw)), 1e3 * (y + request.track_noise * normal(draw)), 1e3 * request.track_noise});
-    }
+        table.append(std::vector<double>{time, 1e3 * (x + request.track_noise * normal(draw)), 1e3 * (y + request.track_noise * normal(draw)), 1e3 * request.track_noise});
+    };
+    const auto& scene = run.input.scene;
+    const auto body = std::ranges::find(scene.bodies, request.track, &scene::Body::name); // the table has its columns, so it is there
+    add(0, scene::SolidRegion(body->shape, scene.domain.dimensions).moments().centre);
+    for (std::size_t i = 0; i < times.size(); ++i) add(times[i], {(*place[0])[i], (*place[1])[i], (*place[2])[i]});
     table.sync();
 }
 

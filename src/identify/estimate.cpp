@@ -392,7 +392,8 @@ Estimate estimate(const std::vector<EvaluatedRun>& runs, const std::vector<ViewI
     const auto blocks = blocks_of(*best, layout, sector, 2 * out.block_frames);
     out.blocks = std::size_t(*std::ranges::max_element(blocks)) + 1;
     // Segments that share their noise must not outvote what is known of the view.
-    settle(inflation(result, g, block_changes(result, g, information, blocks), blocks, layout, p));
+    const auto dilution = inflation(result, g, block_changes(result, g, information, blocks), blocks, layout, p);
+    settle(dilution);
 
     const Matrix changes = block_changes(result, g, information, blocks);
     for (Eigen::Index k = 0; k < p; ++k) {
@@ -403,6 +404,10 @@ Estimate estimate(const std::vector<EvaluatedRun>& runs, const std::vector<ViewI
     for (std::size_t e = 0; e < priors.size(); ++e) out.view.push_back(result.x.segment(p + Eigen::Index(e) * view_count, view_count));
     for (std::size_t e = 0; e < layout.experiments; ++e) out.noise.push_back(result.noise[e] * usual_noise(best->experiments[e].kind));
     out.runs = model.runs;
+    for (std::size_t e = 0; e < layout.experiments; ++e) {
+        constexpr double half_quantile = 1.353; // of chi square of one degree of freedom, 90 %
+        out.alike = std::max(out.alike, half_quantile * dilution[e] * result.noise[e] * result.noise[e] / double(layout.rows.size()));
+    }
     const double deviation = std::sqrt(out.parts.front().total());
     const double slope = model.gradient.col(0).norm();
     out.curvature = slope > 0 ? 0.5 * deviation * model.square.norm() / slope : 0;

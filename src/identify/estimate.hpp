@@ -41,6 +41,7 @@ struct Estimate {
     std::vector<double> misfit; // by frame of all experiments in turn: root mean square residual left over, in its unit
     std::vector<double> times;  // [s] of those frames
     std::vector<std::size_t> misfit_of; // experiment of those frames
+    double alike = 0;           // difference of objectives that a likelihood ratio of 90 % allows, segments diluted
     int block_frames = 0;       // frames over which the displacements left over are correlated
     std::size_t blocks = 0;
     std::size_t runs = 0;       // that the local model is fitted to

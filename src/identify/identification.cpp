@@ -2,6 +2,7 @@
 
 #include "base/error.hpp"
 #include "base/text.hpp"
+#include "identify/profile.hpp"
 #include "search/bracketing.hpp"
 #include "search/cma_es.hpp"
 
@@ -335,6 +336,7 @@ Identification identify(const StudyFile& file, const Priors& priors, study::Stud
         }
         vary_measured(file, priors, trials, out);
         say_answer(file, out);
+        widen_to_alike_trials(file, out);
     } catch (const Trials::Stopped&) {
         out.end = study::StudyEnd::stopped;
         out.estimate.reset();

@@ -27,8 +27,31 @@ double median(std::vector<double>& values) {
     return 0.5 * (*middle + *std::max_element(values.begin(), middle));
 }
 
-// Difference of a component from the neighbours' median over their own scatter.
-double oddness(double value, const std::vector<double>& around, double noise) {
+// A neighbour of a vector: where it lies on the grid, and one of its components.
+struct Neighbour {
+    long column, row;
+    double value;
+};
+
+// Change of a component from one place of the grid to the next along an axis, the median over pairs of neighbours in line.
+double slope(const std::vector<Neighbour>& around, long Neighbour::*along, long Neighbour::*across) {
+    std::vector<double> slopes;
+    for (const auto& a : around) {
+        for (const auto& b : around) {
+            const long steps = b.*along - a.*along;
+            const bool between = steps == 2 && std::ranges::any_of(around, [&](const Neighbour& c) { return c.*across == a.*across && c.*along == a.*along + 1; });
+            if (a.*across == b.*across && steps > 0 && !between) slopes.push_back((b.value - a.value) / double(steps));
+        }
+    }
+    return slopes.empty() ? 0 : median(slopes);
+}
+
+// Difference of a component from the neighbours' median over their own scatter, both without the field's slope: at a rim the
+// neighbours lie to one side.
+double oddness(double value, const std::vector<Neighbour>& neighbours, double noise) {
+    const double by_column = slope(neighbours, &Neighbour::column, &Neighbour::row), by_row = slope(neighbours, &Neighbour::row, &Neighbour::column);
+    std::vector<double> around;
+    for (const auto& one : neighbours) around.push_back(one.value - double(one.column) * by_column - double(one.row) * by_row);
     auto work = around;
     const double centre = median(work);
     for (std::size_t i = 0; i < work.size(); ++i) work[i] = std::abs(around[i] - centre);
@@ -46,7 +69,7 @@ std::size_t reject_odd(PivField& field, double threshold, double noise) {
         if (field.valid[i]) places.emplace(cell(i), i);
     }
     std::vector<std::size_t> odd;
-    std::vector<double> u, v;
+    std::vector<Neighbour> u, v;
     for (const auto& [place, i] : places) {
         u.clear();
         v.clear();
@@ -54,8 +77,8 @@ std::size_t reject_odd(PivField& field, double threshold, double noise) {
             for (long column = -1; column <= 1; ++column) {
                 const auto found = places.find({place.first + column, place.second + row});
                 if (found == places.end() || found->second == i) continue;
-                u.push_back(field.u[found->second]);
-                v.push_back(field.v[found->second]);
+                u.push_back({column, row, field.u[found->second]});
+                v.push_back({column, row, field.v[found->second]});
             }
         }
         if (u.size() < fewest) continue;
