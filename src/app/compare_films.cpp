@@ -147,7 +147,7 @@ ObservationNeeds film_needs(const StudyFile& file, const Experiment& experiment,
                           "give the camera of these pictures"});
     }
     ObservationNeeds out;
-    out.interval = least_interval(frames);
+    for (const auto& frame : frames) out.times.push_back(frame.time);
     const auto& pose = camera.pose();
     const auto& lens = camera.lens();
     out.content = "film " + experiment.name;

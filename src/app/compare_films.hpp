@@ -20,7 +20,7 @@ ExperimentCamera experiment_camera(const identify::StudyFile& file, const identi
 void compare_with_film(const Comm& comm, const identify::StudyFile& file, const identify::Experiment& experiment, const RunView& run,
                        const std::filesystem::path& folder);
 
-// Needs of a film of its run: frames at the interval of the masks. Throws InputError for a film that is longer than the run, and
+// Needs of a film of its run: frames at the times of the masks. Throws InputError for a film that is longer than the run, and
 // masks of another size than the camera's pictures.
 ObservationNeeds film_needs(const identify::StudyFile& file, const identify::Experiment& experiment, const Input& input);
 

@@ -121,7 +121,7 @@ ObservationNeeds sheet_needs(const StudyFile& file, const Experiment& experiment
     check_end(experiment.where, experiment.name, sheet.fields.back().time, input.scene.time.end);
     check_domain(experiment, sheet, input.scene.domain);
     ObservationNeeds out;
-    out.interval = least_interval(sheet.fields);
+    for (const auto& field : sheet.fields) out.times.push_back(field.time);
     const auto& s = experiment.piv;
     out.content = "sheet " + experiment.name + vector_text(s.origin) + vector_text(s.right) + vector_text(s.up) + " " + format_number(s.window) + " " + format_number(s.noise);
     for (const auto& field : sheet.fields) {
@@ -136,8 +136,8 @@ ObservationNeeds sheet_needs(const StudyFile& file, const Experiment& experiment
     check_path(experiment, ball, body.name, s.ball.motion == BallMotion::prescribed ? input.scene.time.end : sheet.fields.back().time);
     if (s.ball.motion == BallMotion::free) return out;
     const auto origin = s.where + ": ball.track";
-    for (const char* key : {"kind=kinematic", "density=0", "mass=0", "velocity=[0, 0, 0]", "locked=[]"}) out.assignments.push_back({"bodies." + body.name + "." + key, origin});
-    out.assignments.push_back(path_assignment(experiment, ball, body.name, input.scene.time.end, out.interval));
+    for (const char* key : {"kind=kinematic", "density=0", "mass=0", "velocity=[0, 0, 0]", "angular_velocity=[0, 0, 0]", "locked=[]"}) out.assignments.push_back({"bodies." + body.name + "." + key, origin});
+    out.assignments.push_back(path_assignment(experiment, ball, body.name, input.scene.time.end, least_interval(sheet.fields)));
     return out;
 }
 

@@ -10,7 +10,7 @@ namespace treacle::app {
 // The measured fields of an experiment with PIV, without vectors that touch the measured ball. Throws InputError.
 identify::ObservedSheet observed_sheet(const identify::StudyFile& file, const identify::Experiment& experiment, const Input& input);
 
-// Needs of the fields of their run: frames at their interval, and the path of a body that follows the measured one. Throws
+// Needs of the fields of their run: frames at their times, and the path of a body that follows the measured one. Throws
 // InputError for fields outside of the domain or longer than the run, and for a path that does not begin at its body.
 ObservationNeeds sheet_needs(const identify::StudyFile& file, const identify::Experiment& experiment, const Input& input);
 

@@ -1,10 +1,13 @@
 #include "app/experiments.hpp"
 
 #include "app/compare_films.hpp"
+#include "app/compare_series.hpp"
 #include "app/compare_sheets.hpp"
 #include "base/error.hpp"
 #include "base/text.hpp"
 #include "io/manifest.hpp"
+
+#include <algorithm>
 
 namespace treacle::app {
 
@@ -12,6 +15,20 @@ namespace {
 using identify::Experiment;
 using identify::ExperimentKind;
 using identify::StudyFile;
+
+// In order, those of different experiments that are as good as the same once.
+std::vector<std::string> numbers_apart(std::vector<double> times) {
+    constexpr double same = 1e-6; // [s]
+    std::ranges::sort(times);
+    std::vector<std::string> out;
+    double last = -1;
+    for (const double time : times) {
+        if (time < last + same) continue;
+        out.push_back(format_number(time));
+        last = time;
+    }
+    return out;
+}
 
 Input input_of(const StudyFile& file, const study::StudyScene& scene) { return load_scene({file.study.scene_file(scene), scene.set, {}, {}}); }
 
@@ -36,6 +53,10 @@ identify::Priors experiment_priors(const StudyFile& file) {
             out.push_back(identify::sheet_information(experiment.plus_minus));
             continue;
         }
+        if (experiment.kind == ExperimentKind::series) {
+            out.push_back(identify::series_information(experiment.plus_minus, experiment.series));
+            continue;
+        }
         const auto camera = experiment_camera(file, experiment, input_of(file, file.scene_of(experiment)));
         out.push_back(identify::information_of(experiment.plus_minus, camera.pose_covariance, camera.focal_deviation));
     }
@@ -46,8 +67,12 @@ void compare_with_experiments(const Comm& comm, const StudyFile& file, const stu
     const auto experiments = experiments_of(file, scene);
     if (experiments.empty()) return;
     const auto run = open_run(comm, folder / "run");
-    require_frames(run);
     for (const auto* experiment : experiments) {
+        if (experiment->kind == ExperimentKind::series) {
+            comm.guard_root([&] { compare_with_series(file, *experiment, run.input, folder); });
+            continue;
+        }
+        require_frames(run);
         if (experiment->kind == ExperimentKind::piv) {
             compare_with_sheet(comm, file, *experiment, run, folder);
         } else {
@@ -63,13 +88,18 @@ ObservationNeeds scene_needs(const StudyFile& file, const study::StudyScene& sce
     const auto input = input_of(file, scene);
     std::string content;
     for (const auto* experiment : experiments) {
-        const auto one = experiment->kind == ExperimentKind::piv ? sheet_needs(file, *experiment, input) : film_needs(file, *experiment, input);
+        const auto one = experiment->kind == ExperimentKind::piv      ? sheet_needs(file, *experiment, input)
+                         : experiment->kind == ExperimentKind::series ? series_needs(file, *experiment, input)
+                                                                      : film_needs(file, *experiment, input);
         content += one.content;
         out.assignments.insert(out.assignments.end(), one.assignments.begin(), one.assignments.end());
-        if (one.interval > 0) out.interval = out.interval > 0 ? std::min(out.interval, one.interval) : one.interval;
+        out.times.insert(out.times.end(), one.times.begin(), one.times.end());
     }
     out.content = io::text_hash(content);
-    if (out.interval > 0) out.assignments.push_back({"output.interval=" + format_number(out.interval), "the interval of what is observed"});
+    if (out.times.empty()) return out; // series alone: no frame is looked at
+    // Frames at the observations' own times: surfaces that are moved there by their velocity alone miss what the flow gains in between.
+    out.assignments.push_back({"output.interval=0", "the times of what is observed"});
+    out.assignments.push_back({"output.times=[" + join(numbers_apart(out.times), ", ") + "]", "the times of what is observed"});
     return out;
 }
 
@@ -77,7 +107,9 @@ std::string describe_observations(const StudyFile& file, const Experiment& exper
     if (experiment.kind == ExperimentKind::contours) {
         return file.beside(experiment.masks).string() + ": " + std::to_string(identify::observed_frames(experiment, file.beside(experiment.masks)).size()) + " masks";
     }
-    const auto sheet = observed_sheet(file, experiment, input_of(file, file.scene_of(experiment)));
+    const auto input = input_of(file, file.scene_of(experiment));
+    if (experiment.kind == ExperimentKind::series) return file.beside(experiment.series.file).string() + ": " + std::to_string(observed_series(file, experiment, input).size()) + " values";
+    const auto sheet = observed_sheet(file, experiment, input);
     const auto& counts = sheet.counts;
     std::string out = std::to_string(sheet.fields.size()) + " fields, " + std::to_string(counts.vectors) + " vectors, " + std::to_string(counts.kept()) + " compared";
     const auto add = [&](std::size_t count, const char* what) {

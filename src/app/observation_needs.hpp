@@ -3,10 +3,10 @@
 
 namespace treacle::app {
 
-// Needs of an experiment of its run: the interval of frames, keys of the scene that it sets, and all on which the comparison
+// Needs of an experiment of its run: the times of frames, keys of the scene that it sets, and all on which the comparison
 // depends.
 struct ObservationNeeds {
-    double interval = 0; // [s] between frames; 0: any
+    std::vector<double> times; // [s] of frames
     std::vector<study::Assignment> assignments;
     std::string content;
 };

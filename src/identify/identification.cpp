@@ -207,9 +207,11 @@ void climb_rungs(const StudyFile& file, const Priors& priors, Trials& trials, Id
     }
     if (rungs.front().size() < 2) return;
     for (std::size_t k = 0; k < file.searched; ++k) {
-        const auto one = search::extrapolate(rungs[k], std::sqrt(out.estimate->parts[k].noise));
+        auto& parts = out.estimate->parts[k];
+        const auto one = search::extrapolate(rungs[k], {std::sqrt(parts.noise), std::max(1, file.search.noise_runs)});
         out.corrections.push_back(one);
-        out.estimate->parts[k].resolution = one.deviation * one.deviation;
+        parts.noise = one.noise * one.noise;
+        parts.resolution = one.deviation * one.deviation - parts.noise;
     }
 }
 
@@ -234,6 +236,12 @@ void measure_noise(const StudyFile& file, const Priors& priors, Trials& trials, 
     }
 }
 
+// How far a measured value is changed to see what it does: far enough that the change stands out of the numerical noise.
+double measured_step(double value, double deviation) {
+    constexpr double clear = 0.05; // relative
+    return std::max(deviation, clear * std::abs(value));
+}
+
 // What a standard deviation of each measured value does to the answer.
 void vary_measured(const StudyFile& file, const Priors& priors, Trials& trials, Identification& out) {
     for (std::size_t m = 0; m < file.measured; ++m) {
@@ -242,12 +250,14 @@ void vary_measured(const StudyFile& file, const Priors& priors, Trials& trials, 
         const double value = *parameter.number(parameter.values.front());
         if (file.deviations[m] == 0) continue;
         const auto point = out.estimate->point;
-        const auto run = trials.run({{point_of(point), {parameter.name, index, value + file.deviations[m]}}}).front();
-        if (!run) throw InputError({parameter.where, "the run with " + parameter.name + " raised by its plus_minus failed", "its share of the interval is not known",
+        const double step = measured_step(value, file.deviations[m]);
+        const auto run = trials.run({{point_of(point), {parameter.name, index, value + step}}}).front();
+        if (!run) throw InputError({parameter.where, "the run with " + parameter.name + " raised by " + format_number(step) + " failed", "its share of the interval is not known",
                                     "see the table for the reason"});
         const auto shifted = estimate(trials.good(), priors, &*run).point;
         for (std::size_t k = 0; k < file.searched; ++k) {
-            out.estimate->parts[k].measured.emplace_back(parameter.name, std::pow(shifted[Eigen::Index(k)] - point[Eigen::Index(k)], 2));
+            const double shift = (shifted[Eigen::Index(k)] - point[Eigen::Index(k)]) * file.deviations[m] / step;
+            out.estimate->parts[k].measured.emplace_back(parameter.name, shift * shift);
         }
     }
 }
@@ -295,6 +305,14 @@ ViewInformation sheet_information(const ViewUncertainty& uncertainty) {
     out(sheet_scale, sheet_scale) = information(uncertainty.scale);
     out(sheet_right, sheet_right) = out(sheet_up, sheet_up) = information(uncertainty.shift);
     out(sheet_turn, sheet_turn) = information(uncertainty.turn);
+    return out;
+}
+
+ViewInformation series_information(const ViewUncertainty& uncertainty, const Series& series) {
+    ViewInformation out = ViewInformation::Identity();
+    out(series_time, series_time) = information(uncertainty.time_zero);
+    out(series_offset, series_offset) = information(series.offset);
+    out(series_scale, series_scale) = information(uncertainty.scale);
     return out;
 }
 

@@ -38,6 +38,7 @@ struct Identification {
 using Priors = std::vector<ViewInformation>;
 ViewInformation information_of(const ViewUncertainty& uncertainty, const std::optional<Eigen::Matrix<double, 6, 6>>& pose, double focal_deviation);
 ViewInformation sheet_information(const ViewUncertainty& uncertainty);
+ViewInformation series_information(const ViewUncertainty& uncertainty, const Series& series);
 
 // Throws InputError without a parameter, for one without a range, for one that silhouettes cannot know, and for ends of ranges
 // that a scene refuses.

@@ -105,6 +105,49 @@ TEST(Estimate, AnotherResolutionsRunMovesTheAnswer) {
     EXPECT_NEAR(found.point[0], 2.25, 1e-3);
 }
 
+// A sheet of PIV beside a film: vectors in units of their noise, in the same number of fields, each twice as sure of the viscosity as
+// a segment is. `odd` is what they say the viscosity is.
+EvaluatedRun with_vectors(EvaluatedRun run, double odd, double noise, int seed) {
+    std::mt19937 generator{std::uint32_t(seed)};
+    std::normal_distribution<double> normal(0, noise);
+    auto& sheet = run.experiments.emplace_back();
+    sheet.kind = ExperimentKind::piv;
+    for (int f = 0; f < 20; ++f) {
+        for (int i = 0; i < 60; ++i) {
+            SegmentResidual one;
+            one.frame = f;
+            one.x = i % 10;
+            one.y = i / 10;
+            one.points = 1;
+            one.displacement = 10 * (run.point[0] - odd) * std::sin(i) + normal(generator);
+            if (i == 3) one.points = 0;
+            if (i == 4 && run.point[0] > 2.9) one.displacement = std::nan("");
+            sheet.segments.push_back(one);
+        }
+    }
+    return run;
+}
+
+TEST(Estimate, ExperimentsOfTwoKindsAddUpEachByItsOwnNoise) {
+    const Film film(3, 0.5, 1, 1, 0);
+    auto priors = prior(0.3);
+    priors.push_back(ViewInformation::Identity());
+    const auto both = [&](double odd, double noise) {
+        std::vector<EvaluatedRun> runs;
+        for (const auto& one : film.runs()) runs.push_back(with_vectors(one, odd, noise, 11));
+        return estimate(runs, priors);
+    };
+    const auto alone = estimate(film.runs(), prior(0.3)), agreeing = both(truth, 1);
+    EXPECT_LT(agreeing.parts[0].total(), 0.5 * alone.parts[0].total());
+    EXPECT_LT(std::abs(agreeing.point[0] - truth), 3 * std::sqrt(agreeing.parts[0].total()));
+    EXPECT_NEAR(agreeing.noise[0], 0.5, 0.05); // [px]
+    EXPECT_NEAR(agreeing.noise[1], 1, 0.1);    // [noises]
+    // Vectors that are sixty times as noisy as stated hardly count, whatever they say.
+    EXPECT_LT(std::abs(both(truth + 0.3, 60).point[0] - alone.point[0]), std::sqrt(alone.parts[0].total()));
+    EXPECT_EQ(agreeing.misfit.size(), 60u); // by frame and field
+    EXPECT_EQ(agreeing.misfit_of.back(), 1u);
+}
+
 TEST(Estimate, OneRunIsNotEnough) {
     const Film film(1, 0.1, 1, 1, 0);
     EXPECT_THROW(estimate({film.run(2)}, prior(0.3)), std::exception);
