@@ -130,6 +130,10 @@ ObservationNeeds sheet_needs(const StudyFile& file, const Experiment& experiment
             for (const double v : {one.x, one.y, one.u, one.v}) out.content += " " + format_number(v);
         }
     }
+    // A method that changes with the viscosity looks like a flow that does.
+    if (input.on_grid() && input.method.grid.stokes.solve == grid::StokesSolve::automatic) {
+        out.assignments.push_back({"method.grid.stokes.solve=together", s.where + ": one method over the range of viscosities"});
+    }
     if (!s.has_track()) return out;
     const Tracked ball(file, experiment, input.scene);
     const auto& body = input.scene.bodies[ball.number];

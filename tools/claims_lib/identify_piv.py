@@ -17,7 +17,7 @@ liquids:
   - {{name: oil, density: 970.79, viscosity: 1.03 Pa.s, around_bodies: true, shapes: [{{box: {{min: [0, 0, 0], max: [{width}, {width}, {height}]}}}}]}}
 bodies:
   - {{name: ball, {motion}, slip: no_slip, shape: {{sphere: {{centre: [{middle}, {middle}, {start}], radius: {radius}}}}}}}
-method: {{kind: grid}}
+method: {{kind: grid, grid: {{stokes: {{solve: together}}}}}}
 time: {{end: {end}}}
 """
 STUDY = """schema_version: 1
