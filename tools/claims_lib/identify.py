@@ -5,6 +5,7 @@ import random
 import re
 import statistics
 
+from . import identify_templates
 from .run import built, execute, scratch
 from .table import Figure, Table, Unmeasured
 
@@ -151,3 +152,6 @@ def honest(context):
     ok = (165 <= 200 * inside / total <= 192 and 80 <= 200 * half_inside / total <= 120 and 0.75 <= deviation <= 1.3 and abs(mean) <= 0.3
           and width <= 0.06)
     return Figure(f"90 %: {inside} of {total}, 50 %: {half_inside}; z: s.d. {deviation:.2f}, mean {mean:+.2f}; half-width {100 * width:.1f} %", ok)
+
+
+identify_templates.add_rows(TABLE)
