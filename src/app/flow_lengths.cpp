@@ -9,6 +9,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <optional>
 
 namespace treacle::app {
 
@@ -38,7 +39,14 @@ double fallen_radius(double radius, double speed, double fall) {
     return radius * std::sqrt(speed / std::sqrt(speed * speed + 2 * identify::gravity * std::max(0.0, fall)));
 }
 
-// Thickness of all the liquid at the end of the run, as a layer over a floor [m].
+// Width [m] of a channel along x: between walls at both ends of y, in two dimensions 1. None where the liquid spreads all round.
+std::optional<double> channel_width(const scene::Domain& domain) {
+    if (domain.dimensions == 2) return 1;
+    const bool walls = domain.faces[2].kind == scene::FaceKind::wall && domain.faces[3].kind == scene::FaceKind::wall;
+    return walls ? std::optional(domain.max[1] - domain.min[1]) : std::nullopt;
+}
+
+// Mean thickness of all the liquid at the end of the run, as a layer over a floor [m]; 0 where it cannot be told.
 double spread_thickness(const Input& input, const Geometry& geometry) {
     const auto& scene = input.scene;
     const auto& liquid = scene.liquids.front();
@@ -48,9 +56,11 @@ double spread_thickness(const Input& input, const Geometry& geometry) {
     }
     const double nu = liquid.viscosity / liquid.density;
     if (!std::isfinite(volume) || !(volume > 0) || !(nu > 0)) return 0;
-    const double drive = identify::gravity * std::pow(volume, 3) * scene.time.end / (3 * nu);
-    if (scene.domain.dimensions == 2) return volume / (1.411 * std::pow(drive, 0.2));
-    const double radius = 0.894 * std::pow(drive, 0.125);
+    if (const auto width = channel_width(scene.domain)) {
+        const double area = volume / *width;
+        return area / identify::plane_front(nu, area, scene.time.end);
+    }
+    const double radius = identify::round_front(nu, volume, scene.time.end);
     return volume / (std::numbers::pi * radius * radius);
 }
 } // namespace

@@ -61,7 +61,7 @@ std::vector<LabelledLine> measured_shares(const identify::StudyFile& file, const
         sum += part.effect ? *part.effect * *part.effect : 0;
         parts.push_back(part);
     }
-    if (parts.empty()) return {};
+    sum += file.temperature.deviation() * file.temperature.deviation();
     const auto all = found.find("all");
     const double total = all == found.end() ? sum + usual_rest * usual_rest : std::max(sum, all->second * all->second);
     std::vector<LabelledLine> out{{"", std::string("measured values, one standard deviation each, ") + (found.empty() ? "by textbook powers" : "by " + result.string())}};
@@ -76,6 +76,8 @@ std::vector<LabelledLine> measured_shares(const identify::StudyFile& file, const
         if (*part.effect > aim) line += "; measure it to +- " + two_digits(part.deviation * aim / *part.effect) + (parameter.unit.empty() ? "" : " " + parameter.unit) + " for 1 %";
         out.emplace_back(parameter.name, line);
     }
+    const double warmth = file.temperature.deviation();
+    out.emplace_back("temperature", file.temperature.text() + (warmth > 0 ? ": " + percent(warmth) + " of " + file.study.parameters.front().name + ", " + percent(warmth * warmth / total) + " of its variance" : ""));
     const double rest = std::max(0.0, total - sum);
     out.emplace_back("film, camera, resolution", percent(std::sqrt(rest)) + ", " + percent(rest / total) + " of its variance" + (all == found.end() ? ", as is usual" : ""));
     out.emplace_back("90 % interval", "about +- " + percent(1.645 * std::sqrt(total)));

@@ -77,7 +77,7 @@ void add_identify(CLI::App& program, const ChooseStudyCommand& choose) {
     app.add_option("study", request->study, "YAML file, or a folder with study.yaml")->required()->type_name("STUDY");
     app.add_option("--out", request->out, "Folder for the results (default: out/NAME)")->type_name("DIR");
     app.add_option("--set", request->overrides, "Override a key of the study: search.evaluations=30. May be given several times.")->allow_extra_args(false);
-    app.add_flag("--quick", request->quick, "A first answer of some ten runs: two rungs, and an interval without the measured values' part");
+    app.add_flag("--quick", request->quick, "A first answer of some 14 runs: two rungs, and an interval without the measured values' part");
     app.callback([request, choose] {
         choose.alone([request] {
             auto found = *request;

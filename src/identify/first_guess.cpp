@@ -6,15 +6,17 @@
 
 namespace treacle::identify {
 
-double plane_spreading(double density, double area, double front, double time) {
-    constexpr double prefactor = 1.411;
-    return density * gravity * std::pow(area, 3) * time / 3 * std::pow(prefactor / front, 5);
-}
+namespace {
+constexpr double plane_prefactor = 1.411, round_prefactor = 0.894;
 
-double round_spreading(double density, double volume, double front, double time) {
-    constexpr double prefactor = 0.894;
-    return density * gravity * std::pow(volume, 3) * time / 3 * std::pow(prefactor / front, 8);
-}
+double drive(double kinematic_viscosity, double size, double time) { return gravity * std::pow(size, 3) * time / (3 * kinematic_viscosity); }
+} // namespace
+
+double plane_spreading(double density, double area, double front, double time) { return density * drive(1, area, time) * std::pow(plane_prefactor / front, 5); }
+double plane_front(double kinematic_viscosity, double area, double time) { return plane_prefactor * std::pow(drive(kinematic_viscosity, area, time), 0.2); }
+
+double round_spreading(double density, double volume, double front, double time) { return density * drive(1, volume, time) * std::pow(round_prefactor / front, 8); }
+double round_front(double kinematic_viscosity, double volume, double time) { return round_prefactor * std::pow(drive(kinematic_viscosity, volume, time), 0.125); }
 
 double spreading_down(double density, double area, double angle, double front, double time) {
     return density * 9 * area * area * gravity * std::sin(angle) * time / (4 * std::pow(front, 3));

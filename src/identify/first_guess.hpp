@@ -12,8 +12,13 @@ inline constexpr double gravity = 9.81;
 // `time`: front = 1.411 (g area^3 t / (3 nu))^(1/5). Huppert 1982, J. Fluid Mech. 121, equation 2.20.
 double plane_spreading(double density, double area, double front, double time);
 
+// The front that this is for a kinematic viscosity [m2/s].
+double plane_front(double kinematic_viscosity, double area, double time);
+
 // A volume [m3] spreads to a disc of radius `front`: front = 0.894 (g V^3 t / (3 nu))^(1/8). Huppert 1982, equation 2.21.
 double round_spreading(double density, double volume, double front, double time);
+
+double round_front(double kinematic_viscosity, double volume, double time);
 
 // A volume of `area` per width flows down a slope of `angle` [rad]: front = (9 area^2 g sin(angle) t / (4 nu))^(1/3), from where
 // it began. Huppert 1982, Nature 300, 427.

@@ -142,6 +142,7 @@ std::string html(const StudyFile& file, const Identification& identification, co
     }
     const auto said = verdict(identification);
     if (!said.empty()) out += "<p class=\"warn\">" + said + "</p>\n";
+    out += std::string(file.temperature.stated() ? "<p>" : "<p class=\"warn\">") + "Temperature of the liquid: " + file.temperature.text() + ".</p>\n";
     out += "<p>" + identification.stop + "</p>\n";
     if (identification.estimate) {
         const auto& estimate = *identification.estimate;
@@ -189,6 +190,7 @@ std::string yaml(const StudyFile& file, const Identification& identification) {
         for (const auto& [name, part] : shares(parts, file.has_rungs())) out += "      " + name + ": " + format_number(std::sqrt(part)) + "\n";
     }
     if (identification.estimate) out += "misfit_px: " + format_number(misfit_of(*identification.estimate)) + "\n";
+    if (file.temperature.stated()) out += "temperature: " + file.temperature.value + "\ntemperature_plus_minus: " + file.temperature.plus_minus + "\n";
     out += "trials: " + std::to_string(identification.trials.size()) + "\n";
     if (!identification.problem.empty()) out += "problem: \"" + identification.problem + "\"\n";
     return out;

@@ -12,6 +12,7 @@ void StudyFile::declare(Declaration& d) {
     study.declare(d);
     d.list("experiments", experiments, "Films that the runs are compared with, for `treacle identify`.");
     d.block("search", search, "How `treacle identify` looks for the parameters.", "method");
+    d.block("temperature", temperature, "Temperature of the liquid during the experiments.");
     if (!d.parsing()) return;
     searched = study.parameters.size();
     if (!experiments.empty()) add_measured_and_rungs(d);

@@ -1,5 +1,6 @@
 #pragma once
 #include "identify/experiment.hpp"
+#include "identify/temperature.hpp"
 #include "study/study.hpp"
 
 namespace treacle::identify {
@@ -9,6 +10,7 @@ struct StudyFile {
     study::Study study; // behind the parameters that are searched stand, with experiments, the measured values and the spacing
     std::vector<Experiment> experiments;
     SearchSettings search;
+    Temperature temperature;
     std::size_t searched = 0; // parameters, the first of the study's
     std::size_t measured = 0; // behind those
     std::vector<double> deviations; // [measured] in the units of the parameters

@@ -15,8 +15,10 @@ TEST(FirstGuess, SpreadingGivesBackTheViscosityOfItsFront) {
     const double area = 4e-3, volume = 3e-4, angle = 0.3;
     const double plane = 1.411 * std::pow(9.81 * std::pow(area, 3) * time / (3 * nu), 0.2);
     EXPECT_NEAR(plane_spreading(density, area, plane, time), viscosity, 1e-12);
+    EXPECT_NEAR(plane_front(nu, area, time), plane, 1e-15);
     const double round = 0.894 * std::pow(9.81 * std::pow(volume, 3) * time / (3 * nu), 0.125);
     EXPECT_NEAR(round_spreading(density, volume, round, time), viscosity, 1e-12);
+    EXPECT_NEAR(round_front(nu, volume, time), round, 1e-15);
     const double down = std::cbrt(9 * area * area * 9.81 * std::sin(angle) * time / (4 * nu));
     EXPECT_NEAR(spreading_down(density, area, angle, down, time), viscosity, 1e-12);
     EXPECT_NEAR(film_on_incline(density, angle, 5e-3, 9.81 * std::sin(angle) * 25e-6 / (2 * nu)), viscosity, 1e-12);
