@@ -353,6 +353,9 @@ Identification identify(const StudyFile& file, const Priors& priors, study::Stud
             climb_rungs(file, priors, trials, out);
         }
         vary_measured(file, priors, trials, out);
+        if (file.temperature.deviation() > 0) {
+            for (auto& parts : out.estimate->parts) parts.measured.emplace_back("temperature", std::pow(file.temperature.deviation(), 2));
+        }
         say_answer(file, out);
         widen_to_alike_trials(file, out);
     } catch (const Trials::Stopped&) {

@@ -12,6 +12,7 @@ void StudyFile::declare(Declaration& d) {
     study.declare(d);
     d.list("experiments", experiments, "Films that the runs are compared with, for `treacle identify`.");
     d.block("search", search, "How `treacle identify` looks for the parameters.", "method");
+    d.block("temperature", temperature, "Temperature of the liquid during the experiments.");
     if (!d.parsing()) return;
     searched = study.parameters.size();
     if (!experiments.empty()) add_measured_and_rungs(d);
@@ -38,6 +39,7 @@ void StudyFile::add_measured_and_rungs(Declaration& d) {
         study.parameters.push_back(parameter);
         const auto deviation = study::read_number_and_unit(one.plus_minus);
         deviations.push_back(deviation ? deviation->value : 0);
+        exponents.push_back(one.exponent);
     }
     measured = study.measured.size();
     study.measured.clear();
@@ -58,6 +60,21 @@ void StudyFile::add_measured_and_rungs(Declaration& d) {
         d.check(parameter.key != spacing.key, "search", {"must not have rungs beside a parameter of the spacing", parameter.where + " sets it too", "leave one of them out"});
     }
     study.parameters.push_back(spacing);
+}
+
+void StudyFile::make_quick() {
+    constexpr std::size_t rungs = 2;
+    constexpr int evaluations = 10;
+    constexpr double tolerance = 0.02;
+    if (has_rungs()) {
+        auto& spacing = study.parameters.back().values;
+        spacing.resize(std::min(spacing.size(), rungs));
+    }
+    search.rungs.resize(std::min(search.rungs.size(), rungs));
+    search.noise_runs = std::min(search.noise_runs, 1);
+    search.evaluations = std::min(search.evaluations, evaluations);
+    search.tolerance = std::max(search.tolerance, tolerance);
+    std::ranges::fill(deviations, 0.0);
 }
 
 const study::StudyScene& StudyFile::scene_of(const Experiment& experiment) const {
