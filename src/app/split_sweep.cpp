@@ -123,7 +123,7 @@ private:
 struct Desk {
     Desk(const study::Study& study, const std::vector<study::Candidate>& candidates, const std::filesystem::path& folder, const SweepRequest& request, int groups)
         : runs(study, {folder, this_program(), {}}, log), numbers(ask_once(runs, candidates)),
-          hand_out(runs, runs.waiting(numbers, request.retry_failed), log) {
+          hand_out(runs, runs.longest_first(runs.waiting(numbers, request.retry_failed)), log) {
         log.line(std::to_string(numbers.size()) + " runs on " + std::to_string(groups) + " groups of ranks in " + folder.string());
     }
     Log log{Voice::speaks};

@@ -92,7 +92,7 @@ JournalOwner owner_of(const Study& study, const std::string& program) {
 
 Candidate candidate_of(const Study& study, const StudyScene& scene, const Point& values, const SceneReader& read_scene) {
     const auto facts = read_scene(study.scene_file(scene), assignments_of(study, scene, values));
-    return {scene.name, values, run_key(facts, study.runs.ranks, program_identity()), facts.end};
+    return {scene.name, values, run_key(facts, study.runs.ranks, program_identity()), facts.end, facts.work};
 }
 
 namespace {
@@ -159,8 +159,10 @@ std::filesystem::path StudyRuns::run_folder(std::int64_t number) const { return 
 
 std::int64_t StudyRuns::ask(const Candidate& candidate) {
     simulated_end_ = candidate.end;
-    if (const auto* known = journal_.find(candidate.key)) return known->number;
-    return journal_.ask(candidate.scene, candidate.values, candidate.key).number;
+    const auto* known = journal_.find(candidate.key);
+    const auto number = known ? known->number : journal_.ask(candidate.scene, candidate.values, candidate.key).number;
+    work_[number] = candidate.work;
+    return number;
 }
 
 // A result that is there although the journal has none: this program was ended in between.
@@ -188,7 +190,8 @@ bool StudyRuns::adopt_finished(std::int64_t number) {
 void StudyRuns::write_request(std::int64_t number) const {
     check_disk();
     std::filesystem::remove_all(run_folder(number));
-    study::write_request(run_folder(number), request_of(study_, journal_.runs()[std::size_t(number - 1)]));
+    // One that is lost with the machine's power is written again.
+    study::write_request(run_folder(number), request_of(study_, journal_.runs()[std::size_t(number - 1)]), Durability::cached);
 }
 
 void StudyRuns::finish(const LaneResult& result) {
@@ -290,8 +293,17 @@ std::vector<std::int64_t> StudyRuns::waiting(std::span<const std::int64_t> runs,
     return waiting;
 }
 
+std::vector<std::int64_t> StudyRuns::longest_first(std::vector<std::int64_t> runs) const {
+    const auto work = [&](std::int64_t number) {
+        const auto known = work_.find(number);
+        return known == work_.end() ? 0.0 : known->second;
+    };
+    std::ranges::stable_sort(runs, std::ranges::greater{}, work);
+    return runs;
+}
+
 StudyEnd StudyRuns::run(std::span<const std::int64_t> runs, bool retry_failed) {
-    const auto waiting = this->waiting(runs, retry_failed);
+    const auto waiting = longest_first(this->waiting(runs, retry_failed));
     if (waiting.empty()) return StudyEnd::complete;
     Lanes lanes(lane_count_, {study_.runs.time_limit, study_.runs.hang_factor, study_.runs.hang_least, study_.runs.memory * 1e9});
     std::size_t next = 0;

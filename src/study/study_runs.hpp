@@ -5,6 +5,7 @@
 #include "study/lanes.hpp"
 
 #include <functional>
+#include <map>
 #include <memory>
 #include <span>
 
@@ -21,6 +22,7 @@ struct Assignment {
 struct SceneFacts {
     std::string content; // all that a run's result depends on: every value, and the contents of the files that it names
     double end = 0;      // [s] of simulated time
+    double work = 0;     // in which its runs' lengths are to each other, roughly: particles times steps; 0: not known
 };
 using SceneReader = std::function<SceneFacts(const std::filesystem::path& scene, const std::vector<Assignment>& assignments)>;
 
@@ -38,7 +40,8 @@ struct Candidate {
     std::string scene; // its name
     Point values;
     std::string key;
-    double end = 0; // [s] of simulated time
+    double end = 0;  // [s] of simulated time
+    double work = 0; // as in SceneFacts
 };
 // Throws InputError when the scene refuses the values.
 Candidate candidate_of(const Study& study, const StudyScene& scene, const Point& values, const SceneReader& read_scene);
@@ -76,6 +79,8 @@ public:
     // For those who do the runs themselves: the runs without an outcome, each once, in their order; the folder and request of
     // one; and its outcome, from how it ended and its folder, into the journal.
     std::vector<std::int64_t> waiting(std::span<const std::int64_t> runs, bool retry_failed);
+    // In the order in which lanes do them best: the longest first, so that none of them stands alone at the end (Graham 1969).
+    std::vector<std::int64_t> longest_first(std::vector<std::int64_t> runs) const;
     void write_request(std::int64_t number) const;
     void finish(const LaneResult& result);
 
@@ -103,6 +108,7 @@ private:
     int lane_count_;
     bool changed_ = false; // runs have ended since the last report
     double simulated_end_ = 0; // [s], of the last run that was asked for
+    std::map<std::int64_t, double> work_; // of the runs asked for
     std::chrono::steady_clock::time_point start_, last_report_;
 };
 
