@@ -162,10 +162,10 @@ def busy_lanes(context):
 def unequal_lanes(context):
     """Wall time of the whole sweep against the lower bound of any schedule: the longest run, or the work over the lanes. The long
     runs stand last in the design."""
-    short, long = (0.04, 0.4) if context.quick else (0.12, 1.2)
+    short, long = (0.05, 0.8) if context.quick else (0.1, 1.8)
     with scratch(context, "unequal") as folder:
         lay_out(context, folder, points=2)
-        rows = [f'"{10 + k} Pa.s, {short if k < 12 else long} s"' for k in range(16)]
+        rows = [f'"{10 + k} Pa.s, {short if k < 22 else long} s"' for k in range(24)]
         text = (folder / "study.yaml").read_text().replace("liquids.syrup.density, range: [1000, 1400], points: 2", "time.end, values: [1 s]")
         (folder / "study.yaml").write_text(text.replace("sweep: grid", "sweep: {design: list, rows: [" + ", ".join(rows) + "]}"))
         done = sweep(context, folder, "out", "--set", "runs.lanes=3", "--set", "scenes.block.set=[domain.spacing=2 mm]")
