@@ -16,8 +16,9 @@ void require_experiments(const identify::StudyFile& file) {
 }
 } // namespace
 
-ExitCode identify_study(const SweepRequest& request) {
-    const auto file = load_checked_study(request.study, request.overrides);
+ExitCode identify_study(const IdentifyRequest& request) {
+    auto file = load_checked_study(request.study, request.overrides);
+    if (request.quick) file.make_quick();
     require_experiments(file);
     const StudyScenes scenes(file);
     identify::check_searched(file, scenes.reader());

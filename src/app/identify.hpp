@@ -3,8 +3,12 @@
 
 namespace treacle::app {
 
+struct IdentifyRequest : SweepRequest {
+    bool quick = false; // see StudyFile::make_quick
+};
+
 // `treacle identify` in a process without MPI: searches the parameters with which the study's scenes look like its films,
 // and writes the table of the runs and a report. Exit code 0 with an answer, 3 without, 5 when stopped.
-ExitCode identify_study(const SweepRequest& request);
+ExitCode identify_study(const IdentifyRequest& request);
 
 } // namespace treacle::app

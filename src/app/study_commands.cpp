@@ -2,6 +2,7 @@
 
 #include "app/handed_study.hpp"
 #include "app/identify.hpp"
+#include "app/new_study.hpp"
 #include "app/split_sweep.hpp"
 #include "app/study_history.hpp"
 #include "app/study_plan.hpp"
@@ -70,12 +71,13 @@ void add_sweep(CLI::App& program, const ChooseStudyCommand& choose) {
 }
 
 void add_identify(CLI::App& program, const ChooseStudyCommand& choose) {
-    auto request = std::make_shared<SweepRequest>();
+    auto request = std::make_shared<IdentifyRequest>();
     auto& app = *program.add_subcommand("identify", "Find the parameters with which a study's scenes look like its films, with an interval. The same "
                                                     "command goes on where it was stopped.");
     app.add_option("study", request->study, "YAML file, or a folder with study.yaml")->required()->type_name("STUDY");
     app.add_option("--out", request->out, "Folder for the results (default: out/NAME)")->type_name("DIR");
     app.add_option("--set", request->overrides, "Override a key of the study: search.evaluations=30. May be given several times.")->allow_extra_args(false);
+    app.add_flag("--quick", request->quick, "A first answer of some 14 runs: two rungs, and an interval without the measured values' part");
     app.callback([request, choose] {
         choose.alone([request] {
             auto found = *request;
@@ -83,6 +85,22 @@ void add_identify(CLI::App& program, const ChooseStudyCommand& choose) {
             return identify_study(found);
         });
         choose.on_ranks([]() -> Command { return refuse_ranks("treacle identify"); });
+    });
+}
+
+void add_new(CLI::App& program, const ChooseStudyCommand& choose) {
+    auto request = std::make_shared<NewStudyRequest>();
+    auto& app = *program.add_subcommand("new", "A ready study of an experiment: its scene, a form of what to measure, how to film. Without a template: the list of them.");
+    app.add_option("template", request->name, "The experiment")->type_name("TEMPLATE");
+    app.add_option("folder", request->folder, "New folder for the study")->type_name("DIR");
+    app.add_option("--set", request->form, "An entry of the form: \"length=7 cm +- 0.05 cm\". May be given several times.")->allow_extra_args(false);
+    for (const auto& sight : sight_options()) {
+        app.add_option_function<std::string>(std::string("--") + sight.name, [request, sight](const std::string& text) { request->sight[sight.name] = text; }, sight.doc)
+            ->type_name(sight.type);
+    }
+    app.callback([request, choose] {
+        choose.alone([request] { return new_study(*request); });
+        choose.on_ranks([]() -> Command { return refuse_ranks("treacle new"); });
     });
 }
 
@@ -153,6 +171,7 @@ bool started_on_ranks() {
 }
 
 void add_study_commands(CLI::App& program, const ChooseStudyCommand& choose) {
+    add_new(program, choose);
     add_sweep(program, choose);
     add_identify(program, choose);
     add_study(program, choose);

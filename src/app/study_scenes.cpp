@@ -8,6 +8,7 @@
 #include "scene/data_files.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <fstream>
 #include <iterator>
 #include <map>
@@ -70,7 +71,9 @@ InputSource StudyScenes::source(const std::filesystem::path& scene, const std::v
 
 study::SceneFacts StudyScenes::read(const std::filesystem::path& scene, const std::vector<study::Assignment>& assignments) const {
     const auto input = load_scene(source(scene, assignments));
-    study::SceneFacts facts{effective(input), input.scene.time.end};
+    const auto& domain = input.scene.domain;
+    // Particles go with the spacing's power of the dimensions, steps with its inverse.
+    study::SceneFacts facts{effective(input), input.scene.time.end, input.scene.time.end * std::pow(domain.spacing, -domain.dimensions - 1)};
     for (const auto& file : scene::mesh_files(input.scene)) {
         const auto hash = "content " + content_hash(file);
         for (auto at = facts.content.find(file); at != std::string::npos; at = facts.content.find(file, at + hash.size())) {

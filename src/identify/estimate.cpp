@@ -27,14 +27,15 @@ struct Layout {
     std::size_t experiments = 0;
 };
 
-Layout layout_of(const EvaluatedRun& run, const std::vector<EvaluatedRun>& others) {
+Layout layout_of(const EvaluatedRun& run, const std::vector<std::vector<EvaluatedRun>>& others) {
     Layout out;
     out.experiments = run.experiments.size();
     for (std::size_t e = 0; e < run.experiments.size(); ++e) {
         const double usual = usual_noise(run.experiments[e].kind);
         for (std::size_t s = 0; s < run.experiments[e].segments.size(); ++s) {
             const auto finite = [&](const EvaluatedRun& one) { return std::isfinite(one.experiments[e].segments[s].displacement); };
-            if (run.experiments[e].segments[s].points > 0 && finite(run) && std::ranges::all_of(others, finite)) out.rows.push_back({e, s, usual});
+            const auto all_finite = [&](const std::vector<EvaluatedRun>& runs) { return std::ranges::all_of(runs, finite); };
+            if (run.experiments[e].segments[s].points > 0 && finite(run) && std::ranges::all_of(others, all_finite)) out.rows.push_back({e, s, usual});
         }
     }
     return out;
@@ -177,6 +178,28 @@ LocalModel local_model(const std::vector<EvaluatedRun>& runs, const Layout& layo
     out.gradient = coefficients.middleRows(1, p).transpose();
     out.square = quadratic ? Vector(coefficients.row(p + 1).transpose()) : Vector(Vector::Zero(out.value.size()));
     return out;
+}
+
+// Takes the model to the resolution of other runs: what these show beyond it is interpolated, exactly at the one nearest to the centre
+// and linearly along the directions in which the others lie from it.
+void correct(LocalModel& model, const std::vector<EvaluatedRun>& runs, const Layout& layout, const Vector& centre) {
+    const auto p = centre.size();
+    const auto beyond = [&](const EvaluatedRun& run) {
+        const Vector d = run.point - centre;
+        Vector out = displacements(run, layout) - model.value - model.gradient * d;
+        if (p == 1) out -= 0.5 * d[0] * d[0] * model.square;
+        return out;
+    };
+    const auto& nearest = *std::ranges::min_element(runs, {}, [&](const EvaluatedRun& run) { return (run.point - centre).norm(); });
+    const Vector base = beyond(nearest);
+    Matrix ways(p, Eigen::Index(runs.size())), changes(model.value.size(), Eigen::Index(runs.size()));
+    for (std::size_t i = 0; i < runs.size(); ++i) {
+        ways.col(Eigen::Index(i)) = runs[i].point - nearest.point;
+        changes.col(Eigen::Index(i)) = beyond(runs[i]) - base;
+    }
+    const Matrix slope = changes * ways.completeOrthogonalDecomposition().pseudoInverse();
+    model.value += base + slope * (centre - nearest.point);
+    model.gradient += slope;
 }
 
 // Number of each frame among those of its experiment.
@@ -350,11 +373,13 @@ double ninety_percent(const VarianceParts& parts, double freedom) {
     return z + (z3 + z) / (4 * n) + (5 * z5 + 16 * z3 + 3 * z) / (96 * n * n) + (3 * z7 + 19 * z5 + 17 * z3 - 15 * z) / (384 * n * n * n);
 }
 
-Estimate estimate(const std::vector<EvaluatedRun>& runs, const std::vector<ViewInformation>& priors, const EvaluatedRun* instead) {
+Estimate estimate(const std::vector<EvaluatedRun>& runs, const std::vector<ViewInformation>& priors, const std::vector<std::vector<EvaluatedRun>>& finer) {
     if (runs.empty()) throw InputError({"identify", "has no good run", "all have failed", "look at their reasons in the table"});
     const auto p = runs.front().point.size();
-    const auto* best = instead ? instead : &least_of(runs, priors);
-    const auto layout = layout_of(*best, runs);
+    const auto* best = &least_of(finer.empty() ? runs : finer.back(), priors);
+    auto all = finer;
+    all.push_back(runs);
+    const auto layout = layout_of(*best, all);
     if (layout.rows.empty()) {
         throw InputError({"identify", "finds nothing to compare: no contour in the masks, no vector in the liquid",
                           "masks hold no liquid, or only specks and what touches the rim; or sheets lie where no run has liquid",
@@ -373,11 +398,7 @@ Estimate estimate(const std::vector<EvaluatedRun>& runs, const std::vector<ViewI
         const Vector reach = Vector::Constant(p, 0.3);
         for (int round = 0; round < 12; ++round) {
             model = local_model(runs, layout, out.point, reach);
-            if (instead) {
-                const Vector way = out.point - instead->point;
-                model.value = displacements(*instead, layout) + model.gradient * way;
-                if (p == 1) model.value -= 0.5 * way[0] * way[0] * model.square; // the gradient is that of the point, not of the run
-            }
+            for (const auto& rung : finer) correct(model, rung, layout, out.point);
             g << model.gradient, views;
             result = fit(model.value, g, size, information, layout, {false, 3, dilution});
             const Vector step = result.x.head(p);

@@ -51,8 +51,10 @@ struct Estimate {
 // polynomial through the runs nearest to the best one, J of the view. Weights are even up to Huber's; the variance is that of
 // leaving out blocks of neighbouring segments and frames in turn (the jackknife of clusters, CR3 in Bell & McCaffrey 2002),
 // since residuals side by side are not independent; its degrees of freedom after Satterthwaite. Each experiment is scaled by its
-// own noise, and diluted by how many of its segments count as one. With `instead` r is that of this run, of another resolution
-// say, and only g comes from the others. Throws InputError where the runs do not determine it.
-Estimate estimate(const std::vector<EvaluatedRun>& runs, const std::vector<ViewInformation>& priors, const EvaluatedRun* instead = nullptr);
+// own noise, and diluted by how many of its segments count as one. Throws InputError where the runs do not determine it.
+// finer: runs at one or more other resolutions, or with another change, in order. Then r is that of the last of them; g of the runs
+// before is corrected along the directions in which each resolution has several runs (a multisecant update, Fang & Saad 2009).
+Estimate estimate(const std::vector<EvaluatedRun>& runs, const std::vector<ViewInformation>& priors,
+                  const std::vector<std::vector<EvaluatedRun>>& finer = {});
 
 } // namespace treacle::identify

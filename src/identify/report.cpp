@@ -175,6 +175,7 @@ std::string html(const StudyFile& file, const Identification& identification, co
     for (const auto& note : notes(file)) out += "<p>" + note + "</p>\n";
     const auto said = verdict(file, identification);
     if (!said.empty()) out += "<p class=\"warn\">" + said + "</p>\n";
+    out += std::string(file.temperature.stated() ? "<p>" : "<p class=\"warn\">") + "Temperature of the liquid: " + file.temperature.text() + ".</p>\n";
     out += "<p>" + identification.stop + "</p>\n";
     if (identification.estimate) {
         const auto& estimate = *identification.estimate;
@@ -234,6 +235,7 @@ std::string yaml(const StudyFile& file, const Identification& identification) {
             out += "  - {name: " + file.experiments[e].name + ", " + unit_of(file.experiments[e].kind) + ": " + format_number(misfit_of(*identification.estimate, e)) + "}\n";
         }
     }
+    if (file.temperature.stated()) out += "temperature: " + file.temperature.value + "\ntemperature_plus_minus: " + file.temperature.plus_minus + "\n";
     out += "trials: " + std::to_string(identification.trials.size()) + "\n";
     if (!identification.problem.empty()) out += "problem: \"" + identification.problem + "\"\n";
     return out;

@@ -1,6 +1,7 @@
 #include "identify/study_file.hpp"
 
 #include "base/document.hpp"
+#include "base/error.hpp"
 #include "base/options.hpp"
 #include "base/text.hpp"
 
@@ -12,6 +13,7 @@ void StudyFile::declare(Declaration& d) {
     study.declare(d);
     d.list("experiments", experiments, "Films that the runs are compared with, for `treacle identify`.");
     d.block("search", search, "How `treacle identify` looks for the parameters.", "method");
+    d.block("temperature", temperature, "Temperature of the liquid during the experiments.");
     if (!d.parsing()) return;
     searched = study.parameters.size();
     if (!experiments.empty()) add_measured_and_rungs(d);
@@ -38,6 +40,7 @@ void StudyFile::add_measured_and_rungs(Declaration& d) {
         study.parameters.push_back(parameter);
         const auto deviation = study::read_number_and_unit(one.plus_minus);
         deviations.push_back(deviation ? deviation->value : 0);
+        exponents.push_back(one.exponent);
     }
     measured = study.measured.size();
     study.measured.clear();
@@ -60,6 +63,21 @@ void StudyFile::add_measured_and_rungs(Declaration& d) {
     study.parameters.push_back(spacing);
 }
 
+void StudyFile::make_quick() {
+    constexpr std::size_t rungs = 2;
+    constexpr int evaluations = 10;
+    constexpr double tolerance = 0.02;
+    if (has_rungs()) {
+        auto& spacing = study.parameters.back().values;
+        spacing.resize(std::min(spacing.size(), rungs));
+    }
+    search.rungs.resize(std::min(search.rungs.size(), rungs));
+    search.noise_runs = std::min(search.noise_runs, 1);
+    search.evaluations = std::min(search.evaluations, evaluations);
+    search.tolerance = std::max(search.tolerance, tolerance);
+    std::ranges::fill(deviations, 0.0);
+}
+
 const study::StudyScene& StudyFile::scene_of(const Experiment& experiment) const {
     if (experiment.scene.empty()) return study.scenes.front();
     return *std::ranges::find(study.scenes, experiment.scene, &study::StudyScene::name);
@@ -70,17 +88,39 @@ std::filesystem::path StudyFile::beside(const std::string& name) const {
     return (path.is_absolute() ? path : study.path.parent_path() / path).lexically_normal();
 }
 
+namespace {
+// Does some work on options; what its errors say of the manual of scenes they then say of that of studies.
+template <class Work>
+auto with_study_manual(const Work& work) {
+    try {
+        return work();
+    } catch (const InputError& error) {
+        auto problems = error.diagnostics();
+        const std::string manual = "`treacle schema", own = manual + " --study";
+        for (auto& problem : problems) {
+            auto& cure = problem.cure;
+            for (auto at = cure.find(manual); at != std::string::npos; at = cure.find(manual, at + own.size())) {
+                if (cure.compare(at, own.size(), own) != 0) cure.replace(at, manual.size(), own);
+            }
+        }
+        throw InputError(problems);
+    }
+}
+} // namespace
+
 StudyFile load_study_file(const std::filesystem::path& path, const std::vector<std::string>& overrides) {
     auto document = Document::load(path);
     for (const auto& assignment : overrides) document.set(assignment);
     StudyFile out;
     out.study.overrides = overrides;
     out.study.path = std::filesystem::absolute(path).lexically_normal();
-    parse(document, out);
+    with_study_manual([&] { parse(document, out); });
     return out;
 }
 
-std::string study_manual(const std::string& key) { return manual(StudyFile{}, key); }
+std::string study_manual(const std::string& key) {
+    return with_study_manual([&] { return manual(StudyFile{}, key); });
+}
 std::string study_schema() { return json_schema(StudyFile{}); }
 
 } // namespace treacle::identify

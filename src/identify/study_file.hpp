@@ -1,5 +1,6 @@
 #pragma once
 #include "identify/experiment.hpp"
+#include "identify/temperature.hpp"
 #include "study/study.hpp"
 
 namespace treacle::identify {
@@ -9,12 +10,17 @@ struct StudyFile {
     study::Study study; // behind the parameters that are searched stand, with experiments, the measured values and the spacing
     std::vector<Experiment> experiments;
     SearchSettings search;
+    Temperature temperature;
     std::size_t searched = 0; // parameters, the first of the study's
     std::size_t measured = 0; // behind those
     std::vector<double> deviations; // [measured] in the units of the parameters
+    std::vector<double> exponents;  // [measured] of the values in what is searched; 0: not known
     bool has_rungs() const { return study.parameters.size() > searched + measured; }
 
     void declare(Declaration& d);
+    // For an answer of a few runs: the two coarsest rungs, one run for the noise, none for the measured values, whose part the
+    // interval then lacks.
+    void make_quick();
 
     const study::StudyScene& scene_of(const Experiment& experiment) const;
     // Absolute.

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <numbers>
 
 namespace treacle::scene {
 
@@ -36,6 +38,13 @@ void declare_boundaries(Declaration& d, Domain& domain) {
 
 // Cells are counted in 64 bits over three axes; a longer domain is a slip of a unit anyway.
 constexpr double most_spacings = 1e6;
+
+// From the axis that is up towards x.
+void tilt_gravity(Vec3& gravity, double angle, std::size_t up) {
+    const double x = gravity[0], y = gravity[up];
+    gravity[0] = x * std::cos(angle) - y * std::sin(angle);
+    gravity[up] = x * std::sin(angle) + y * std::cos(angle);
+}
 
 void check_extent(Declaration& d, const Domain& domain) {
     for (std::size_t i = 0; i < static_cast<std::size_t>(domain.dimensions); ++i) {
@@ -118,6 +127,11 @@ void Domain::declare(Declaration& d) {
     d.required("spacing");
     if (d.parsing()) where = d.place_of("spacing");
     d.vec3("gravity", gravity, unit::acceleration, "Acceleration; in a plane scene by default [0, -9.81].");
+    // Not kept: gravity holds it from here on, and effective.yaml states that.
+    double tilt = 0;
+    d.number("tilt", tilt, unit::angle, range_between(-std::numbers::pi / 2, std::numbers::pi / 2),
+             "Angle by which the table of the scene slopes down towards x: gravity is turned by it.");
+    if (d.parsing()) tilt_gravity(gravity, tilt, dimensions == 2 ? 1 : 2);
     d.block_of(
         "boundaries", [this](Declaration& inside) { declare_boundaries(inside, *this); },
         "The sides of the domain.");

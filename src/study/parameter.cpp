@@ -123,6 +123,9 @@ void Measured::declare(Declaration& d) {
     d.required("value");
     d.text("plus_minus", plus_minus, "Standard deviation, in the same unit.");
     d.required("plus_minus");
+    d.number("exponent", exponent, unit::none, range_any(),
+             "Power of the value in the first parameter, by a textbook formula: 3 for the length of a block that spreads. `treacle check` tells the "
+             "value's share of the interval by it until runs have told it; 0: not known.");
     if (!d.parsing()) return;
     const auto number = read_number_and_unit(value), deviation = read_number_and_unit(plus_minus);
     d.check(number.has_value(), "value", {"must be a number, with a unit", "", "write for instance 1.42 g/cm3"});

@@ -58,6 +58,7 @@ struct Measured {
     std::string name, key;
     std::string value;      // "1.42 g/cm3"
     std::string plus_minus; // standard deviation, in the same unit
+    double exponent = 0;    // of the value in what is searched, by a textbook formula; 0: not known
     std::string where;
 
     void declare(Declaration& d);

@@ -33,6 +33,8 @@ parameters:
   - {name: viscosity, key: liquids.syrup.viscosity, range: [0.5 Pa.s, 200 Pa.s], scale: log}
 experiments:
   - {name: block, masks: film, camera: front, from: 40 ms}
+measured:
+  - {name: density, key: liquids.syrup.density, value: 1400, plus_minus: 20}
 search: {tolerance: 0.03, evaluations: 10}
 """
 
@@ -131,7 +133,9 @@ class Identify(Workplace):
             text = file.read()
         value = float(re.search(r"value: ([0-9.e+-]+)", text).group(1))
         low, high = map(float, re.search(r"interval_90: \[([0-9.e+-]+) Pa.s, ([0-9.e+-]+)", text).groups())
-        return value, low, high, text
+        with open(self.path(out, "report", "index.html")) as file:
+            page = file.read()
+        return value, low, high, text, page[page.index("<h2>Trials"):]
 
     def ended(self, journal):
         """Numbers of the runs that have an outcome."""
@@ -140,18 +144,18 @@ class Identify(Workplace):
         with open(journal) as file:
             return re.findall(r'"ended":(\d+)', file.read())
 
-    def test_a_viscosity_is_found_and_the_same_after_a_kill(self):
+    def test_a_viscosity_is_found_and_the_same_on_other_lanes_and_after_a_kill(self):
         self.film("10 Pa.s")
-        self.treacle("identify", "study.yaml", "--out", "one")
-        value, low, high, text = self.result("one")
+        self.treacle("identify", "study.yaml", "--out", "one", "--set", "runs.lanes=1")
+        value, low, high, text, trials = self.result("one")
         # The film has another spacing: a part in ten of the viscosity at six cells of height.
         self.assertLess(abs(value / 10 - 1), 0.15, text)
         self.assertTrue(low < value < high)
         report = os.listdir(self.path("one", "report"))
         self.assertIn("index.html", report)
         self.assertEqual(sum(name.endswith(".png") for name in report), 6)
-        # Killed when some runs are done, on one lane; the rest on two.
-        process = self.start("identify", "study.yaml", "--out", "two", "--set", "runs.lanes=1")
+        # Killed when some runs are done, on four lanes, one of which speculates; the rest on two.
+        process = self.start("identify", "study.yaml", "--out", "two", "--set", "runs.lanes=4")
         journal = self.path("two", "journal.jsonl")
         end = time.monotonic() + 120
         while time.monotonic() < end and process.poll() is None and len(self.ended(journal)) < 3:
@@ -160,7 +164,7 @@ class Identify(Workplace):
         process.communicate()
         done = len(self.ended(journal))
         self.treacle("identify", "study.yaml", "--out", "two", "--set", "runs.lanes=2")
-        self.assertEqual(self.result("two")[3], text)
+        self.assertEqual(self.result("two")[3:], (text, trials))
         ended = self.ended(journal)
         self.assertGreaterEqual(done, 1)
         self.assertEqual(len(ended), len(set(ended)), "no finished run is repeated")
@@ -172,9 +176,10 @@ class Identify(Workplace):
                                ("from: 40 ms", "from: 9 s", "no mask is between"),
                                ("camera: front", "camera: font", "neither a file nor a camera of the scene"),
                                ("key: liquids.syrup.viscosity", "key: liquids.syrup.viscositi", "viscositi"),
-                               ("key: liquids.syrup.viscosity, range: [0.5 Pa.s, 200 Pa.s]", "key: liquids.syrup.density, range: [900, 1500]",
+                               (STUDY[STUDY.index("  - {name: viscosity"):STUDY.index("search")],
+                                "  - {key: liquids.syrup.density, range: [900, 1500]}\n" + STUDY[STUDY.index("experiments"):STUDY.index("measured")],
                                 "silhouettes know the ratio"),
-                               (STUDY[STUDY.index("experiments"):STUDY.index("search")], "", "has no experiments"),
+                               (STUDY[STUDY.index("experiments"):STUDY.index("measured")], "", "has no experiments"),
                                (STUDY[STUDY.index("parameters"):STUDY.index("experiments")], "", "has no parameters"),
                                ("range: [0.5 Pa.s, 200 Pa.s]", "range: [0.5 Pa.s, 200 Pa.s], start: 300 Pa.s", "must lie in the range")):
             self.write("study.yaml", STUDY.replace(old, new))

@@ -101,7 +101,7 @@ class Scene(Workplace):
 class AllScenes(unittest.TestCase):
     def test_every_folder_of_inputs_is_tested(self):
         folders = {name for name in os.listdir(INPUTS) if os.path.isdir(os.path.join(INPUTS, name))}
-        self.assertEqual(folders, set(SHORTENED))
+        self.assertEqual(folders - {"templates"}, set(SHORTENED))  # new_test.py has those
 
 
 if __name__ == "__main__":

@@ -6,6 +6,7 @@ import re
 import statistics
 
 from . import identify_piv
+from . import identify_templates
 from .run import built, execute, scratch
 from .table import Figure, Table, Unmeasured
 
@@ -155,3 +156,4 @@ def honest(context):
 
 
 identify_piv.add_rows(TABLE)
+identify_templates.add_rows(TABLE)

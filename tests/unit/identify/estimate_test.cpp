@@ -101,7 +101,7 @@ TEST(Estimate, AnotherResolutionsRunMovesTheAnswer) {
     const auto runs = film.runs();
     auto finer = film.run(2.35);
     finer.point[0] = 2.3; // at 2.3 it looks as the others at 2.35
-    const auto found = estimate(runs, prior(0.3), &finer);
+    const auto found = estimate(runs, prior(0.3), {{finer}});
     EXPECT_NEAR(found.point[0], 2.25, 1e-3);
 }
 

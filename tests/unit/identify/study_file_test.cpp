@@ -59,6 +59,27 @@ TEST_F(StudyFileTest, WhatDoesNotFitIsRefused) {
               std::string::npos);
 }
 
+TEST_F(StudyFileTest, ATemperatureEntersByWhatAKelvinDoes) {
+    const std::string experiment = "experiments:\n  - {masks: m}\n";
+    const auto file = load(experiment + "temperature: {value: 22.5 C, plus_minus: 0.5 C, per_kelvin: -8 %}\n");
+    EXPECT_NEAR(file.temperature.deviation(), 0.04, 1e-12);
+    EXPECT_EQ(load(experiment).temperature.deviation(), 0);
+    EXPECT_NE(refusal(experiment + "temperature: {value: 22.5 C}\n").find("must be given with plus_minus"), std::string::npos);
+    EXPECT_NE(refusal(experiment + "temperature: {value: 22.5 F, plus_minus: 1 F}\n").find("the unit C or K"), std::string::npos);
+    EXPECT_NE(refusal(experiment + "temperature: {per_kelvin: 5 %}\n").find("no temperature is stated"), std::string::npos);
+}
+
+TEST_F(StudyFileTest, AQuickStudyHasTwoRungsAndVariesNoMeasuredValue) {
+    auto file = load("measured:\n  - {key: liquids.syrup.density, value: 1.4 g/cm3, plus_minus: 0.02 g/cm3, exponent: 1}\n"
+                     "experiments:\n  - {masks: m}\nsearch: {rungs: [8 mm, 6 mm, 4 mm], evaluations: 30}\n");
+    EXPECT_EQ(file.exponents, std::vector<double>{1});
+    file.make_quick();
+    EXPECT_EQ(file.study.parameters.back().values, (std::vector<std::string>{"8 mm", "6 mm"}));
+    EXPECT_EQ(file.deviations, std::vector<double>{0});
+    EXPECT_EQ(file.search.evaluations, 10);
+    EXPECT_EQ(file.search.noise_runs, 1);
+}
+
 TEST_F(StudyFileTest, IdentifiabilityIsSaidInWords) {
     const auto file = load("parameters:\n  - {key: liquids.syrup.viscosity, range: [1 Pa.s, 100 Pa.s], scale: log}\nexperiments:\n  - {masks: m}\n");
     const auto words = [&](double low, double value, double high) {

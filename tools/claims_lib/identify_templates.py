@@ -1,0 +1,45 @@
+"""Rows of `identify` on the templates of `treacle new`: each is written, checked, filmed and identified."""
+
+import re
+
+from .run import built, execute, scratch
+from .table import Figure
+
+# Viscosity of the film, first guess that the template is written with [Pa s], and the film's spacing [mm].
+TEMPLATES = {
+    "container": (7, 4, 3.6),
+    "dam_break": (14, 8, 3.6),
+    "cylinder_slump": (14, 8, 3.6),
+    "bostwick": (7, 4, 2.8),
+    "nozzle_cup": (3, 2, 1.8),
+    "incline": (7, 4, 2.8),
+}
+
+
+def identified(context, name):
+    """Viscosity [Pa s] and 90 % interval that `identify --quick` finds in a film of the template's scene."""
+    viscosity, guess, spacing = TEMPLATES[name]
+    treacle = built(context, "treacle")
+    with scratch(context, name) as folder:
+        work = folder / "study"
+        execute(context, [treacle, "new", name, work, "--viscosity", f"{guess} Pa.s"])
+        execute(context, [treacle, "check", work / "study.yaml"])
+        execute(context, [treacle, "run", work / "scene.yaml", "--out", folder / "truth", "--set", f"domain.spacing={spacing} mm", "--set", "time.cfl=2",
+                          "--set", f"liquids.liquid.viscosity={viscosity} Pa.s"])
+        execute(context, [treacle, "film", folder / "truth", "--out", work / "masks", "--rate", 25, "--lead", 0, "--phase", 0.5])
+        execute(context, [treacle, "check", work / "study.yaml"])
+        execute(context, [treacle, "identify", work / "study.yaml", "--quick", "--out", folder / "out"])
+        text = (folder / "out/report/result.yaml").read_text()
+    low, high = map(float, re.search(r"interval_90: \[(\S+) Pa.s, (\S+) Pa.s", text).groups())
+    return float(re.search(r"value: (\S+)", text).group(1)), low, high, int(re.search(r"trials: (\d+)", text).group(1))
+
+
+def add_rows(table):
+    for name, (viscosity, guess, spacing) in TEMPLATES.items():
+
+        @table.row(f"template {name}", claim=f"treacle new, check, a film of {viscosity} Pa s at {spacing} mm, identify --quick from a guess of {guess} Pa s",
+                   asked="error <= 5 %")
+        def measure(context, name=name, viscosity=viscosity):
+            value, low, high, trials = identified(context, name)
+            error = value / viscosity - 1
+            return Figure(f"{value:.4g} Pa s [{low:.4g}, {high:.4g}], {100 * error:+.1f} %, {trials} runs", abs(error) <= 0.05)
