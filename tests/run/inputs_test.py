@@ -41,12 +41,12 @@ SHORTENED = {
     "honey_dipper": {"domain.spacing": "0.01", "time.end": "0.1"},
     "bunny_pool": {"domain.spacing": "0.06", "time.end": "0.3"},
     "dragon_ball": {"domain.spacing": "0.03", "time.end": "0.3"},
-    "gears": {"domain.spacing": "0.02", "time.end": "0.05"},
-    "perforated_plates": {"domain.spacing": "0.05", "time.end": "0.2"},
+    "gears": {"domain.spacing": "0.02", "time.end": "0.03"},
+    "perforated_plates": {"domain.spacing": "0.05", "time.end": "0.12"},
     "pile_up": {"domain.spacing": "0.04", "time.end": "0.2"},
     "rotating_drum": {"domain.spacing": "0.05", "time.end": "0.2"},
     "pouring": {"domain.spacing": "0.006", "time.end": "0.4"},
-    "smoothie_glass": {"domain.spacing": "0.04", "time.end": "0.1"},
+    "smoothie_glass": {"domain.spacing": "0.04", "time.end": "0.06"},
     "toothpaste": {"domain.spacing": "0.004", "time.end": "0.45"},  # once it has landed, differences grow tenfold in 0.1 s
 }
 ON_GRID = {"bunny_pool", "dragon_ball", "falling_ball", "gears", "gravity_current", "honey_dipper", "perforated_plates", "pile_up",
