@@ -455,6 +455,7 @@ ViewInformation information_of(const ViewUncertainty& uncertainty, const std::op
 
 void check_searched(const StudyFile& file, const study::SceneReader& read_scene) {
     search_of(file);
+    check_scatter_is_measured(file);
     std::vector<study::Point> ends(2);
     for (const auto& parameter : file.study.parameters) {
         ends[0].push_back(parameter.word(parameter.lower));

@@ -1,5 +1,7 @@
 #include "identify/profile.hpp"
 
+#include "base/error.hpp"
+
 #include <algorithm>
 #include <cmath>
 
@@ -21,6 +23,18 @@ double numerical_scatter(const Identification& identification) {
     return 1.645 * std::sqrt(2 * square / double(objectives.size() - 1));
 }
 } // namespace
+
+bool prescribes(const Experiment& experiment) {
+    return experiment.kind == ExperimentKind::piv && experiment.piv.has_track() && experiment.piv.ball.motion == BallMotion::prescribed;
+}
+
+void check_scatter_is_measured(const StudyFile& file) {
+    if (file.experiments.empty() || !std::ranges::all_of(file.experiments, prescribes)) return;
+    if (file.has_rungs() && file.search.noise_runs >= 2) return;
+    throw InputError({file.experiments.front().piv.where, "the ball follows a prescribed path, which needs search.rungs, and noise_runs of two or more",
+                      "at low Reynolds number viscosities differ by less than resolutions do, and the answer would be that of the numerical noise",
+                      "write for instance search: {rungs: [3 mm, 2.4 mm, 2 mm]}, or let the ball fall freely: ball: {track: track.csv, motion: free}"});
+}
 
 void widen_to_alike_trials(const StudyFile& file, Identification& identification) {
     if (!identification.estimate) return;

@@ -2,6 +2,7 @@
 
 #include "base/file.hpp"
 #include "base/text.hpp"
+#include "identify/profile.hpp"
 #include "identify/report_fields.hpp"
 #include "identify/report_pictures.hpp"
 #include "study/chart.hpp"
@@ -33,8 +34,6 @@ double misfit_of(const Estimate& estimate, std::size_t experiment) {
 const char* unit_of(ExperimentKind kind) { return kind == ExperimentKind::contours ? "px" : "noises"; }
 
 bool only(const StudyFile& file, ExperimentKind kind) { return std::ranges::all_of(file.experiments, [&](const auto& one) { return one.kind == kind; }); }
-
-bool prescribes(const Experiment& one) { return one.kind == ExperimentKind::piv && one.piv.has_track() && one.piv.ball.motion == BallMotion::prescribed; }
 
 // The dissertation's objective of an experiment.
 std::string mismatch_title(const Experiment& one) {

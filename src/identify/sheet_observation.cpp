@@ -53,7 +53,8 @@ std::vector<std::size_t> mark_outliers(const Sheet& sheet, std::vector<video::Pi
     std::vector<std::size_t> before, out;
     for (const auto& field : fields) before.push_back(field.count_valid());
     if (sheet.outliers.median > 0) {
-        for (auto& field : fields) video::reject_odd(field, sheet.outliers.median, sheet.noise);
+        // Twice the noise, so that a threshold of 2 spares all but a few good vectors in a hundred.
+        for (auto& field : fields) video::reject_odd(field, sheet.outliers.median, 2 * sheet.noise);
     }
     if (sheet.outliers.alpha > 0 && fields.size() > 2) {
         const double step = times[1] - times[0];

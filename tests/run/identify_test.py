@@ -98,7 +98,9 @@ class Fields(Workplace):
 
     def test_on_a_prescribed_path_a_slow_flow_does_not_tell_it(self):
         self.write("study.yaml", FIELDS.replace("noise: 0.3 mm/s}", "noise: 0.3 mm/s, ball: fields/track.csv}"))
-        self.treacle("identify", "study.yaml", "--out", "out", "--set", "search.evaluations=4")
+        self.assertIn("needs search.rungs", self.treacle("identify", "study.yaml", "--out", "out", code=2).stderr)
+        self.treacle("identify", "study.yaml", "--out", "out", "--set", "search.evaluations=4", "--set", "search.noise_runs=2", "--set",
+                     "search.rungs=[2.5 mm, 2.2 mm]")
         self.assertIn("not identifiable", self.identified("out")[1])
 
     def test_bad_fields_are_told_before_anything_is_run(self):

@@ -105,8 +105,7 @@ TEST(Estimate, AnotherResolutionsRunMovesTheAnswer) {
     EXPECT_NEAR(found.point[0], 2.25, 1e-3);
 }
 
-// A sheet of PIV beside a film: vectors in units of their noise, in the same number of fields, each twice as sure of the viscosity as
-// a segment is. `odd` is what they say the viscosity is.
+// A sheet of PIV beside a film: vectors in units of their noise. `odd` is what they say the logarithm of the viscosity is.
 EvaluatedRun with_vectors(EvaluatedRun run, double odd, double noise, int seed) {
     std::mt19937 generator{std::uint32_t(seed)};
     std::normal_distribution<double> normal(0, noise);
@@ -119,7 +118,7 @@ EvaluatedRun with_vectors(EvaluatedRun run, double odd, double noise, int seed) 
             one.x = i % 10;
             one.y = i / 10;
             one.points = 1;
-            one.displacement = 10 * (run.point[0] - odd) * std::sin(i) + normal(generator);
+            one.displacement = 30 * (run.point[0] - odd) * std::sin(i) + normal(generator);
             if (i == 3) one.points = 0;
             if (i == 4 && run.point[0] > 2.9) one.displacement = std::nan("");
             sheet.segments.push_back(one);

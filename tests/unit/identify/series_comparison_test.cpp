@@ -26,7 +26,7 @@ protected:
 
 TEST_F(SeriesTest, ValuesAreInTheRunsUnitAndTime) {
     experiment_.time_zero = 0.5;
-    experiment_.from = 0.1;
+    experiment_.from = 0.09;
     experiment_.every = 2;
     const auto values = observed_values(experiment_, write("time [ms],value [cm],plus_minus [mm]\n500,1,1\n600,2,1\n700,3,1\n800,4,0.5\n"), "m");
     ASSERT_EQ(values.size(), 2u);

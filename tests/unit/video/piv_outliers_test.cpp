@@ -40,7 +40,7 @@ TEST(RejectOdd, FindsOutliersAndSparesTheRest) {
     std::size_t found = 0, all = 0, spared = 0, good = 0;
     for (int seed = 1; seed <= 5; ++seed) {
         Noisy noisy(0.05, seed);
-        reject_odd(noisy.field, 2, 0.02);
+        reject_odd(noisy.field, 2, 0.04);
         for (std::size_t i = 0; i < noisy.field.x.size(); ++i) {
             const bool outlier = noisy.outliers.contains(i);
             (outlier ? all : good) += 1;
