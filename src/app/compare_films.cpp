@@ -7,7 +7,6 @@
 #include "base/file.hpp"
 #include "base/text.hpp"
 #include "identify/residual_file.hpp"
-#include "io/manifest.hpp"
 #include "video/camera_file.hpp"
 #include "video/mask.hpp"
 
@@ -20,24 +19,6 @@ namespace treacle::app {
 namespace {
 using identify::Experiment;
 using identify::StudyFile;
-
-std::vector<const Experiment*> experiments_of(const StudyFile& file, const study::StudyScene& scene) {
-    std::vector<const Experiment*> out;
-    for (const auto& one : file.experiments) {
-        if (&file.scene_of(one) == &scene) out.push_back(&one);
-    }
-    return out;
-}
-
-// The least time between masks that are compared [s]; 0 for one mask.
-double least_interval(const std::vector<identify::ObservedFrame>& frames) {
-    double least = 0;
-    for (std::size_t i = 1; i < frames.size(); ++i) {
-        const double gap = frames[i].time - frames[i - 1].time;
-        least = least > 0 ? std::min(least, gap) : gap;
-    }
-    return least;
-}
 
 // Draws the run for the frames of one film.
 class FilmComparison {
@@ -150,62 +131,33 @@ ExperimentCamera experiment_camera(const StudyFile& file, const Experiment& expe
     return out;
 }
 
-identify::Priors experiment_priors(const StudyFile& file) {
-    identify::Priors out;
-    for (const auto& experiment : file.experiments) {
-        const auto input = load_scene({file.study.scene_file(file.scene_of(experiment)), file.scene_of(experiment).set, {}, {}});
-        const auto camera = experiment_camera(file, experiment, input);
-        out.push_back(identify::information_of(experiment.plus_minus, camera.pose_covariance, camera.focal_deviation));
-    }
-    return out;
+void compare_with_film(const Comm& comm, const StudyFile& file, const Experiment& experiment, const RunView& run, const std::filesystem::path& folder) {
+    const auto residuals = compare(comm, file, experiment, run, folder / ("masks_" + experiment.name));
+    comm.guard_root([&] { identify::write_residuals(folder, experiment.name, residuals); });
 }
 
-void compare_with_films(const Comm& comm, const StudyFile& file, const study::StudyScene& scene, const std::filesystem::path& folder) {
-    const auto experiments = experiments_of(file, scene);
-    if (experiments.empty()) return;
-    const auto run = open_run(comm, folder / "run");
-    require_frames(run);
-    for (const auto* experiment : experiments) {
-        const auto residuals = compare(comm, file, *experiment, run, folder / ("masks_" + experiment->name));
-        comm.guard_root([&] { identify::write_residuals(folder, experiment->name, residuals); });
+ObservationNeeds film_needs(const StudyFile& file, const Experiment& experiment, const Input& input) {
+    const auto frames = identify::observed_frames(experiment, file.beside(experiment.masks));
+    const auto camera = experiment_camera(file, experiment, input).model;
+    check_end(experiment.where, experiment.name, frames.back().time, input.scene.time.end);
+    const auto mask = video::read_mask(frames.front().mask);
+    if (mask.width != camera.lens().width || mask.height != camera.lens().height) {
+        throw InputError({experiment.where, frames.front().mask.string() + " has " + std::to_string(mask.width) + " x " + std::to_string(mask.height) + " pixels",
+                          "the camera's pictures have " + std::to_string(camera.lens().width) + " x " + std::to_string(camera.lens().height),
+                          "give the camera of these pictures"});
     }
-}
-
-FilmNeeds film_needs(const StudyFile& file, const study::StudyScene& scene) {
-    FilmNeeds out;
-    const auto experiments = experiments_of(file, scene);
-    if (experiments.empty()) return out;
-    const auto input = load_scene({file.study.scene_file(scene), scene.set, {}, {}});
-    double interval = 0;
-    std::string content;
-    for (const auto* experiment : experiments) {
-        const auto frames = identify::observed_frames(*experiment, file.beside(experiment->masks));
-        const auto camera = experiment_camera(file, *experiment, input).model;
-        if (frames.back().time > input.scene.time.end * (1 + 1e-9)) {
-            throw InputError({experiment->where, experiment->name + " is compared up to " + format_number(frames.back().time) + " s",
-                              "the scene ends at " + format_number(input.scene.time.end) + " s", "give `to`, or a longer time.end"});
-        }
-        const auto mask = video::read_mask(frames.front().mask);
-        if (mask.width != camera.lens().width || mask.height != camera.lens().height) {
-            throw InputError({experiment->where, frames.front().mask.string() + " has " + std::to_string(mask.width) + " x " + std::to_string(mask.height) + " pixels",
-                              "the camera's pictures have " + std::to_string(camera.lens().width) + " x " + std::to_string(camera.lens().height),
-                              "give the camera of these pictures"});
-        }
-        const double own = least_interval(frames);
-        if (own > 0) interval = interval > 0 ? std::min(interval, own) : own;
-        const auto& pose = camera.pose();
-        const auto& lens = camera.lens();
-        content += "film " + experiment->name;
-        for (const double v : {lens.fx, lens.fy, lens.cx, lens.cy}) content += " " + format_number(v);
-        for (const double v : lens.distortion) content += " " + format_number(v);
-        for (const auto& row : pose.rotation) {
-            for (const double v : row) content += " " + format_number(v);
-        }
-        for (const double v : pose.translation) content += " " + format_number(v);
-        for (const auto& frame : frames) content += " " + format_number(frame.time) + read_file(frame.mask);
+    ObservationNeeds out;
+    for (const auto& frame : frames) out.times.push_back(frame.time);
+    const auto& pose = camera.pose();
+    const auto& lens = camera.lens();
+    out.content = "film " + experiment.name;
+    for (const double v : {lens.fx, lens.fy, lens.cx, lens.cy}) out.content += " " + format_number(v);
+    for (const double v : lens.distortion) out.content += " " + format_number(v);
+    for (const auto& row : pose.rotation) {
+        for (const double v : row) out.content += " " + format_number(v);
     }
-    out.content = io::text_hash(content);
-    if (interval > 0) out.assignments.push_back({"output.interval=" + format_number(interval), "the interval of the masks"});
+    for (const double v : pose.translation) out.content += " " + format_number(v);
+    for (const auto& frame : frames) out.content += " " + format_number(frame.time) + read_file(frame.mask);
     return out;
 }
 

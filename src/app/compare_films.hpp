@@ -1,5 +1,6 @@
 #pragma once
-#include "app/input.hpp"
+#include "app/frame_set.hpp"
+#include "app/observation_needs.hpp"
 #include "identify/identification.hpp"
 #include "mpi/comm.hpp"
 
@@ -14,20 +15,13 @@ struct ExperimentCamera {
 // Throws InputError for a camera that is neither a file beside the study nor one of the scene's.
 ExperimentCamera experiment_camera(const identify::StudyFile& file, const identify::Experiment& experiment, const Input& input);
 
-// Priors of the films' views. Throws InputError.
-identify::Priors experiment_priors(const identify::StudyFile& file);
+// Compares a finished run with the masks of a film, and writes residuals_NAME.csv, mismatches_NAME.csv and the masks that the
+// camera would see, masks_NAME/, into the folder. Collective; each rank draws some of the frames.
+void compare_with_film(const Comm& comm, const identify::StudyFile& file, const identify::Experiment& experiment, const RunView& run,
+                       const std::filesystem::path& folder);
 
-// Compares a finished run of a scene with the films of that scene, and writes residuals_NAME.csv, mismatches_NAME.csv and
-// the masks that the camera would see, masks_NAME/, into the folder. Collective; each rank draws some of the frames.
-void compare_with_films(const Comm& comm, const identify::StudyFile& file, const study::StudyScene& scene, const std::filesystem::path& folder);
-
-// Needs of a scene's films of its run: the interval of its frames, and the hash of the films' masks and
-// cameras, on which its comparison depends. Throws InputError for a film that is longer than the run, masks of another size
-// than the camera's pictures, and a camera that does not see the liquid's domain.
-struct FilmNeeds {
-    std::vector<study::Assignment> assignments;
-    std::string content;
-};
-FilmNeeds film_needs(const identify::StudyFile& file, const study::StudyScene& scene);
+// Needs of a film of its run: frames at the times of the masks. Throws InputError for a film that is longer than the run, and
+// masks of another size than the camera's pictures.
+ObservationNeeds film_needs(const identify::StudyFile& file, const identify::Experiment& experiment, const Input& input);
 
 } // namespace treacle::app

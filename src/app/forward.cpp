@@ -1,5 +1,6 @@
 #include "app/forward.hpp"
 
+#include "app/experiments.hpp"
 #include "app/run.hpp"
 #include "app/study_scenes.hpp"
 #include "study/child_process.hpp"
@@ -72,7 +73,7 @@ ExitCode run_asked(const Comm& comm, const std::filesystem::path& folder, const 
     request.company = company;
     const auto code = run_scene(comm, request);
     if (code != ExitCode::ok) return code;
-    compare_with_films(comm, asked.file, *asked.scene, folder);
+    compare_with_experiments(comm, asked.file, *asked.scene, folder);
     const double peak = peak_bytes(comm);
     comm.guard_root([&] {
         const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

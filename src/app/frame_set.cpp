@@ -1,6 +1,7 @@
 #include "app/frame_set.hpp"
 
 #include "base/error.hpp"
+#include "base/split.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -13,18 +14,6 @@ namespace {
 [[noreturn]] void refuse_range(const std::string& text, const std::string& reason) {
     throw InputError({"--frames " + text, "is no range of frames", reason,
                       "write first:last:stride, such as 10:20, ::5, or -1 for the last one"});
-}
-
-std::vector<std::string> split(const std::string& text) {
-    std::vector<std::string> parts(1);
-    for (const char c : text) {
-        if (c == ':') {
-            parts.emplace_back();
-        } else {
-            parts.back() += c;
-        }
-    }
-    return parts;
 }
 
 std::optional<std::int64_t> read_place(const std::string& part, const std::string& text) {
@@ -52,7 +41,7 @@ std::size_t place_of(std::int64_t asked, std::size_t count) {
 FrameRange read_frame_range(const std::string& text) {
     FrameRange range;
     if (text.empty()) return range;
-    const auto parts = split(text);
+    const auto parts = split(text, ':');
     if (parts.size() > 3) refuse_range(text, "it has more than three parts");
     range.first = read_place(parts[0], text);
     range.last = parts.size() > 1 ? read_place(parts[1], text) : range.first;
@@ -106,7 +95,7 @@ std::optional<std::filesystem::path> RunView::solids_of(std::size_t i) const {
 void require_frames(const RunView& run) {
     if (!run.frames.empty()) return;
     throw InputError({run.folder.root.string(), "there is no frame", "the run has not written one",
-                      "set output.interval and run again"});
+                      "set output.interval or output.times and run again"});
 }
 
 void make_output_folder(const std::filesystem::path& path) {

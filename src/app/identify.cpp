@@ -1,5 +1,6 @@
 #include "app/identify.hpp"
 
+#include "app/experiments.hpp"
 #include "base/log.hpp"
 #include "identify/report.hpp"
 
@@ -11,7 +12,7 @@ namespace {
 void require_experiments(const identify::StudyFile& file) {
     if (!file.experiments.empty()) return;
     throw InputError({file.study.path.string(), "has no experiments", "there is nothing to compare the runs with",
-                      "name the masks of a film: experiments: [{masks: masks, camera: camera.yaml}]; `treacle sweep` needs none"});
+                      "name the masks of a film, experiments: [{masks: masks, camera: camera.yaml}], or fields of PIV; `treacle sweep` needs none"});
 }
 } // namespace
 
@@ -40,7 +41,8 @@ ExitCode identify_study(const IdentifyRequest& request) {
     for (std::size_t k = 0; k < found.values.size(); ++k) {
         log.line(file.study.parameters[k].name + ": " + identify::identifiability(file, found, k));
     }
-    const auto said = identify::verdict(found);
+    for (const auto& note : identify::notes(file)) log.line(note);
+    const auto said = identify::verdict(file, found);
     if (!said.empty()) log.warn(said);
     log.line("report: " + (folder / "report" / "index.html").string());
     return found.estimate ? ExitCode::ok : ExitCode::simulation_failed;

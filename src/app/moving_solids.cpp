@@ -37,22 +37,36 @@ MovingSolids::MovingSolids(const Comm& comm, const RunView& run) {
     for (std::size_t b = 0; b < bodies.size(); ++b) {
         auto& solid = start_.emplace_back(surface::Solid{geometry.bodies[b]});
         moving_.push_back(-1);
+        first_velocity_.push_back(bodies[b].velocity);
         if (!moves(bodies[b])) continue;
         solid.centre = setup.bodies[b].centre;
         moving_.back() = static_cast<int>(names.size());
-        for (const char* what : {" position", " rotation"}) {
-            const char* unit = what[1] == 'p' ? " [m]" : " [rad]";
+        for (const auto& [what, unit] : {std::pair(" position", " [m]"), {" rotation", " [rad]"}, {" velocity", " [m/s]"}, {" angular velocity", " [rad/s]"}}) {
             for (const char* axis : {" x", " y", " z"}) names.push_back(bodies[b].name + what + axis + unit);
         }
     }
     if (!names.empty()) comm.guard([&] { poses_ = read_columns(run.folder.bodies(), names); });
 }
 
-surface::Solids MovingSolids::at(std::int64_t step) const {
-    surface::Solids out{start_};
+const std::vector<double>* MovingSolids::row_of(std::int64_t step) const {
     const auto row = std::lower_bound(poses_.begin(), poses_.end(), static_cast<double>(step),
                                       [](const auto& one, double s) { return one[0] < s; });
-    if (row == poses_.end() || (*row)[0] != static_cast<double>(step)) return out; // before the first step
+    return row == poses_.end() || (*row)[0] != static_cast<double>(step) ? nullptr : &*row;
+}
+
+Vec3 MovingSolids::velocity(std::int64_t step, std::size_t body, const Vec3& x) const {
+    const auto* row = row_of(step);
+    if (moving_[body] < 0 || !row) return moving_[body] < 0 ? Vec3{0, 0, 0} : first_velocity_[body];
+    const double* pose = row->data() + 1 + moving_[body];
+    const Vec3 arm{x[0] - pose[0], x[1] - pose[1], x[2] - pose[2]};
+    const double *u = pose + 6, *w = pose + 9;
+    return {u[0] + w[1] * arm[2] - w[2] * arm[1], u[1] + w[2] * arm[0] - w[0] * arm[2], u[2] + w[0] * arm[1] - w[1] * arm[0]};
+}
+
+surface::Solids MovingSolids::at(std::int64_t step) const {
+    surface::Solids out{start_};
+    const auto* row = row_of(step);
+    if (!row) return out;
     for (std::size_t b = 0; b < moving_.size(); ++b) {
         if (moving_[b] < 0) continue;
         const double* pose = row->data() + 1 + moving_[b];

@@ -8,6 +8,7 @@
 
 #include <chrono>
 #include <cstdio>
+#include <map>
 #include <memory>
 #include <optional>
 #include <sstream>
@@ -39,19 +40,31 @@ struct Ended {
 // Rank 0's side: the runs that wait, and the journal.
 class HandOut {
 public:
-    HandOut(study::StudyRuns& runs, std::vector<std::int64_t> waiting, Log& log) : runs_(runs), waiting_(std::move(waiting)), log_(log) {}
+    HandOut(study::StudyRuns& runs, std::vector<std::int64_t> all, bool retry_failed, int groups, Log& log)
+        : runs_(runs), all_(std::move(all)), waiting_(runs.longest_first(runs.waiting(all_, retry_failed))), groups_(groups), log_(log) {}
 
     // The next run's number, its folder written; none_left when there is none or the study is asked to stop.
     std::int64_t next(const Ended& last) {
         if (last.number != none_left) settle(last);
         if (stopped_ || next_ == waiting_.size()) return none_left;
-        runs_.write_request(waiting_[next_]);
-        return waiting_[next_++];
+        const auto number = waiting_[next_++];
+        runs_.write_request(number);
+        under_way_[number] = std::chrono::steady_clock::now();
+        return number;
+    }
+    // For people and programs that watch the study.
+    void report() {
+        std::vector<study::LaneProgress> running;
+        for (const auto& [number, start] : under_way_) {
+            running.push_back({number, 0, 0, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count()});
+        }
+        runs_.report(all_, waiting_.size(), std::move(running), groups_);
     }
     bool stopped() const { return stopped_; }
 
 private:
     void settle(const Ended& last) {
+        under_way_.erase(last.number);
         if (static_cast<ExitCode>(last.code) == ExitCode::stopped) {
             stopped_ = true; // it has no outcome and is done again
             return;
@@ -66,8 +79,10 @@ private:
     }
 
     study::StudyRuns& runs_;
-    std::vector<std::int64_t> waiting_;
+    std::vector<std::int64_t> all_, waiting_;
+    std::map<std::int64_t, std::chrono::steady_clock::time_point> under_way_; // since when
     std::size_t next_ = 0;
+    int groups_;
     bool stopped_ = false;
     Log& log_;
 };
@@ -95,7 +110,10 @@ public:
             last.code = static_cast<int>(code);
             last.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
         }
-        while (hand_out && open_ > 0) reply(*hand_out, mail_.wait());
+        while (hand_out && open_ > 0) {
+            reply(*hand_out, mail_.wait());
+            hand_out->report();
+        }
     }
 
 private:
@@ -106,6 +124,7 @@ private:
     }
     void answer(HandOut& hand_out) {
         while (const auto letter = mail_.poll()) reply(hand_out, *letter);
+        hand_out.report();
     }
     void reply(HandOut& hand_out, const Mailbox::Letter& letter) {
         const auto number = hand_out.next(Ended::read(letter.text));
@@ -122,8 +141,8 @@ private:
 // Study and hand-out, on rank 0 alone.
 struct Desk {
     Desk(const study::Study& study, const std::vector<study::Candidate>& candidates, const std::filesystem::path& folder, const SweepRequest& request, int groups)
-        : runs(study, {folder, this_program(), {}}, log), numbers(ask_once(runs, candidates)),
-          hand_out(runs, runs.waiting(numbers, request.retry_failed), log) {
+        : runs(study, {folder, this_program(), [this, &study, folder] { write_tables(folder, table_of(study, runs.journal(), numbers)); }}, log),
+          numbers(ask_once(runs, candidates)), hand_out(runs, numbers, request.retry_failed, groups, log) {
         log.line(std::to_string(numbers.size()) + " runs on " + std::to_string(groups) + " groups of ranks in " + folder.string());
     }
     Log log{Voice::speaks};

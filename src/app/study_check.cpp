@@ -1,5 +1,6 @@
 #include "app/study_check.hpp"
 
+#include "app/experiments.hpp"
 #include "app/flow_lengths.hpp"
 #include "app/measured_shares.hpp"
 #include "app/study_memory.hpp"
@@ -95,6 +96,7 @@ void check_study(const std::filesystem::path& file, const std::vector<std::strin
     if (identifies) {
         const auto measured = measured_shares(checked, study_folder(study.path, {}) / "report" / "result.yaml");
         leave_out_unfilmed(checked);
+        for (const auto& one : checked.experiments) row("experiment " + one.name, describe_observations(checked, one));
         identify::check_searched(checked, StudyScenes(checked).reader());
         print_lines(measured);
         print_flow_lengths(checked);

@@ -1,5 +1,6 @@
 #include "app/study_scenes.hpp"
 
+#include "app/experiments.hpp"
 #include "base/error.hpp"
 #include "base/options.hpp"
 #include "base/text.hpp"
@@ -7,6 +8,7 @@
 #include "scene/data_files.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <fstream>
 #include <iterator>
 #include <map>
@@ -46,7 +48,7 @@ void check_readings(const study::Study& study, const study::StudyScene& one, con
 
 StudyScenes::StudyScenes(const identify::StudyFile& file) {
     for (const auto& scene : file.study.scenes) {
-        auto needs = film_needs(file, scene);
+        auto needs = scene_needs(file, scene);
         auto& known = needs_[file.study.scene_file(scene)];
         known.content += needs.content;
         known.assignments.insert(known.assignments.end(), needs.assignments.begin(), needs.assignments.end());
@@ -69,7 +71,9 @@ InputSource StudyScenes::source(const std::filesystem::path& scene, const std::v
 
 study::SceneFacts StudyScenes::read(const std::filesystem::path& scene, const std::vector<study::Assignment>& assignments) const {
     const auto input = load_scene(source(scene, assignments));
-    study::SceneFacts facts{effective(input), input.scene.time.end};
+    const auto& domain = input.scene.domain;
+    // Particles go with the spacing's power of the dimensions, steps with its inverse.
+    study::SceneFacts facts{effective(input), input.scene.time.end, input.scene.time.end * std::pow(domain.spacing, -domain.dimensions - 1)};
     for (const auto& file : scene::mesh_files(input.scene)) {
         const auto hash = "content " + content_hash(file);
         for (auto at = facts.content.find(file); at != std::string::npos; at = facts.content.find(file, at + hash.size())) {

@@ -2,6 +2,7 @@
 
 #include "app/check_video.hpp"
 #include "app/film.hpp"
+#include "app/piv_fields.hpp"
 #include "app/silhouettes.hpp"
 #include "base/text.hpp"
 
@@ -194,12 +195,59 @@ void add_film(CLI::App& program, const ChooseCommand& choose) {
         });
     });
 }
+
+struct PivWords {
+    std::string run, out;
+    std::vector<double> origin, right = {1, 0, 0}, up = {0, 0, 1}, size;
+    PivRequest request;
+};
+
+PivRequest piv_request(const PivWords& words) {
+    auto request = words.request;
+    request.run = words.run;
+    request.out = words.out.empty() ? std::filesystem::path(words.run) / "piv" : std::filesystem::path(words.out);
+    std::copy_n(words.origin.begin(), 3, request.sheet.origin.begin());
+    std::copy_n(words.right.begin(), 3, request.sheet.right.begin());
+    std::copy_n(words.up.begin(), 3, request.sheet.up.begin());
+    request.width = words.size[0];
+    request.height = words.size[1];
+    return request;
+}
+
+void add_piv(CLI::App& program, const ChooseCommand& choose) {
+    auto words = std::make_shared<PivWords>();
+    auto& app = *program.add_subcommand("piv", "Velocity fields that PIV would measure in a sheet through a run, as CSV: means over interrogation windows, "
+                                               "noise that overlapping windows share, outliers, no vectors at bodies.");
+    auto& r = words->request;
+    app.add_option("run", words->run, "Folder of a run")->required()->type_name("DIR");
+    app.add_option("--out", words->out, "Folder (default: piv/ in that of the run)")->type_name("DIR");
+    app.add_option("--origin", words->origin, "Lower left corner of the sheet, x y z [m]")->required()->expected(3)->type_name("X Y Z");
+    app.add_option("--right", words->right, "Unit vector to the right (default 1 0 0)")->expected(3)->type_name("X Y Z");
+    app.add_option("--up", words->up, "Unit vector up (default 0 0 1)")->expected(3)->type_name("X Y Z");
+    app.add_option("--size", words->size, "Width and height [m]")->required()->expected(2)->type_name("W H");
+    app.add_option("--step", r.step, "Distance of vectors [m]")->required()->check(CLI::PositiveNumber)->type_name("M");
+    app.add_option("--window", r.sheet.window, "Side of an interrogation window [m]")->required()->check(CLI::PositiveNumber)->type_name("M");
+    app.add_option("--from", r.first, "Time of the first field [s] (default 0)")->check(CLI::NonNegativeNumber)->type_name("S");
+    app.add_option("--to", r.last, "Last time [s] (default: the run's end)")->check(CLI::NonNegativeNumber)->type_name("S");
+    app.add_option("--interval", r.interval, "Time from one field to the next [s]")->required()->check(CLI::PositiveNumber)->type_name("S");
+    app.add_option("--noise", r.noise, "Standard deviation of a component over the largest speed (default 0)")->check(CLI::Range(0.0, 1.0))->type_name("SHARE");
+    app.add_option("--outliers", r.outliers, "Share of vectors that point anywhere (default 0)")->check(CLI::Range(0.0, 1.0))->type_name("SHARE");
+    app.add_option("--track", r.track, "Body whose path is written into track.csv")->type_name("NAME");
+    app.add_option("--track-noise", r.track_noise, "Standard deviation of that path [m] (default 0)")->check(CLI::NonNegativeNumber)->type_name("M");
+    app.add_option("--seed", r.seed, "Of noise and outliers (default 1)")->type_name("NUMBER");
+    app.callback([words, choose] {
+        choose([words]() -> Command {
+            return [request = piv_request(*words)](const Comm& comm) { return make_piv_fields(comm, request); };
+        });
+    });
+}
 } // namespace
 
 void add_video_commands(CLI::App& program, const ChooseCommand& choose) {
     add_check_video(program, choose);
     add_silhouettes(program, choose);
     add_film(program, choose);
+    add_piv(program, choose);
 }
 
 } // namespace treacle::app

@@ -1,6 +1,7 @@
 #include "base/csv_reader.hpp"
 
 #include "base/error.hpp"
+#include "base/split.hpp"
 #include "base/text.hpp"
 
 #include <algorithm>
@@ -8,18 +9,6 @@
 #include <limits>
 
 namespace treacle {
-
-namespace {
-std::vector<std::string> split(const std::string& line) {
-    std::vector<std::string> words;
-    for (std::size_t from = 0; from <= line.size();) {
-        const auto comma = std::min(line.find(',', from), line.size());
-        words.push_back(line.substr(from, comma - from));
-        from = comma + 1;
-    }
-    return words;
-}
-} // namespace
 
 std::string without_unit(const std::string& column) { return column.substr(0, column.find(" [")); }
 
@@ -43,7 +32,7 @@ CsvColumns read_csv(const std::filesystem::path& path) {
     std::string line;
     // A row without its line break was cut off: getline then ends at the end of the file.
     for (int number = 1; std::getline(file, line) && !file.eof(); ++number) {
-        const auto words = split(line);
+        const auto words = split(line, ',');
         if (number == 1) {
             out.names = words;
             out.values.resize(words.size());

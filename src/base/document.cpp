@@ -1,6 +1,7 @@
 #include "base/document.hpp"
 
 #include "base/document_tree.hpp"
+#include "base/split.hpp"
 #include "base/text.hpp"
 
 #include <algorithm>
@@ -66,18 +67,6 @@ Document Document::from_text(const std::string& text, const std::string& name) {
 
 namespace {
 
-std::vector<std::string> split(const std::string& path) {
-    std::vector<std::string> parts{""};
-    for (const char c : path) {
-        if (c == '.') {
-            parts.emplace_back();
-        } else {
-            parts.back() += c;
-        }
-    }
-    return parts;
-}
-
 std::vector<std::string> names_of(const Node& list) {
     std::vector<std::string> names;
     for (const auto& item : list.items) {
@@ -137,7 +126,7 @@ void Document::set(const std::string& assignment, const std::string& origin) {
     try {
         const auto equals = assignment.find('=');
         const auto path = assignment.substr(0, equals);
-        const auto parts = split(path);
+        const auto parts = split(path, '.');
         const bool gap = std::ranges::find(parts, "") != parts.end();
         if (equals == std::string::npos || gap) {
             throw InputError(

@@ -24,6 +24,10 @@ void sync_path(const std::filesystem::path& path, int flags) {
     ::close(file);
     if (status != 0) fail(path, "sync");
 }
+
+void rename_to(const std::filesystem::path& temporary, const std::filesystem::path& path) {
+    if (::rename(temporary.c_str(), path.c_str()) != 0) fail(path, "rename to");
+}
 } // namespace
 
 std::string read_file(const std::filesystem::path& path) {
@@ -43,12 +47,12 @@ double folder_bytes(const std::filesystem::path& folder) {
 
 void sync_and_rename(const std::filesystem::path& temporary, const std::filesystem::path& path) {
     sync_path(temporary, O_RDONLY);
-    if (::rename(temporary.c_str(), path.c_str()) != 0) fail(path, "rename to");
+    rename_to(temporary, path);
     const auto folder = path.parent_path();
     sync_path(folder.empty() ? "." : folder, O_RDONLY | O_DIRECTORY);
 }
 
-void write_file_atomically(const std::filesystem::path& path, const std::string& content) {
+void write_file_atomically(const std::filesystem::path& path, const std::string& content, Durability durability) {
     auto temporary = path;
     temporary += ".tmp";
     const int file = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644);
@@ -66,6 +70,7 @@ void write_file_atomically(const std::filesystem::path& path, const std::string&
         done += static_cast<std::size_t>(n);
     }
     ::close(file);
+    if (durability == Durability::cached) return rename_to(temporary, path);
     sync_and_rename(temporary, path);
 }
 

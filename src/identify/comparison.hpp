@@ -1,24 +1,21 @@
 #pragma once
 #include "identify/observation.hpp"
+#include "identify/views.hpp"
 #include "scene/camera_model.hpp"
 #include "video/film_raster.hpp"
 
 namespace treacle::identify {
 
-// Parameters of the view: they need no run. In this order in every list of derivatives.
-enum ViewParameter { view_time, view_contour, view_focal, view_turn, view_place = view_turn + 3, view_count = view_place + 3 };
-inline constexpr std::array<const char*, view_count> view_names{"time zero [s]", "contour [px]", "focal length [1]", "turn x [rad]", "turn y [rad]",
-                                                               "turn z [rad]",  "place x [m]",  "place y [m]",      "place z [m]"};
-using ViewDerivatives = std::array<double, view_count>;
-
-// A segment of an observed contour against the simulated one.
+// A segment of an observed contour against the simulated one; likewise a component of a measured velocity, or a value of a
+// series, against the simulated one.
 struct SegmentResidual {
-    int frame = 0;         // number of the mask
+    int frame = 0;         // number of the mask, the field, the row
     double time = 0;       // [s] of the scene
-    double x = 0, y = 0;   // [px] its middle
-    double normal_x = 0, normal_y = 0; // outward
-    double points = 0;     // number of its contour's points
-    double displacement = 0; // [px] of the simulated contour from the observed one, outward
+    double x = 0, y = 0;   // its middle [px]; of the vector in the sheet [m]
+    double normal_x = 0, normal_y = 0; // outward; of a velocity the direction of the component in the sheet
+    double points = 0;     // number of its contour's points; of others 1, and 0 where the run has nothing to compare
+    double displacement = 0; // [px] of the simulated contour from the observed one, outward; else simulated less measured in units of
+                             // the measurement's noise; not a number where the run has no liquid
     ViewDerivatives by_view{}; // of the displacement
 };
 

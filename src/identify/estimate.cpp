@@ -13,22 +13,30 @@ namespace {
 using Vector = Eigen::VectorXd;
 using Matrix = Eigen::MatrixXd;
 
-constexpr double least_noise = 0.05; // [px]
+constexpr double least_noise = 0.1; // of the usual one
 constexpr int rounds = 20;           // of reweighting
 constexpr double correlated = 0.2;   // autocorrelation below which frames count as independent
 
-// Segments of all experiments in one list: those that stand in every run.
+// Segments of all experiments in one list: those that stand in every run and that this one compares.
 struct Layout {
     struct Row {
         std::size_t experiment, segment;
+        double usual; // noise
     };
     std::vector<Row> rows;
+    std::size_t experiments = 0;
 };
 
-Layout layout_of(const EvaluatedRun& run) {
+Layout layout_of(const EvaluatedRun& run, const std::vector<std::vector<EvaluatedRun>>& others) {
     Layout out;
+    out.experiments = run.experiments.size();
     for (std::size_t e = 0; e < run.experiments.size(); ++e) {
-        for (std::size_t s = 0; s < run.experiments[e].segments.size(); ++s) out.rows.push_back({e, s});
+        const double usual = usual_noise(run.experiments[e].kind);
+        for (std::size_t s = 0; s < run.experiments[e].segments.size(); ++s) {
+            const auto finite = [&](const EvaluatedRun& one) { return std::isfinite(one.experiments[e].segments[s].displacement); };
+            const auto all_finite = [&](const std::vector<EvaluatedRun>& runs) { return std::ranges::all_of(runs, finite); };
+            if (run.experiments[e].segments[s].points > 0 && finite(run) && std::ranges::all_of(others, all_finite)) out.rows.push_back({e, s, usual});
+        }
     }
     return out;
 }
@@ -44,10 +52,13 @@ double median(std::vector<double> values) {
     return *middle;
 }
 
-double robust_scale(const Vector& residuals) {
-    std::vector<double> sizes(residuals.size());
-    for (Eigen::Index i = 0; i < residuals.size(); ++i) sizes[std::size_t(i)] = std::abs(residuals[i]);
-    return std::max(least_noise, 1.4826 * median(sizes));
+// Of each experiment.
+std::vector<double> robust_scales(const Vector& residuals, const Layout& layout) {
+    std::vector<std::vector<double>> sizes(layout.experiments);
+    for (std::size_t i = 0; i < layout.rows.size(); ++i) sizes[layout.rows[i].experiment].push_back(std::abs(residuals[Eigen::Index(i)]));
+    std::vector<double> out;
+    for (auto& one : sizes) out.push_back(std::max(least_noise, 1.4826 * median(std::move(one))));
+    return out;
 }
 
 // Derivatives by the view's parameters of all experiments, [rows][experiments * view_count].
@@ -55,21 +66,30 @@ Matrix view_matrix(const EvaluatedRun& run, const Layout& layout) {
     Matrix out = Matrix::Zero(Eigen::Index(layout.rows.size()), Eigen::Index(run.experiments.size() * view_count));
     for (std::size_t i = 0; i < layout.rows.size(); ++i) {
         const auto& row = layout.rows[i];
-        for (int k = 0; k < view_count; ++k) out(Eigen::Index(i), Eigen::Index(row.experiment) * view_count + k) = at(run, row).by_view[std::size_t(k)];
+        for (int k = 0; k < view_count; ++k) out(Eigen::Index(i), Eigen::Index(row.experiment) * view_count + k) = at(run, row).by_view[std::size_t(k)] / row.usual;
     }
     return out;
 }
 
+// In units of their usual noise.
 Vector displacements(const EvaluatedRun& run, const Layout& layout) {
     Vector out(Eigen::Index(layout.rows.size()));
-    for (std::size_t i = 0; i < layout.rows.size(); ++i) out[Eigen::Index(i)] = at(run, layout.rows[i]).displacement;
+    for (std::size_t i = 0; i < layout.rows.size(); ++i) out[Eigen::Index(i)] = at(run, layout.rows[i]).displacement / layout.rows[i].usual;
     return out;
 }
 
+// Points of each segment over their mean in its experiment.
 Vector sizes(const EvaluatedRun& run, const Layout& layout) {
     Vector out(Eigen::Index(layout.rows.size()));
-    for (std::size_t i = 0; i < layout.rows.size(); ++i) out[Eigen::Index(i)] = at(run, layout.rows[i]).points;
-    return out / out.mean();
+    std::vector<double> sum(layout.experiments), count(layout.experiments);
+    for (std::size_t i = 0; i < layout.rows.size(); ++i) {
+        const auto e = layout.rows[i].experiment;
+        out[Eigen::Index(i)] = at(run, layout.rows[i]).points;
+        sum[e] += out[Eigen::Index(i)];
+        count[e] += 1;
+    }
+    for (std::size_t i = 0; i < layout.rows.size(); ++i) out[Eigen::Index(i)] *= count[layout.rows[i].experiment] / sum[layout.rows[i].experiment];
+    return out;
 }
 
 Matrix prior_matrix(const std::vector<ViewInformation>& priors, Eigen::Index before) {
@@ -86,18 +106,28 @@ Matrix prior_matrix(const std::vector<ViewInformation>& priors, Eigen::Index bef
 struct Fit {
     Vector x, left, weights;
     Matrix inverse; // of G^T W G + P
-    double noise = 0;
+    std::vector<double> noise; // per experiment, in usual ones
 };
 
-// `dilution`: how many correlated segments count as one.
-Fit fit(const Vector& r, const Matrix& g, const Vector& size, const Matrix& information, double fixed_noise, double bend, double dilution = 1) {
+struct FitOptions {
+    bool usual_noise = false; // that of the residuals otherwise
+    double bend = 3;
+    std::vector<double> dilution; // per experiment: how many correlated segments count as one
+};
+
+Fit fit(const Vector& r, const Matrix& g, const Vector& size, const Matrix& information, const Layout& layout, const FitOptions& options) {
     Fit out;
     out.x = Vector::Zero(g.cols());
     out.weights = size;
+    out.noise.assign(layout.experiments, 1);
     for (int round = 0; round < rounds; ++round) {
         out.left = r + g * out.x;
-        out.noise = fixed_noise > 0 ? fixed_noise : robust_scale(out.left);
-        for (Eigen::Index i = 0; i < r.size(); ++i) out.weights[i] = size[i] * huber_weight(out.left[i], out.noise, bend) / (out.noise * out.noise * dilution);
+        if (!options.usual_noise) out.noise = robust_scales(out.left, layout);
+        for (Eigen::Index i = 0; i < r.size(); ++i) {
+            const auto e = layout.rows[std::size_t(i)].experiment;
+            const double dilution = options.dilution.empty() ? 1 : options.dilution[e];
+            out.weights[i] = size[i] * huber_weight(out.left[i], out.noise[e], options.bend) / (out.noise[e] * out.noise[e] * dilution);
+        }
         const Matrix weighted = out.weights.asDiagonal() * g;
         out.inverse = (g.transpose() * weighted + information).ldlt().solve(Matrix::Identity(g.cols(), g.cols()));
         const Vector next = -out.inverse * (weighted.transpose() * r);
@@ -148,6 +178,28 @@ LocalModel local_model(const std::vector<EvaluatedRun>& runs, const Layout& layo
     out.gradient = coefficients.middleRows(1, p).transpose();
     out.square = quadratic ? Vector(coefficients.row(p + 1).transpose()) : Vector(Vector::Zero(out.value.size()));
     return out;
+}
+
+// Takes the model to the resolution of other runs: what these show beyond it is interpolated, exactly at the one nearest to the centre
+// and linearly along the directions in which the others lie from it.
+void correct(LocalModel& model, const std::vector<EvaluatedRun>& runs, const Layout& layout, const Vector& centre) {
+    const auto p = centre.size();
+    const auto beyond = [&](const EvaluatedRun& run) {
+        const Vector d = run.point - centre;
+        Vector out = displacements(run, layout) - model.value - model.gradient * d;
+        if (p == 1) out -= 0.5 * d[0] * d[0] * model.square;
+        return out;
+    };
+    const auto& nearest = *std::ranges::min_element(runs, {}, [&](const EvaluatedRun& run) { return (run.point - centre).norm(); });
+    const Vector base = beyond(nearest);
+    Matrix ways(p, Eigen::Index(runs.size())), changes(model.value.size(), Eigen::Index(runs.size()));
+    for (std::size_t i = 0; i < runs.size(); ++i) {
+        ways.col(Eigen::Index(i)) = runs[i].point - nearest.point;
+        changes.col(Eigen::Index(i)) = beyond(runs[i]) - base;
+    }
+    const Matrix slope = changes * ways.completeOrthogonalDecomposition().pseudoInverse();
+    model.value += base + slope * (centre - nearest.point);
+    model.gradient += slope;
 }
 
 // Number of each frame among those of its experiment.
@@ -237,54 +289,76 @@ Matrix block_changes(const Fit& fit, const Matrix& g, const Matrix& information,
     return out * (count > 1 ? std::sqrt(double(count - 1) / double(count)) : 1.0);
 }
 
-// Variance of the parameters by blocks over that by independent segments, the largest.
-double inflation(const Fit& fit, const Matrix& g, const Matrix& changes, Eigen::Index p) {
-    const Matrix& a = fit.inverse;
+// Variance of the parameters by the blocks of each experiment over that by its independent segments, the largest, at least 1.
+std::vector<double> inflation(const Fit& fit, const Matrix& g, const Matrix& changes, const std::vector<int>& blocks, const Layout& layout, Eigen::Index p) {
     const Matrix weighted = fit.weights.cwiseProduct(fit.left).asDiagonal() * g;
-    const Matrix independent = a * (weighted.transpose() * weighted) * a;
-    double most = 0;
-    for (Eigen::Index k = 0; k < p; ++k) most = std::max(most, independent(k, k) > 0 ? changes.col(k).squaredNorm() / independent(k, k) : 0.0);
-    return most;
+    const Matrix moves = weighted * fit.inverse.leftCols(p);
+    Matrix independent = Matrix::Zero(Eigen::Index(layout.experiments), p), by_blocks = independent;
+    std::vector<bool> counted(std::size_t(changes.rows()));
+    for (std::size_t i = 0; i < layout.rows.size(); ++i) {
+        const auto e = Eigen::Index(layout.rows[i].experiment);
+        independent.row(e) += moves.row(Eigen::Index(i)).cwiseAbs2();
+        const auto block = std::size_t(blocks[i]);
+        if (!counted[block]) by_blocks.row(e) += changes.row(Eigen::Index(block)).head(p).cwiseAbs2();
+        counted[block] = true;
+    }
+    std::vector<double> out(layout.experiments, 1);
+    for (std::size_t e = 0; e < layout.experiments; ++e) {
+        for (Eigen::Index k = 0; k < p; ++k) {
+            if (independent(Eigen::Index(e), k) > 0) out[e] = std::max(out[e], by_blocks(Eigen::Index(e), k) / independent(Eigen::Index(e), k));
+        }
+    }
+    return out;
 }
 
-VarianceParts parts_of(Eigen::Index k, Eigen::Index p, const Matrix& changes, const Matrix& a, const Matrix& information, std::size_t experiments) {
+double& part_of(VarianceParts& parts, ViewPart part) {
+    switch (part) {
+    case ViewPart::time: return parts.time;
+    case ViewPart::contour: return parts.contour;
+    case ViewPart::camera: return parts.camera;
+    case ViewPart::sheet: return parts.sheet;
+    case ViewPart::instrument: break;
+    }
+    return parts.instrument;
+}
+
+VarianceParts parts_of(Eigen::Index k, Eigen::Index p, const Matrix& changes, const Matrix& a, const Matrix& information, const EvaluatedRun& run) {
     VarianceParts out;
     out.pixels = changes.col(k).squaredNorm();
-    for (std::size_t e = 0; e < experiments; ++e) {
-        const auto part = [&](int first, int count) {
-            const auto at_view = p + Eigen::Index(e) * view_count + first;
+    for (std::size_t e = 0; e < run.experiments.size(); ++e) {
+        const auto& views = view_parameters(run.experiments[e].kind);
+        for (std::size_t first = 0, end = 0; first < views.size(); first = end) { // parameters of a part share a covariance
+            while (end < views.size() && views[end].part == views[first].part) ++end;
+            const auto at_view = p + Eigen::Index(e) * view_count + Eigen::Index(first), count = Eigen::Index(end - first);
             const Vector column = a.row(k).segment(at_view, count).transpose();
-            return column.dot(information.block(at_view, at_view, count, count) * column);
-        };
-        out.time += part(view_time, 1);
-        out.contour += part(view_contour, 1);
-        out.camera += part(view_focal, view_count - view_focal);
+            part_of(out, views[first].part) += column.dot(information.block(at_view, at_view, count, count) * column);
+        }
     }
     return out;
 }
 
 const EvaluatedRun& least_of(const std::vector<EvaluatedRun>& runs, const std::vector<ViewInformation>& priors) {
     std::vector<double> objectives;
-    for (const auto& run : runs) objectives.push_back(contour_objective(run, priors));
+    for (const auto& run : runs) objectives.push_back(residual_objective(run, priors));
     return runs[std::size_t(std::ranges::min_element(objectives) - objectives.begin())];
 }
 } // namespace
 
-double contour_objective(const EvaluatedRun& run, const std::vector<ViewInformation>& priors, double noise, double bend) {
-    const auto layout = layout_of(run);
+double residual_objective(const EvaluatedRun& run, const std::vector<ViewInformation>& priors, double bend) {
+    const auto layout = layout_of(run, {});
     if (layout.rows.empty()) return 1e300;
     const auto r = displacements(run, layout), size = sizes(run, layout);
-    const auto best = fit(r, view_matrix(run, layout), size, prior_matrix(priors, 0), noise, bend);
+    const auto best = fit(r, view_matrix(run, layout), size, prior_matrix(priors, 0), layout, {true, bend, {}});
     double sum = best.x.dot(prior_matrix(priors, 0) * best.x);
     for (Eigen::Index i = 0; i < r.size(); ++i) {
-        const double u = std::abs(best.left[i]) / noise;
+        const double u = std::abs(best.left[i]);
         sum += size[i] * (u <= bend ? u * u : 2 * bend * u - bend * bend);
     }
     return 0.5 * sum / double(r.size());
 }
 
 double VarianceParts::total() const {
-    double sum = pixels + time + contour + camera + resolution + noise;
+    double sum = pixels + time + contour + camera + sheet + instrument + resolution + noise;
     for (const auto& [name, part] : measured) sum += part;
     return sum;
 }
@@ -299,16 +373,19 @@ double ninety_percent(const VarianceParts& parts, double freedom) {
     return z + (z3 + z) / (4 * n) + (5 * z5 + 16 * z3 + 3 * z) / (96 * n * n) + (3 * z7 + 19 * z5 + 17 * z3 - 15 * z) / (384 * n * n * n);
 }
 
-Estimate estimate(const std::vector<EvaluatedRun>& runs, const std::vector<ViewInformation>& priors, const EvaluatedRun* instead) {
+Estimate estimate(const std::vector<EvaluatedRun>& runs, const std::vector<ViewInformation>& priors, const std::vector<std::vector<EvaluatedRun>>& finer) {
     if (runs.empty()) throw InputError({"identify", "has no good run", "all have failed", "look at their reasons in the table"});
-    const auto layout = layout_of(runs.front());
-    if (layout.rows.empty()) {
-        throw InputError({"identify", "finds no contour in the masks that are compared", "they hold no liquid, or only specks and what touches the rim",
-                          "look at the masks, and at from and to"});
-    }
-    const auto size = sizes(runs.front(), layout);
     const auto p = runs.front().point.size();
-    const auto* best = instead ? instead : &least_of(runs, priors);
+    const auto* best = &least_of(finer.empty() ? runs : finer.back(), priors);
+    auto all = finer;
+    all.push_back(runs);
+    const auto layout = layout_of(*best, all);
+    if (layout.rows.empty()) {
+        throw InputError({"identify", "finds nothing to compare: no contour in the masks, no vector in the liquid",
+                          "masks hold no liquid, or only specks and what touches the rim; or sheets lie where no run has liquid",
+                          "look at the masks or fields, and at from and to"});
+    }
+    const auto size = sizes(*best, layout);
     const auto views = view_matrix(*best, layout);
     const auto information = prior_matrix(priors, p);
 
@@ -317,40 +394,41 @@ Estimate estimate(const std::vector<EvaluatedRun>& runs, const std::vector<ViewI
     Fit result;
     LocalModel model;
     Matrix g(views.rows(), p + views.cols());
-    const auto settle = [&](double dilution) {
+    const auto settle = [&](const std::vector<double>& dilution) {
         const Vector reach = Vector::Constant(p, 0.3);
         for (int round = 0; round < 12; ++round) {
             model = local_model(runs, layout, out.point, reach);
-            if (instead) {
-                const Vector way = out.point - instead->point;
-                model.value = displacements(*instead, layout) + model.gradient * way;
-                if (p == 1) model.value -= 0.5 * way[0] * way[0] * model.square; // the gradient is that of the point, not of the run
-            }
+            for (const auto& rung : finer) correct(model, rung, layout, out.point);
             g << model.gradient, views;
-            result = fit(model.value, g, size, information, 0, 3, dilution);
+            result = fit(model.value, g, size, information, layout, {false, 3, dilution});
             const Vector step = result.x.head(p);
             // Not far beyond the runs, where the model is a guess.
             out.point += step / std::max(1.0, step.cwiseAbs().maxCoeff() / 0.5);
             if (step.cwiseAbs().maxCoeff() < 1e-6) break;
         }
     };
-    settle(1);
+    settle({});
     const auto sector = sectors(*best, layout);
     out.block_frames = correlation_frames(*best, layout, result.left, sector);
     const auto blocks = blocks_of(*best, layout, sector, 2 * out.block_frames);
     out.blocks = std::size_t(*std::ranges::max_element(blocks)) + 1;
     // Segments that share their noise must not outvote what is known of the view.
-    settle(std::max(1.0, inflation(result, g, block_changes(result, g, information, blocks), p)));
+    const auto dilution = inflation(result, g, block_changes(result, g, information, blocks), blocks, layout, p);
+    settle(dilution);
 
     const Matrix changes = block_changes(result, g, information, blocks);
     for (Eigen::Index k = 0; k < p; ++k) {
-        out.parts.push_back(parts_of(k, p, changes, result.inverse, information, priors.size()));
+        out.parts.push_back(parts_of(k, p, changes, result.inverse, information, *best));
         const auto squares = changes.col(k).array().square();
         out.freedom.push_back(std::max(1.0, squares.sum() * squares.sum() / std::max(1e-300, squares.square().sum()) - 1));
     }
     for (std::size_t e = 0; e < priors.size(); ++e) out.view.push_back(result.x.segment(p + Eigen::Index(e) * view_count, view_count));
-    out.noise = result.noise;
+    for (std::size_t e = 0; e < layout.experiments; ++e) out.noise.push_back(result.noise[e] * usual_noise(best->experiments[e].kind));
     out.runs = model.runs;
+    for (std::size_t e = 0; e < layout.experiments; ++e) {
+        constexpr double half_quantile = 1.353; // of chi square of one degree of freedom, 90 %
+        out.alike = std::max(out.alike, half_quantile * dilution[e] * result.noise[e] * result.noise[e] / double(layout.rows.size()));
+    }
     const double deviation = std::sqrt(out.parts.front().total());
     const double slope = model.gradient.col(0).norm();
     out.curvature = slope > 0 ? 0.5 * deviation * model.square.norm() / slope : 0;
@@ -359,7 +437,7 @@ Estimate estimate(const std::vector<EvaluatedRun>& runs, const std::vector<ViewI
         const auto& row = layout.rows[i];
         const auto& s = at(*best, row);
         auto& sum = frames[{row.experiment, s.frame}];
-        const double left = result.left[Eigen::Index(i)];
+        const double left = result.left[Eigen::Index(i)] * row.usual;
         sum[0] += s.points * left * left;
         sum[1] += s.points;
         sum[2] = s.time;
@@ -367,6 +445,7 @@ Estimate estimate(const std::vector<EvaluatedRun>& runs, const std::vector<ViewI
     for (const auto& [key, sum] : frames) {
         out.misfit.push_back(std::sqrt(sum[0] / sum[1]));
         out.times.push_back(sum[2]);
+        out.misfit_of.push_back(key.first);
     }
     return out;
 }

@@ -14,13 +14,14 @@ struct EvaluatedRun {
     std::vector<RunResiduals> experiments;
 };
 
-// The search's objective: half of the weighted squares of the displacements [px] in units of `noise`, mean over segments,
+// The search's objective: half of the weighted squares of the residuals in units of their usual noise, mean over segments,
 // with Huber's loss beyond `bend` noises, least over the view's parameters within their priors.
-double contour_objective(const EvaluatedRun& run, const std::vector<ViewInformation>& priors, double noise = 0.5, double bend = 3);
+double residual_objective(const EvaluatedRun& run, const std::vector<ViewInformation>& priors, double bend = 3);
 
 // Parts of the variance of the logarithm of a parameter.
 struct VarianceParts {
-    double pixels = 0, time = 0, contour = 0, camera = 0;
+    double pixels = 0; // scatter of the residuals
+    double time = 0, contour = 0, camera = 0, sheet = 0, instrument = 0;
     double resolution = 0, noise = 0; // numerical; see Identification
     std::vector<std::pair<std::string, double>> measured; // by the measured values' names
     double total() const;
@@ -35,20 +36,25 @@ struct Estimate {
     std::vector<VarianceParts> parts; // [p] of its variance
     std::vector<double> freedom; // [p] degrees of freedom of the part of the pixels: few where few blocks tell it
     std::vector<Eigen::VectorXd> view; // per experiment [view_count]: what the fit takes them for, less what was stated
-    double noise = 0;           // [px] standard deviation of a segment's displacement, robust
+    std::vector<double> noise;  // per experiment: standard deviation of a segment's residual in its unit, robust
     double curvature = 0;       // share of the local model's square term in a standard deviation: small where it is linear
-    std::vector<double> misfit; // by frame of all experiments in turn: root mean square displacement left over [px]
+    std::vector<double> misfit; // by frame of all experiments in turn: root mean square residual left over, in its unit
     std::vector<double> times;  // [s] of those frames
+    std::vector<std::size_t> misfit_of; // experiment of those frames
+    double alike = 0;           // difference of objectives that a likelihood ratio of 90 % allows, segments diluted
     int block_frames = 0;       // frames over which the displacements left over are correlated
     std::size_t blocks = 0;
     std::size_t runs = 0;       // that the local model is fitted to
 };
 
-// Gauss-Newton on signed contour displacements r(theta, v) = r + g (theta - theta_0) + J v: r and g [px] of each segment by a
+// Gauss-Newton on signed residuals r(theta, v) = r + g (theta - theta_0) + J v: r and g of each segment by a
 // polynomial through the runs nearest to the best one, J of the view. Weights are even up to Huber's; the variance is that of
 // leaving out blocks of neighbouring segments and frames in turn (the jackknife of clusters, CR3 in Bell & McCaffrey 2002),
-// since displacements of pixels side by side are not independent; its degrees of freedom after Satterthwaite. With `instead` r is that of this run, of another resolution
-// say, and only g comes from the others. Throws InputError where the runs do not determine it.
-Estimate estimate(const std::vector<EvaluatedRun>& runs, const std::vector<ViewInformation>& priors, const EvaluatedRun* instead = nullptr);
+// since residuals side by side are not independent; its degrees of freedom after Satterthwaite. Each experiment is scaled by its
+// own noise, and diluted by how many of its segments count as one. Throws InputError where the runs do not determine it.
+// finer: runs at one or more other resolutions, or with another change, in order. Then r is that of the last of them; g of the runs
+// before is corrected along the directions in which each resolution has several runs (a multisecant update, Fang & Saad 2009).
+Estimate estimate(const std::vector<EvaluatedRun>& runs, const std::vector<ViewInformation>& priors,
+                  const std::vector<std::vector<EvaluatedRun>>& finer = {});
 
 } // namespace treacle::identify

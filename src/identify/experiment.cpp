@@ -10,20 +10,29 @@ void ViewUncertainty::declare(Declaration& d) {
     d.number("focal", focal, unit::none, range_at_least(0), "Relative, of the focal length, where the camera's file has no covariance.");
     d.number("turn", turn, unit::angle, range_at_least(0), "Of the camera about each of its axes, likewise.");
     d.number("place", place, unit::length, range_at_least(0), "Of the camera along each of its axes, likewise.");
+    d.number("scale", scale, unit::none, range_at_least(0), "Relative, of the lengths in a sheet of PIV, and with them of its velocities; of the values of a series.");
+    d.number("shift", shift, unit::length, range_at_least(0), "Of a sheet of PIV along each of its axes; `turn` is that in its plane.");
 }
 
 void Experiment::declare(Declaration& d) {
     if (d.parsing()) where = d.place();
-    d.text("name", name, "Name in reports; by default that of the masks' folder.");
+    d.text("name", name, "Name in reports; by default that of the masks' folder, or piv or series.");
     d.text("scene", scene, "Name of the scene that simulates it; by default the first.");
-    d.text("masks", masks, "Folder with masks and their times, by `treacle silhouettes` or `treacle film`.");
-    d.required("masks");
+    d.text("masks", masks, "Folder with masks and their times, by `treacle silhouettes` or `treacle film`; or piv or series.");
+    const bool sheet = d.optional_block(
+        "piv", kind == ExperimentKind::piv, [this](Declaration& inner) { piv.declare(inner); }, "Velocity fields in a sheet of light, in the place of masks.");
+    const bool numbers = d.optional_block(
+        "series", kind == ExperimentKind::series, [this](Declaration& inner) { series.declare(inner); }, "Numbers over time, in the place of masks: a front's place, a level, a ball's height.");
+    if (sheet) kind = ExperimentKind::piv;
+    if (numbers) kind = ExperimentKind::series;
+    d.check(int(sheet) + int(numbers) + int(!masks.empty()) == 1, "masks", {"must be given, or piv, or series, and only one of them", "an experiment observes one thing", "write an experiment for each"});
     d.text("camera", camera, "The camera's file, or the name of a camera of the scene; by default the scene's first.");
-    d.number("time_zero", time_zero, unit::time, range_any(), "Time of the masks' table at which the scene's time is 0: when the flow starts.");
-    d.number("from", from, unit::time, range_at_least(0), "Scene's time from which masks are compared.");
-    d.number("to", to, unit::time, range_at_least(0), "Scene's time up to which they are; 0: as long as film and run last.");
-    d.integer("every", every, range_at_least(1), "Masks from one that is compared to the next.");
+    d.number("time_zero", time_zero, unit::time, range_any(), "Time of the masks or fields at which the scene's time is 0: when the flow starts.");
+    d.number("from", from, unit::time, range_at_least(0), "Scene's time from which masks or fields are compared.");
+    d.number("to", to, unit::time, range_at_least(0), "Scene's time up to which they are; 0: as long as observation and run last.");
+    d.integer("every", every, range_at_least(1), "Masks or fields from one that is compared to the next.");
     d.block("plus_minus", plus_minus, "Standard deviations of what the comparison does not know exactly.");
+    if (d.parsing() && name.empty() && (sheet || numbers)) name = sheet ? "piv" : "series";
     if (d.parsing() && name.empty()) {
         const auto end = masks.find_last_not_of('/');
         const auto slash = masks.rfind('/', end);

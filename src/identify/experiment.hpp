@@ -1,4 +1,8 @@
 #pragma once
+#include "identify/series.hpp"
+#include "identify/sheet.hpp"
+#include "identify/views.hpp"
+
 #include <array>
 #include <string>
 #include <vector>
@@ -17,15 +21,20 @@ struct ViewUncertainty {
     double focal = 1e-3;     // relative; without the covariance of a camera file
     double turn = 1e-3;      // [rad] of the camera about each axis, likewise
     double place = 1e-3;     // [m] of the camera along each axis, likewise
+    double scale = 2e-3;     // relative, of a sheet of PIV or the instrument of a series
+    double shift = 2e-4;     // [m] of a sheet of PIV along each of its axes; its turn in its plane is `turn`
 
     void declare(Declaration& d);
 };
 
-// A film of a flow beside the scene that simulates it.
+// An observation of a flow beside the scene that simulates it: a film's contours, velocity fields in a sheet, or numbers over time.
 struct Experiment {
     std::string name;
     std::string scene;    // name of the study's scene; empty: its first
+    ExperimentKind kind = ExperimentKind::contours;
     std::string masks;    // folder of `treacle silhouettes` or `treacle film`, beside the study's file
+    Sheet piv;
+    Series series;
     std::string camera;   // a camera file, or the name of a camera of the scene
     double time_zero = 0; // [s] time of the masks' table at which the scene's time is 0
     double from = 0;      // [s] of the scene's time

@@ -2,6 +2,7 @@
 
 #include "base/error.hpp"
 #include "base/text.hpp"
+#include "identify/profile.hpp"
 #include "search/bracketing.hpp"
 #include "search/cma_es.hpp"
 
@@ -75,6 +76,8 @@ struct Variation {
     double value = 0;                                                // in its unit
 };
 
+using Wanted = std::vector<std::pair<search::Point, Variation>>;
+
 // Runs candidates and keeps what came of them.
 class Trials {
 public:
@@ -83,21 +86,16 @@ public:
 
     // Of each point and its variation: nothing where a run failed. Throws Stopped when asked to stop.
     struct Stopped {};
-    std::vector<std::optional<EvaluatedRun>> run(const std::vector<std::pair<search::Point, Variation>>& wanted) {
+    std::vector<std::optional<EvaluatedRun>> run(Wanted wanted) {
         std::vector<std::int64_t> numbers;
         std::vector<Trial> fresh;
-        for (const auto& [point, variation] : wanted) {
+        for (auto& [point, variation] : wanted) {
+            point = run_point(point, variation);
             auto& trial = fresh.emplace_back();
             trial.purpose = variation.purpose;
-            study::Point words;
-            for (std::size_t k = 0; k < file_.study.parameters.size(); ++k) {
-                const auto& parameter = file_.study.parameters[k];
-                const double usual = k < point.size() ? value_of(parameter, point[k]) : *parameter.number(parameter.values.front());
-                trial.values.push_back(k == variation.parameter ? variation.value : usual);
-                words.push_back(parameter.word(trial.values.back()));
-            }
-            for (const auto& scene : file_.study.scenes) {
-                trial.runs.push_back(runs_.ask(study::candidate_of(file_.study, scene, words, read_scene_)));
+            trial.values = values_at(point, variation);
+            for (const auto& candidate : candidates_at(trial.values)) {
+                trial.runs.push_back(runs_.ask(candidate));
                 numbers.push_back(trial.runs.back());
             }
         }
@@ -114,12 +112,46 @@ public:
         }
         return out;
     }
+    // Lanes that would idle while later calls of `run` wait may do these meanwhile; without any, they end.
+    void offer(const Wanted& expected) {
+        std::vector<study::Candidate> candidates;
+        for (const auto& [point, variation] : expected) {
+            for (auto& one : candidates_at(values_at(run_point(point, variation), variation))) candidates.push_back(std::move(one));
+        }
+        runs_.offer(std::move(candidates));
+    }
+    bool speculates() const { return file_.study.runs.speculate && runs_.lanes() > 1; }
     // Of the search's spacing and the measured values as they are.
     const std::vector<EvaluatedRun>& good() const { return good_; }
 
 private:
+    // Runs beside the search's stand on a lattice of the tolerance, so that they are known before the answer's last digits are.
+    search::Point run_point(search::Point point, const Variation& variation) const {
+        if (variation.purpose == Variation{}.purpose) return point;
+        for (std::size_t k = 0; k < point.size(); ++k) {
+            const auto& axis = axes_[k];
+            point[k] = std::clamp(axis.start + axis.tolerance * std::round((point[k] - axis.start) / axis.tolerance), axis.lower, axis.upper);
+        }
+        return point;
+    }
+    std::vector<double> values_at(const search::Point& point, const Variation& variation) const {
+        std::vector<double> out;
+        for (std::size_t k = 0; k < file_.study.parameters.size(); ++k) {
+            const auto& parameter = file_.study.parameters[k];
+            const double usual = k < point.size() ? value_of(parameter, point[k]) : *parameter.number(parameter.values.front());
+            out.push_back(k == variation.parameter ? variation.value : usual);
+        }
+        return out;
+    }
+    std::vector<study::Candidate> candidates_at(const std::vector<double>& values) const {
+        study::Point words;
+        for (std::size_t k = 0; k < values.size(); ++k) words.push_back(file_.study.parameters[k].word(values[k]));
+        std::vector<study::Candidate> out;
+        for (const auto& scene : file_.study.scenes) out.push_back(study::candidate_of(file_.study, scene, words, read_scene_));
+        return out;
+    }
     std::optional<EvaluatedRun> evaluate(Trial& trial, const search::Point& point) const {
-        trial.objective = trial.mismatch = none;
+        trial.objective = none;
         EvaluatedRun run;
         run.point = Eigen::Map<const Eigen::VectorXd>(point.data(), Eigen::Index(point.size()));
         for (const auto& experiment : file_.experiments) {
@@ -127,11 +159,10 @@ private:
             const auto number = trial.runs[scene];
             const auto* outcome = runs_.journal().outcome(number);
             if (!outcome || outcome->status != study::RunStatus::done) return {};
-            run.experiments.push_back(read_residuals(outcome->folder.empty() ? runs_.run_folder(number) : std::filesystem::path(outcome->folder), experiment.name));
+            run.experiments.push_back(read_residuals(outcome->folder.empty() ? runs_.run_folder(number) : std::filesystem::path(outcome->folder), experiment.name, experiment.kind));
         }
-        trial.objective = contour_objective(run, priors_);
-        trial.mismatch = 0;
-        for (const auto& one : run.experiments) trial.mismatch += one.mismatch / double(run.experiments.size());
+        trial.objective = residual_objective(run, priors_);
+        for (const auto& one : run.experiments) trial.mismatches.push_back(one.mismatch);
         return run;
     }
     void tell(const Trial& trial) const {
@@ -154,14 +185,15 @@ private:
     const study::SceneReader& read_scene_;
     Log& log_;
     Identification& out_;
+    std::vector<search::Axis> axes_ = axes_of(file_);
     std::vector<EvaluatedRun> good_;
 };
 
 // A run at the estimate and one to either side of it, a few standard deviations away: the local model then says what the
 // runs near the answer say. Only for what the search has not done.
-std::vector<std::pair<search::Point, Variation>> runs_around(const Estimate& estimate, const std::vector<EvaluatedRun>& good, const std::vector<search::Axis>& axes) {
+Wanted runs_around(const Estimate& estimate, const std::vector<EvaluatedRun>& good, const std::vector<search::Axis>& axes) {
     constexpr double reach = 0.12, near = 0.03; // of the logarithm of a viscosity
-    std::vector<std::pair<search::Point, Variation>> out;
+    Wanted out;
     const auto p = std::size_t(estimate.point.size());
     for (std::size_t k = 0; k < p; ++k) {
         for (const double side : {-reach, 0.0, reach}) {
@@ -177,51 +209,136 @@ std::vector<std::pair<search::Point, Variation>> runs_around(const Estimate& est
     return out;
 }
 
+double information(double deviation) { return 1 / std::max(1e-24, deviation * deviation); }
+
 search::Point point_of(const Eigen::VectorXd& vector) { return {vector.data(), vector.data() + vector.size()}; }
 
-// The answer at each finer rung: a run there, and how displacements change with the parameters from the search's rung.
-void climb_rungs(const StudyFile& file, const Priors& priors, Trials& trials, Identification& out) {
-    const auto spacing = file.searched + file.measured;
-    const auto& parameter = file.study.parameters[spacing];
-    auto point = out.estimate->point;
-    const auto note = [&](const std::string& word) {
-        RungAnswer answer{word, {}};
-        for (std::size_t k = 0; k < file.searched; ++k) answer.values.push_back(value_of(file.study.parameters[k], point[Eigen::Index(k)]));
-        out.rungs.push_back(answer);
-    };
-    std::vector<std::vector<search::Rung>> rungs(file.searched);
-    const auto keep = [&](double width) {
-        for (std::size_t k = 0; k < file.searched; ++k) rungs[k].push_back({width, point[Eigen::Index(k)]});
-    };
-    note(parameter.values.front());
-    keep(*parameter.number(parameter.values.front()));
-    for (std::size_t i = 1; i < parameter.values.size(); ++i) {
-        const double width = *parameter.number(parameter.values[i]);
-        const auto run = trials.run({{point_of(point), {"rung " + parameter.values[i], spacing, width}}}).front();
-        if (!run) continue; // its failure stands in the table; the others say what they can
-        point = estimate(trials.good(), priors, &*run).point;
-        note(parameter.values[i]);
-        keep(width);
-    }
-    if (rungs.front().size() < 2) return;
-    for (std::size_t k = 0; k < file.searched; ++k) {
-        const auto one = search::extrapolate(rungs[k], std::sqrt(out.estimate->parts[k].noise));
-        out.corrections.push_back(one);
-        out.estimate->parts[k].resolution = one.deviation * one.deviation;
-    }
-}
-
-// Scatter of the answer over runs whose spacing, and with it the place of the cells in the flow, is a little another.
-void measure_noise(const StudyFile& file, const Priors& priors, Trials& trials, Identification& out) {
+// Runs whose spacing, and with it the place of the cells in the flow, is a little another.
+Wanted noise_runs(const StudyFile& file, const search::Point& point) {
     constexpr std::array factors{0.985, 1.015, 0.97, 1.03, 0.955, 1.045, 0.94, 1.06};
     const auto spacing = file.searched + file.measured;
     const auto& parameter = file.study.parameters[spacing];
     const double width = *parameter.number(parameter.values.front());
-    std::vector<std::pair<search::Point, Variation>> wanted;
-    for (int i = 0; i < file.search.noise_runs; ++i) wanted.push_back({point_of(out.estimate->point), {"noise", spacing, width * factors[std::size_t(i)]}});
+    Wanted out;
+    for (int i = 0; i < file.search.noise_runs; ++i) out.push_back({point, {"noise", spacing, width * factors[std::size_t(i)]}});
+    return out;
+}
+
+// A run of each finer spacing.
+Wanted rung_runs(const StudyFile& file, const search::Point& point) {
+    const auto spacing = file.searched + file.measured;
+    const auto& parameter = file.study.parameters[spacing];
+    Wanted out;
+    for (std::size_t i = 1; i < parameter.values.size(); ++i) out.push_back({point, {"rung " + parameter.values[i], spacing, *parameter.number(parameter.values[i])}});
+    return out;
+}
+
+// How far a measured value is changed to see what it does: far enough that the change stands out of the numerical noise.
+double measured_step(double value, double deviation) {
+    constexpr double clear = 0.05; // relative
+    return std::max(deviation, clear * std::abs(value));
+}
+
+// A run for each measured value that is not exact, raised by a step.
+Wanted measured_runs(const StudyFile& file, const search::Point& point) {
+    Wanted out;
+    for (std::size_t m = 0; m < file.measured; ++m) {
+        const auto index = file.searched + m;
+        const auto& parameter = file.study.parameters[index];
+        const double value = *parameter.number(parameter.values.front());
+        if (file.deviations[m] != 0) out.push_back({point, {parameter.name, index, value + measured_step(value, file.deviations[m])}});
+    }
+    return out;
+}
+
+// All that follows the search.
+Wanted later_runs(const StudyFile& file, const search::Point& point) {
+    Wanted out;
+    const auto add = [&](const Wanted& more) { out.insert(out.end(), more.begin(), more.end()); };
+    if (file.has_rungs()) {
+        add(noise_runs(file, point));
+        add(rung_runs(file, point));
+    }
+    add(measured_runs(file, point));
+    return out;
+}
+
+// Runs at one spacing until the answer there stands, at most `most` of them: at the answer so far, and then where it moves to. A run to
+// the side, unless the answer moves by itself, says how displacements change at this spacing: where the flow is wild, the
+// coarse runs tell that wrongly. False where a run failed.
+bool settle_rung(const StudyFile& file, const Priors& priors, Trials& trials, std::vector<std::vector<EvaluatedRun>>& finer, std::size_t rung, Eigen::VectorXd& point) {
+    constexpr double near = 0.03, reach = 0.1; // of the logarithm of a viscosity
+    constexpr std::size_t most = 4;
+    const bool last = rung + 2 == file.study.parameters[file.searched + file.measured].values.size();
+    finer.emplace_back();
+    auto next = point;
+    while (finer.back().size() < most) {
+        const auto run = trials.run({rung_runs(file, point_of(next))[rung]}).front();
+        if (!run) break; // its failure stands in the table; the others say what they can
+        finer.back().push_back(*run);
+        point = estimate(trials.good(), priors, finer).point;
+        const auto distance = [&](const EvaluatedRun& one) { return (one.point - point).cwiseAbs().maxCoeff(); };
+        const bool moved = std::ranges::all_of(finer.back(), [&](const EvaluatedRun& one) { return distance(one) > near; });
+        next = point;
+        if (moved) continue;
+        if (last || finer.back().size() > 1) break;
+        const Eigen::VectorXd way = point - finer.back().front().point;
+        next = finer.back().front().point + (way.norm() > 0 ? Eigen::VectorXd(way * (reach / way.norm())) : Eigen::VectorXd::Constant(way.size(), reach));
+    }
+    if (!finer.back().empty()) return true;
+    finer.pop_back();
+    return false;
+}
+
+// The pixels' part of the interval and all that is said of the fit are those of the finest runs.
+void take_fit(const Estimate& finest, Estimate& out) {
+    auto parts = finest.parts;
+    for (std::size_t k = 0; k < parts.size(); ++k) {
+        parts[k].noise = out.parts[k].noise;
+        parts[k].resolution = out.parts[k].resolution;
+    }
+    const auto point = out.point;
+    const auto alike = out.alike;
+    out = finest;
+    out.parts = std::move(parts);
+    out.point = point;
+    out.alike = alike;
+}
+
+// The answer at each finer rung.
+void climb_rungs(const StudyFile& file, const Priors& priors, Trials& trials, Identification& out) {
+    const auto& parameter = file.study.parameters[file.searched + file.measured];
+    auto point = out.estimate->point;
+    std::vector<std::vector<search::Rung>> rungs(file.searched);
+    const auto keep = [&](const std::string& word) {
+        RungAnswer answer{word, {}};
+        for (std::size_t k = 0; k < file.searched; ++k) {
+            rungs[k].push_back({*parameter.number(word), point[Eigen::Index(k)]});
+            answer.values.push_back(value_of(file.study.parameters[k], point[Eigen::Index(k)]));
+        }
+        out.rungs.push_back(answer);
+    };
+    keep(parameter.values.front());
+    std::vector<std::vector<EvaluatedRun>> finer;
+    for (std::size_t i = 1; i < parameter.values.size(); ++i) {
+        if (settle_rung(file, priors, trials, finer, i - 1, point)) keep(parameter.values[i]);
+    }
+    if (finer.empty()) return;
+    take_fit(estimate(trials.good(), priors, finer), *out.estimate);
+    for (std::size_t k = 0; k < file.searched; ++k) {
+        auto& parts = out.estimate->parts[k];
+        const auto one = search::extrapolate(rungs[k], {std::sqrt(parts.noise), std::max(1, file.search.noise_runs)});
+        out.corrections.push_back(one);
+        parts.noise = one.noise * one.noise;
+        parts.resolution = one.deviation * one.deviation - parts.noise;
+    }
+}
+
+// Scatter of the answer over runs of other spacings.
+void measure_noise(const StudyFile& file, const Priors& priors, Trials& trials, Identification& out) {
     std::vector<Eigen::VectorXd> answers{out.estimate->point};
-    for (const auto& run : trials.run(wanted)) {
-        if (run) answers.push_back(estimate(trials.good(), priors, &*run).point);
+    for (const auto& run : trials.run(noise_runs(file, point_of(out.estimate->point)))) {
+        if (run) answers.push_back(estimate(trials.good(), priors, {{*run}}).point);
     }
     if (answers.size() < 2) return;
     for (std::size_t k = 0; k < file.searched; ++k) {
@@ -234,18 +351,18 @@ void measure_noise(const StudyFile& file, const Priors& priors, Trials& trials, 
 
 // What a standard deviation of each measured value does to the answer.
 void vary_measured(const StudyFile& file, const Priors& priors, Trials& trials, Identification& out) {
-    for (std::size_t m = 0; m < file.measured; ++m) {
-        const auto index = file.searched + m;
-        const auto& parameter = file.study.parameters[index];
-        const double value = *parameter.number(parameter.values.front());
-        if (file.deviations[m] == 0) continue;
-        const auto point = out.estimate->point;
-        const auto run = trials.run({{point_of(point), {parameter.name, index, value + file.deviations[m]}}}).front();
-        if (!run) throw InputError({parameter.where, "the run with " + parameter.name + " raised by its plus_minus failed", "its share of the interval is not known",
+    const auto point = out.estimate->point;
+    for (const auto& wanted : measured_runs(file, point_of(point))) {
+        const auto& parameter = file.study.parameters[wanted.second.parameter];
+        const double step = wanted.second.value - *parameter.number(parameter.values.front());
+        const double deviation = file.deviations[wanted.second.parameter - file.searched];
+        const auto run = trials.run({wanted}).front();
+        if (!run) throw InputError({parameter.where, "the run with " + parameter.name + " raised by " + format_number(step) + " failed", "its share of the interval is not known",
                                     "see the table for the reason"});
-        const auto shifted = estimate(trials.good(), priors, &*run).point;
+        const auto shifted = estimate(trials.good(), priors, {{*run}}).point;
         for (std::size_t k = 0; k < file.searched; ++k) {
-            out.estimate->parts[k].measured.emplace_back(parameter.name, std::pow(shifted[Eigen::Index(k)] - point[Eigen::Index(k)], 2));
+            const double shift = (shifted[Eigen::Index(k)] - point[Eigen::Index(k)]) * deviation / step;
+            out.estimate->parts[k].measured.emplace_back(parameter.name, shift * shift);
         }
     }
 }
@@ -264,11 +381,24 @@ void say_answer(const StudyFile& file, Identification& out) {
     }
 }
 
+// Runs that may follow those that the search asks for now: its own next ones, and those at the answer that can be told so far.
+Wanted expected_runs(const StudyFile& file, const Priors& priors, const Trials& trials, const search::Search& search) {
+    Wanted out;
+    if (!trials.speculates()) return out;
+    for (const auto& point : search.speculate()) out.push_back({point, {}});
+    if (trials.good().size() <= file.searched) return out;
+    const auto so_far = estimate(trials.good(), priors);
+    for (const auto& one : runs_around(so_far, trials.good(), search.axes())) out.push_back(one);
+    for (const auto& one : later_runs(file, point_of(so_far.point))) out.push_back(one);
+    return out;
+}
+
 void search_and_estimate(const StudyFile& file, const Priors& priors, Trials& trials, Identification& out) {
     auto search = search_of(file);
     while (!search->stopped()) {
-        std::vector<std::pair<search::Point, Variation>> wanted;
+        Wanted wanted;
         for (const auto& point : search->ask()) wanted.push_back({point, {}});
+        trials.offer(expected_runs(file, priors, trials, *search));
         const auto before = out.trials.size();
         trials.run(wanted);
         std::vector<search::Value> values;
@@ -281,14 +411,33 @@ void search_and_estimate(const StudyFile& file, const Priors& priors, Trials& tr
     for (int round = 0; round < 2; ++round) {
         const auto more = runs_around(estimate(trials.good(), priors), trials.good(), search->axes());
         if (more.empty()) break;
+        trials.offer(expected_runs(file, priors, trials, *search));
         trials.run(more);
     }
     out.estimate = estimate(trials.good(), priors);
+    trials.offer(later_runs(file, point_of(out.estimate->point)));
 }
 } // namespace
 
+ViewInformation sheet_information(const ViewUncertainty& uncertainty) {
+    ViewInformation out = ViewInformation::Identity(); // of the parameters that a sheet does not have
+    out(sheet_time, sheet_time) = information(uncertainty.time_zero);
+    out(sheet_scale, sheet_scale) = information(uncertainty.scale);
+    out(sheet_right, sheet_right) = out(sheet_up, sheet_up) = information(uncertainty.shift);
+    out(sheet_turn, sheet_turn) = information(uncertainty.turn);
+    return out;
+}
+
+ViewInformation series_information(const ViewUncertainty& uncertainty, const Series& series) {
+    ViewInformation out = ViewInformation::Identity();
+    out(series_time, series_time) = information(uncertainty.time_zero);
+    out(series_offset, series_offset) = information(series.offset);
+    out(series_scale, series_scale) = information(uncertainty.scale);
+    return out;
+}
+
 ViewInformation information_of(const ViewUncertainty& uncertainty, const std::optional<Eigen::Matrix<double, 6, 6>>& pose, double focal_deviation) {
-    const auto of = [](double deviation) { return 1 / std::max(1e-24, deviation * deviation); };
+    const auto of = information;
     ViewInformation out = ViewInformation::Zero();
     out(view_time, view_time) = of(uncertainty.time_zero);
     out(view_contour, view_contour) = of(uncertainty.contour);
@@ -327,7 +476,9 @@ Identification identify(const StudyFile& file, const Priors& priors, study::Stud
         if (file.temperature.deviation() > 0) {
             for (auto& parts : out.estimate->parts) parts.measured.emplace_back("temperature", std::pow(file.temperature.deviation(), 2));
         }
+        trials.offer({});
         say_answer(file, out);
+        widen_to_alike_trials(file, out);
     } catch (const Trials::Stopped&) {
         out.end = study::StudyEnd::stopped;
         out.estimate.reset();

@@ -11,8 +11,8 @@ namespace treacle::identify {
 struct Trial {
     std::vector<double> values;      // of all parameters of the study, in their units
     std::vector<std::int64_t> runs;  // one a scene
-    double objective = 0;            // contour_objective; not a number where a run failed
-    double mismatch = 0;             // (6.9), mean over frames and experiments
+    double objective = 0;            // residual_objective; not a number where a run failed
+    std::vector<double> mismatches;  // by experiment: (6.9), mean over frames; (E.1) [m2/s2]; mean square of a series. Empty where a run failed
     std::string purpose;             // "search", "around the answer", "rung 4 mm", "noise", "density"
 };
 
@@ -37,6 +37,8 @@ struct Identification {
 // Information on the view before the films are looked at, per experiment.
 using Priors = std::vector<ViewInformation>;
 ViewInformation information_of(const ViewUncertainty& uncertainty, const std::optional<Eigen::Matrix<double, 6, 6>>& pose, double focal_deviation);
+ViewInformation sheet_information(const ViewUncertainty& uncertainty);
+ViewInformation series_information(const ViewUncertainty& uncertainty, const Series& series);
 
 // Throws InputError without a parameter, for one without a range, for one that silhouettes cannot know, and for ends of ranges
 // that a scene refuses.

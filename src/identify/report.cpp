@@ -2,6 +2,7 @@
 
 #include "base/file.hpp"
 #include "base/text.hpp"
+#include "identify/report_fields.hpp"
 #include "identify/report_pictures.hpp"
 #include "study/chart.hpp"
 
@@ -12,18 +13,33 @@
 namespace treacle::identify {
 
 namespace {
-constexpr double usual_noise = 0.5; // [px] of a contour that image processing finds
-
 std::string digits(double value, int count = 4) {
     char text[32];
     std::snprintf(text, sizeof text, "%.*g", count, value);
     return text;
 }
 
-double misfit_of(const Estimate& estimate) {
-    double sum = 0;
-    for (const double one : estimate.misfit) sum += one * one;
-    return estimate.misfit.empty() ? 0 : std::sqrt(sum / double(estimate.misfit.size()));
+// Root mean square residual of an experiment that is left over, in its unit.
+double misfit_of(const Estimate& estimate, std::size_t experiment) {
+    double sum = 0, count = 0;
+    for (std::size_t i = 0; i < estimate.misfit.size(); ++i) {
+        if (estimate.misfit_of[i] != experiment) continue;
+        sum += estimate.misfit[i] * estimate.misfit[i];
+        count += 1;
+    }
+    return count > 0 ? std::sqrt(sum / count) : 0;
+}
+
+const char* unit_of(ExperimentKind kind) { return kind == ExperimentKind::contours ? "px" : "noises"; }
+
+bool only(const StudyFile& file, ExperimentKind kind) { return std::ranges::all_of(file.experiments, [&](const auto& one) { return one.kind == kind; }); }
+
+bool prescribes(const Experiment& one) { return one.kind == ExperimentKind::piv && one.piv.has_track() && one.piv.ball.motion == BallMotion::prescribed; }
+
+// The dissertation's objective of an experiment.
+std::string mismatch_title(const Experiment& one) {
+    if (one.kind == ExperimentKind::contours) return "E (6.9) of " + one.name;
+    return one.kind == ExperimentKind::piv ? "E (E.1) of " + one.name + " [m2/s2]" : "mean square of " + one.name;
 }
 
 std::string percent(double share) { return digits(100 * share, 2) + " %"; }
@@ -34,30 +50,34 @@ std::string row(const std::vector<std::string>& cells, const char* tag = "td") {
     return out + "</tr>\n";
 }
 
-study::Chart objective_chart(const StudyFile& file, const Identification& identification, bool mismatch) {
+// Of the search's objective, or of the mismatch of an experiment.
+study::Chart objective_chart(const StudyFile& file, const Identification& identification, std::optional<std::size_t> experiment) {
     const auto& parameter = file.study.parameters.front();
     study::Chart chart;
-    chart.title = mismatch ? "Share of pixels that differ, halved (6.9)" : "Objective of contour displacements";
+    chart.title = experiment ? mismatch_title(file.experiments[*experiment]) : "Objective";
     chart.x = {parameter.column(), parameter.scale == study::Scale::log ? study::AxisScale::log : study::AxisScale::linear};
-    chart.y = {mismatch ? "E" : "objective", study::AxisScale::log};
+    chart.y = {experiment ? "E" : "objective", study::AxisScale::log};
     study::ChartSeries dots;
     for (const auto& trial : identification.trials) {
         if (trial.purpose != "search" && trial.purpose != "around the answer") continue; // of another spacing or measured value
         dots.x.push_back(trial.values.front());
-        dots.y.push_back(mismatch ? trial.mismatch : trial.objective);
+        dots.y.push_back(!experiment ? trial.objective : trial.mismatches.empty() ? std::nan("") : trial.mismatches[*experiment]);
     }
     chart.series.push_back(dots);
     return chart;
 }
 
-study::Chart misfit_chart(const Estimate& estimate) {
+study::Chart misfit_chart(const StudyFile& file, const Estimate& estimate, std::size_t experiment) {
     study::Chart chart;
-    chart.title = "Displacement left over by frame";
+    chart.title = "Left over by frame: " + file.experiments[experiment].name;
     chart.x.label = "time [s]";
-    chart.y.label = "root mean square [px]";
+    chart.y.label = std::string("root mean square [") + unit_of(file.experiments[experiment].kind) + "]";
     study::ChartSeries line;
-    line.x = estimate.times;
-    line.y = estimate.misfit;
+    for (std::size_t i = 0; i < estimate.misfit.size(); ++i) {
+        if (estimate.misfit_of[i] != experiment) continue;
+        line.x.push_back(estimate.times[i]);
+        line.y.push_back(estimate.misfit[i]);
+    }
     line.line = true;
     chart.series.push_back(line);
     return chart;
@@ -81,9 +101,14 @@ study::Chart convergence_chart(const StudyFile& file, const Identification& iden
 }
 
 // The parts of a variance by their names, the sum last.
-std::vector<std::pair<std::string, double>> shares(const VarianceParts& parts, bool rungs) {
-    std::vector<std::pair<std::string, double>> out{{"pixels", parts.pixels}, {"time zero", parts.time}, {"contour", parts.contour}, {"camera", parts.camera}};
-    if (rungs) out.insert(out.end(), {{"resolution", parts.resolution}, {"noise", parts.noise}});
+std::vector<std::pair<std::string, double>> shares(const VarianceParts& parts, const StudyFile& file) {
+    const auto any = [&](ExperimentKind kind) { return std::ranges::any_of(file.experiments, [&](const auto& one) { return one.kind == kind; }); };
+    std::vector<std::pair<std::string, double>> out{{only(file, ExperimentKind::contours) ? "pixels" : only(file, ExperimentKind::piv) ? "vectors" : "scatter", parts.pixels},
+                                                    {"time zero", parts.time}};
+    if (any(ExperimentKind::contours)) out.insert(out.end(), {{"contour", parts.contour}, {"camera", parts.camera}});
+    if (any(ExperimentKind::piv)) out.emplace_back("sheet", parts.sheet);
+    if (any(ExperimentKind::series)) out.emplace_back("instrument", parts.instrument);
+    if (file.has_rungs()) out.insert(out.end(), {{"resolution", parts.resolution}, {"noise", parts.noise}});
     out.insert(out.end(), parts.measured.begin(), parts.measured.end());
     out.emplace_back("all", parts.total());
     return out;
@@ -120,10 +145,17 @@ std::string pictures_text(const std::filesystem::path& folder, const StudyFile& 
                           const std::function<std::filesystem::path(std::int64_t)>& folder_of) {
     const auto* best = best_trial(identification);
     if (!best) return "";
-    std::string out = "<h2>Film and run</h2>\n<p>At the trial that is most alike: grey where both have liquid, blue where only the film has, red where only the run.</p>\n";
+    std::string out;
     for (const auto& experiment : file.experiments) {
         const auto scene = std::size_t(&file.scene_of(experiment) - file.study.scenes.data());
-        for (const auto& picture : write_pictures(folder, file, experiment, folder_of(best->runs[scene]))) {
+        const auto run = folder_of(best->runs[scene]);
+        const bool film = experiment.kind == ExperimentKind::contours;
+        if (film) {
+            out += "<h2>Film and run: " + experiment.name + "</h2>\n<p>At the trial that is most alike: grey where both have liquid, blue where only the film has, red where only the run.</p>\n";
+        } else if (experiment.kind == ExperimentKind::piv) {
+            out += "<h2>Fields: " + experiment.name + "</h2>\n<p>At the trial that is most alike: measured, simulated, and the difference, five times as long.</p>\n";
+        }
+        for (const auto& picture : film ? write_pictures(folder, file, experiment, run) : write_field_pictures(folder, experiment, run)) {
             out += "<figure><img src=\"" + picture.file + "\" alt=\"" + picture.caption + "\"><figcaption>" + picture.caption + "</figcaption></figure>\n";
         }
     }
@@ -140,7 +172,8 @@ std::string html(const StudyFile& file, const Identification& identification, co
     for (std::size_t k = 0; k < identification.values.size(); ++k) {
         out += "<p>" + file.study.parameters[k].name + ": " + identifiability(file, identification, k) + "</p>\n";
     }
-    const auto said = verdict(identification);
+    for (const auto& note : notes(file)) out += "<p>" + note + "</p>\n";
+    const auto said = verdict(file, identification);
     if (!said.empty()) out += "<p class=\"warn\">" + said + "</p>\n";
     out += std::string(file.temperature.stated() ? "<p>" : "<p class=\"warn\">") + "Temperature of the liquid: " + file.temperature.text() + ".</p>\n";
     out += "<p>" + identification.stop + "</p>\n";
@@ -148,24 +181,30 @@ std::string html(const StudyFile& file, const Identification& identification, co
         const auto& estimate = *identification.estimate;
         out += "<h2>Where the interval comes from</h2>\n<table>";
         std::vector<std::string> head{"parameter"};
-        for (const auto& [name, part] : shares(estimate.parts.front(), file.has_rungs())) head.push_back(name);
+        for (const auto& [name, part] : shares(estimate.parts.front(), file)) head.push_back(name);
         out += row(head, "th");
         for (std::size_t k = 0; k < estimate.parts.size(); ++k) {
             std::vector<std::string> cells{file.study.parameters[k].name};
-            for (const auto& [name, part] : shares(estimate.parts[k], file.has_rungs())) cells.push_back("&plusmn; " + percent(std::sqrt(part)));
+            for (const auto& [name, part] : shares(estimate.parts[k], file)) cells.push_back("&plusmn; " + percent(std::sqrt(part)));
             out += row(cells);
         }
-        out += "</table>\n<p>Standard deviations. Displacements are taken as correlated over " + std::to_string(estimate.block_frames) +
-               " frames; " + std::to_string(estimate.blocks) + " independent blocks, a noise of " + digits(estimate.noise, 2) + " px a segment.</p>\n";
-        out += svg(misfit_chart(estimate));
+        out += "</table>\n<p>Standard deviations. What is left over is taken as correlated over " + std::to_string(estimate.block_frames) + " frames; " +
+               std::to_string(estimate.blocks) + " independent blocks.</p>\n";
+        for (std::size_t e = 0; e < file.experiments.size(); ++e) {
+            const auto& one = file.experiments[e];
+            out += "<p>" + one.name + ": a noise of " + digits(estimate.noise[e], 2) + " " + unit_of(one.kind) + (one.kind == ExperimentKind::contours ? " a segment" : "") + ".</p>\n";
+            out += svg(misfit_chart(file, estimate, e));
+        }
         out += rungs_text(file, identification);
     }
-    out += pictures + "<h2>The search</h2>\n" + svg(objective_chart(file, identification, false)) + svg(objective_chart(file, identification, true)) +
-           svg(convergence_chart(file, identification));
+    out += pictures + "<h2>The search</h2>\n" + svg(objective_chart(file, identification, {}));
+    for (std::size_t e = 0; e < file.experiments.size(); ++e) out += svg(objective_chart(file, identification, e));
+    out += svg(convergence_chart(file, identification));
     out += "<h2>Trials</h2>\n<table>";
     std::vector<std::string> head{"trial", "purpose", "runs"};
     for (const auto& parameter : file.study.parameters) head.push_back(parameter.column());
-    head.insert(head.end(), {"objective", "E (6.9)"});
+    head.push_back("objective");
+    for (const auto& one : file.experiments) head.push_back(mismatch_title(one));
     out += row(head, "th");
     for (std::size_t i = 0; i < identification.trials.size(); ++i) {
         const auto& trial = identification.trials[i];
@@ -173,7 +212,8 @@ std::string html(const StudyFile& file, const Identification& identification, co
         for (const auto run : trial.runs) runs += (runs.empty() ? "" : ", ") + std::to_string(run);
         std::vector<std::string> cells{std::to_string(i + 1), trial.purpose, runs};
         for (const double value : trial.values) cells.push_back(digits(value, 6));
-        cells.insert(cells.end(), {std::isnan(trial.objective) ? "failed" : digits(trial.objective, 5), std::isnan(trial.mismatch) ? "" : digits(trial.mismatch, 4)});
+        cells.push_back(std::isnan(trial.objective) ? "failed" : digits(trial.objective, 5));
+        for (const double one : trial.mismatches) cells.push_back(digits(one, 4));
         out += row(cells);
     }
     return out + "</table>\n</body></html>\n";
@@ -187,9 +227,14 @@ std::string yaml(const StudyFile& file, const Identification& identification) {
         out += "  - name: " + parameter.name + "\n    key: " + parameter.key + "\n    value: " + parameter.word(identification.values[k]) +
                "\n    identifiability: \"" + identifiability(file, identification, k) +
                "\"\n    interval_90: [" + parameter.word(identification.low[k]) + ", " + parameter.word(identification.high[k]) + "]\n    deviations:\n";
-        for (const auto& [name, part] : shares(parts, file.has_rungs())) out += "      " + name + ": " + format_number(std::sqrt(part)) + "\n";
+        for (const auto& [name, part] : shares(parts, file)) out += "      " + name + ": " + format_number(std::sqrt(part)) + "\n";
     }
-    if (identification.estimate) out += "misfit_px: " + format_number(misfit_of(*identification.estimate)) + "\n";
+    if (identification.estimate) {
+        out += "misfits:\n";
+        for (std::size_t e = 0; e < file.experiments.size(); ++e) {
+            out += "  - {name: " + file.experiments[e].name + ", " + unit_of(file.experiments[e].kind) + ": " + format_number(misfit_of(*identification.estimate, e)) + "}\n";
+        }
+    }
     if (file.temperature.stated()) out += "temperature: " + file.temperature.value + "\ntemperature_plus_minus: " + file.temperature.plus_minus + "\n";
     out += "trials: " + std::to_string(identification.trials.size()) + "\n";
     if (!identification.problem.empty()) out += "problem: \"" + identification.problem + "\"\n";
@@ -216,21 +261,44 @@ std::string identifiability(const StudyFile& file, const Identification& identif
     const auto near = [&](double end) {
         return parameter.scale == study::Scale::log ? std::abs(std::log(value / end)) < 0.02 : std::abs(value - end) < 0.01 * span;
     };
-    if (near(parameter.lower)) return "at the lower end of its range: widen the range, or the film does not tell it";
-    if (near(parameter.upper)) return "at the upper end of its range: widen the range, or the film does not tell it";
-    if (low <= parameter.lower && high >= parameter.upper) return "not determined: the interval is as wide as the range";
-    if (low <= parameter.lower) return "an upper limit alone: everything down to the lower end of the range looks alike";
-    if (high >= parameter.upper) return "a lower limit alone: everything up to the upper end of the range looks alike";
-    const double wide = parameter.scale == study::Scale::log ? high / low > 4 : high - low > 0.5 * span;
-    return wide ? "poorly determined: a film of faster flow, of more of it, or from nearer by tells more" : "well determined";
+    const bool prescribed = std::ranges::all_of(file.experiments, prescribes);
+    const std::string unknown = prescribed ? "not identifiable: " : "";
+    const std::string why = prescribed ? "; where a body follows a prescribed path slowly, the flow around it does not depend on the viscosity: let it fall freely, or move it faster" : "";
+    const std::string subject = only(file, ExperimentKind::contours) ? "the film does not tell it" : "the measurement does not tell it";
+    if (low <= parameter.lower && high >= parameter.upper) return "not identifiable: the interval is as wide as the range" + why;
+    if (near(parameter.lower)) return unknown + "at the lower end of its range: widen the range, or " + subject + why;
+    if (near(parameter.upper)) return unknown + "at the upper end of its range: widen the range, or " + subject + why;
+    if (low <= parameter.lower) return unknown + "an upper limit alone: everything down to the lower end of the range looks alike" + why;
+    if (high >= parameter.upper) return unknown + "a lower limit alone: everything up to the upper end of the range looks alike" + why;
+    const bool wide = parameter.scale == study::Scale::log ? high / low > 4 : high - low > 0.5 * span;
+    if (!wide) return "well determined";
+    return prescribed ? "not identifiable: within a factor of " + digits(high / low, 2) + why : "poorly determined: a film of faster flow, of more of it, or from nearer by tells more";
 }
 
-std::string verdict(const Identification& identification) {
+std::string verdict(const StudyFile& file, const Identification& identification) {
     if (!identification.estimate) return "";
-    const double misfit = misfit_of(*identification.estimate);
-    if (misfit <= 1.5 * usual_noise) return "";
-    return "The model does not explain the video: the contours differ by " + digits(misfit, 2) + " px at the best values, where " + digits(usual_noise, 2) +
-           " px are usual. The interval holds if what is left over is without a trend in time; look at the frames.";
+    std::string out;
+    for (std::size_t e = 0; e < file.experiments.size(); ++e) {
+        const auto& one = file.experiments[e];
+        const double misfit = misfit_of(*identification.estimate, e), usual = usual_noise(one.kind);
+        if (misfit <= 1.5 * usual) continue;
+        const std::string what = one.kind == ExperimentKind::contours ? "the video: the contours differ" : one.kind == ExperimentKind::piv ? "the fields: velocities differ" : "the series: values differ";
+        out += (out.empty() ? "" : " ") + std::string("The model does not explain ") + what + " by " + digits(misfit, 2) + " " + unit_of(one.kind) +
+               " at the best values, where " + digits(usual, 2) + (one.kind == ExperimentKind::contours ? " px are" : " is") + " usual (" + one.name +
+               "). The interval holds if what is left over is without a trend in time; look at the frames.";
+    }
+    return out;
+}
+
+std::vector<std::string> notes(const StudyFile& file) {
+    std::vector<std::string> out;
+    const bool falls = std::ranges::any_of(file.experiments, [](const auto& one) { return one.kind == ExperimentKind::piv && !prescribes(one); });
+    if (!falls) return out;
+    std::string note = "Where a body falls freely, the viscosity that is found is proportional to its density less that of the liquid, and to the square of its size";
+    const bool told = std::ranges::any_of(file.study.parameters.begin() + std::ptrdiff_t(file.searched), file.study.parameters.end(),
+                                          [](const auto& one) { return one.key.ends_with(".density"); });
+    out.push_back(note + (told ? "." : ": the interval lacks both. Give them under `measured` with their plus_minus."));
+    return out;
 }
 
 void write_report(const std::filesystem::path& folder, const StudyFile& file, const Identification& identification,

@@ -8,7 +8,7 @@ namespace treacle::identify {
 
 // Writes into `folder`, each file as a whole:
 //   result.yaml   the identified values with their intervals, for programs
-//   index.html    the same for people, with plots, and pictures of film and run at the best trial; opens from disk
+//   index.html    the same for people, with plots, and pictures of observation and run at the best trial; opens from disk
 // `folder_of` says where a run's files are. Throws SimulationError.
 void write_report(const std::filesystem::path& folder, const StudyFile& file, const Identification& identification,
                   const std::function<std::filesystem::path(std::int64_t)>& folder_of);
@@ -19,7 +19,10 @@ std::vector<std::string> answer_lines(const StudyFile& file, const Identificatio
 // Whether the films tell a parameter: "well determined", or why not, in words.
 std::string identifiability(const StudyFile& file, const Identification& identification, std::size_t parameter);
 
-// What the misfit says of the model: empty when the displacements left over are those of a contour's noise.
-std::string verdict(const Identification& identification);
+// What the misfit says of the model, a sentence an experiment: empty when what is left over is noise.
+std::string verdict(const StudyFile& file, const Identification& identification);
+
+// What a reader of the answer must know of its experiments: on what a viscosity from falling bodies rests. May be empty.
+std::vector<std::string> notes(const StudyFile& file);
 
 } // namespace treacle::identify

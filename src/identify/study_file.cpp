@@ -1,6 +1,7 @@
 #include "identify/study_file.hpp"
 
 #include "base/document.hpp"
+#include "base/error.hpp"
 #include "base/options.hpp"
 #include "base/text.hpp"
 
@@ -87,17 +88,39 @@ std::filesystem::path StudyFile::beside(const std::string& name) const {
     return (path.is_absolute() ? path : study.path.parent_path() / path).lexically_normal();
 }
 
+namespace {
+// Does some work on options; what its errors say of the manual of scenes they then say of that of studies.
+template <class Work>
+auto with_study_manual(const Work& work) {
+    try {
+        return work();
+    } catch (const InputError& error) {
+        auto problems = error.diagnostics();
+        const std::string manual = "`treacle schema", own = manual + " --study";
+        for (auto& problem : problems) {
+            auto& cure = problem.cure;
+            for (auto at = cure.find(manual); at != std::string::npos; at = cure.find(manual, at + own.size())) {
+                if (cure.compare(at, own.size(), own) != 0) cure.replace(at, manual.size(), own);
+            }
+        }
+        throw InputError(problems);
+    }
+}
+} // namespace
+
 StudyFile load_study_file(const std::filesystem::path& path, const std::vector<std::string>& overrides) {
     auto document = Document::load(path);
     for (const auto& assignment : overrides) document.set(assignment);
     StudyFile out;
     out.study.overrides = overrides;
     out.study.path = std::filesystem::absolute(path).lexically_normal();
-    parse(document, out);
+    with_study_manual([&] { parse(document, out); });
     return out;
 }
 
-std::string study_manual(const std::string& key) { return manual(StudyFile{}, key); }
+std::string study_manual(const std::string& key) {
+    return with_study_manual([&] { return manual(StudyFile{}, key); });
+}
 std::string study_schema() { return json_schema(StudyFile{}); }
 
 } // namespace treacle::identify

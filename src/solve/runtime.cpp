@@ -1,6 +1,7 @@
 #include "solve/runtime.hpp"
 
 #include "base/error.hpp"
+#include "base/split.hpp"
 #include "solve/petsc.hpp"
 
 #include <HYPRE_config.h>
@@ -27,10 +28,8 @@ PetscErrorCode remember(MPI_Comm, int line, const char* function, const char* fi
     return code;
 }
 
-std::vector<std::string> split(const std::string& options) {
-    std::istringstream in(options);
-    std::vector<std::string> words;
-    for (std::string word; in >> word;) words.push_back(word);
+std::vector<std::string> words_of(const std::string& options) {
+    auto words = split_words(options);
     if (!words.empty() && words.front().front() != '-') {
         throw InputError({"--petsc", "'" + words.front() + "' is not an option",
                           "each PETSc option starts with '-' and has at most one value",
@@ -57,7 +56,7 @@ void check(PetscErrorCode code) {
     throw SimulationError({"PETSc", "the linear algebra failed", text, ""});
 }
 
-SolveRuntime::SolveRuntime(const std::string& options) : words_(split(options)) {
+SolveRuntime::SolveRuntime(const std::string& options) : words_(words_of(options)) {
     words_.insert(words_.begin(), {"treacle", "-no_signal_handler", "-skip_petscrc"});
     for (auto& word : words_) arguments_.push_back(word.data());
     arguments_.push_back(nullptr);

@@ -18,8 +18,6 @@ extern char** environ;
 namespace treacle::study {
 
 namespace {
-constexpr int adjusted_score = 500; // of -1000 (never) to 1000 (first), for the kernel's choice when memory runs out
-
 std::vector<std::string> clean_environment(const std::vector<std::string>& added) {
     std::vector<std::string> out;
     for (char** entry = environ; *entry != nullptr; ++entry) {
@@ -38,8 +36,8 @@ std::vector<char*> pointers(std::vector<std::string>& texts) {
     return out;
 }
 
-// After fork, in the child: only calls that are safe there, and everything allocated before.
-[[noreturn]] void become(char* const* arguments, char* const* environment, int log, int report, pid_t parent) {
+// After vfork, in the child, which has the memory of its parent: only calls that are safe there, and everything allocated before.
+[[noreturn]] void become(char* const* arguments, char* const* environment, int log, int report, int oom_score, pid_t parent) {
     ::setpgid(0, 0);
     ::prctl(PR_SET_PDEATHSIG, SIGKILL);
     if (::getppid() != parent) ::_exit(127); // it went before the line above
@@ -51,7 +49,7 @@ std::vector<char*> pointers(std::vector<std::string>& texts) {
     if (score >= 0) {
         char text[8];
         int length = 0;
-        for (int power = 100; power > 0; power /= 10) text[length++] = char('0' + adjusted_score / power % 10);
+        for (int power = 100; power > 0; power /= 10) text[length++] = char('0' + oom_score / power % 10);
         if (::write(score, text, std::size_t(length)) < 0) {} // allowed to fail: it is a hint
         ::close(score);
     }
@@ -97,7 +95,7 @@ bool is_of_a_launcher(const std::string& name) {
     return false;
 }
 
-ChildProcess::ChildProcess(const std::vector<std::string>& command, const std::filesystem::path& log, const std::vector<std::string>& added) {
+ChildProcess::ChildProcess(const std::vector<std::string>& command, const std::filesystem::path& log, const std::vector<std::string>& added, int oom_score) {
     auto words = command;
     auto variables = clean_environment(added);
     const auto arguments = pointers(words), environment = pointers(variables);
@@ -109,8 +107,10 @@ ChildProcess::ChildProcess(const std::vector<std::string>& command, const std::f
         throw SimulationError({command.front(), "cannot be started", std::strerror(errno), "close other programs"});
     }
     const pid_t parent = ::getpid();
-    pid_ = ::fork();
-    if (pid_ == 0) become(arguments.data(), environment.data(), file, ends[1], parent);
+    // The page tables of a program with hundreds of libraries take longer to copy than a run takes to be written down.
+    const pid_t child = ::vfork();
+    if (child == 0) become(arguments.data(), environment.data(), file, ends[1], oom_score, parent);
+    pid_ = child;
     int error = pid_ < 0 ? errno : 0;
     ::close(ends[1]);
     ::close(file);

@@ -13,6 +13,9 @@ struct Ending {
     int signal = 0; // that ended it; 0: none
 };
 
+// Which programs go first when memory runs out, for the kernel: of -1000 (never) to 1000 (first).
+constexpr int run_oom_score = 500, expendable_oom_score = 900;
+
 // Set in the environment of a child: what it starts in turn should end with it (end_with_parent).
 constexpr const char* lane_variable = "TREACLE_LANE";
 
@@ -21,11 +24,13 @@ void end_with_parent();
 
 // A program started by this one, in a process group of its own, which ends with this process whatever ends that. Its
 // environment has no word of a job step or of MPI ranks that this process may be part of, so that it starts as from a
-// terminal; it is the first to go when memory runs out. Needs a process with one thread and without MPI.
+// terminal; it goes before other programs when memory runs out. Needs a process with one thread and without MPI.
 class ChildProcess {
 public:
-    // Output and errors go into `log`, which is replaced; `added` are variables of the environment, "NAME=value". Throws SimulationError when the program cannot be started.
-    ChildProcess(const std::vector<std::string>& command, const std::filesystem::path& log, const std::vector<std::string>& added = {});
+    // Output and errors go into `log`, which is replaced; `added` are variables of the environment, "NAME=value". Throws
+    // SimulationError when the program cannot be started.
+    ChildProcess(const std::vector<std::string>& command, const std::filesystem::path& log, const std::vector<std::string>& added = {},
+                 int oom_score = run_oom_score);
     // Ends it, with all that it has started.
     ~ChildProcess();
     ChildProcess(const ChildProcess&) = delete;

@@ -66,7 +66,7 @@ ForwardRequest request_of(const Study& study, const RunRequest& run) {
     return out;
 }
 
-void write_request(const std::filesystem::path& folder, const ForwardRequest& request) {
+void write_request(const std::filesystem::path& folder, const ForwardRequest& request, Durability durability) {
     std::filesystem::create_directories(folder);
     RequestFile file;
     file.study = request.study.string();
@@ -76,8 +76,8 @@ void write_request(const std::filesystem::path& folder, const ForwardRequest& re
     file.parameters = request.parameters;
     file.values = request.run.values;
     file.overrides = request.overrides;
-    write_file_atomically(folder / "params.in", dakota_parameters(request));
-    write_file_atomically(folder / "params.yaml", effective(file));
+    write_file_atomically(folder / "params.in", dakota_parameters(request), durability);
+    write_file_atomically(folder / "params.yaml", effective(file), durability);
 }
 
 ForwardRequest read_request(const std::filesystem::path& folder) {

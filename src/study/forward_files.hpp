@@ -1,4 +1,5 @@
 #pragma once
+#include "base/file.hpp"
 #include "study/run_record.hpp"
 
 namespace treacle::study {
@@ -23,7 +24,7 @@ struct ForwardRequest {
 // The request of a study's run.
 ForwardRequest request_of(const Study& study, const RunRequest& run);
 
-void write_request(const std::filesystem::path& folder, const ForwardRequest& request);
+void write_request(const std::filesystem::path& folder, const ForwardRequest& request, Durability durability = Durability::synced);
 // From params.yaml. Throws InputError.
 ForwardRequest read_request(const std::filesystem::path& folder);
 

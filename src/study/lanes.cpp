@@ -61,10 +61,14 @@ void Lanes::start(const LaneTask& task) {
     Running run;
     run.task = task;
     run.lane = int(std::ranges::find(taken, false) - taken.begin());
-    run.process = std::make_unique<ChildProcess>(task.command, task.folder / "log.txt", task.environment);
+    run.process = std::make_unique<ChildProcess>(task.command, task.folder / "log.txt", task.environment, task.oom_score);
     run.start = run.last_step = Clock::now();
     run.started = utc_now();
     running_.push_back(std::move(run));
+}
+
+void Lanes::discard(std::int64_t number) {
+    std::erase_if(running_, [&](const Running& run) { return run.task.number == number; });
 }
 
 void Lanes::end(Running& run, LaneEnd why) {

@@ -15,6 +15,7 @@ struct LaneTask {
     std::filesystem::path folder; // of the request; its run's tables are in folder/run
     std::vector<std::string> command;
     std::vector<std::string> environment; // added to that of this process, "NAME=value"
+    int oom_score = run_oom_score;
 };
 
 // Why a lane ended its run; `none`: the run ended by itself.
@@ -58,6 +59,8 @@ public:
     bool idle() const { return running_.empty(); }
     // On a free lane. Throws SimulationError when the program cannot be started.
     void start(const LaneTask& task);
+    // Ends a run at once, without a result.
+    void discard(std::int64_t number);
     // Waits until a run has ended, a stop is asked for, or the time [s] is over.
     std::vector<LaneResult> wait(double seconds);
     bool stop_asked() const { return stop_asked_; }

@@ -39,6 +39,7 @@ double time_left(const StudyStatus& status, std::size_t fresh, double simulated_
 
 std::string describe(const StudyStatus& status) {
     std::string out = std::to_string(status.done) + " done, " + std::to_string(status.running.size()) + " running";
+    if (status.speculative > 0) out += ", " + std::to_string(status.speculative) + " speculative";
     if (status.failed > 0) out += ", " + std::to_string(status.failed) + " failed";
     out += " of " + std::to_string(status.asked);
     return status.left < 0 ? out : out + ", " + format_duration(status.left) + " left";
@@ -54,6 +55,7 @@ void write_status(const std::filesystem::path& path, const StudyStatus& status) 
                                {"done", std::int64_t(status.done)},
                                {"failed", std::int64_t(status.failed)},
                                {"running", running},
+                               {"speculative", std::int64_t(status.speculative)},
                                {"lanes", status.lanes},
                                {"wall time of this sitting [s]", status.seconds}});
     if (status.left >= 0) out.set("time left [s]", status.left);

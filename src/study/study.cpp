@@ -71,6 +71,7 @@ void RunOptions::declare(Declaration& d) {
     d.number("hang_least", hang_least, unit::time, range_at_least(0), "But not before this time of the clock without a step.");
     d.choice<Keep>("keep", keep, {{"nothing", Keep::nothing}, {"tables", Keep::tables}, {"everything", Keep::everything}},
                    "What stays of a finished run besides its figures: nothing, its tables, or its frames as well.");
+    d.boolean("speculate", speculate, "Whether lanes that would idle do runs that a search may ask for next; its answer is the same without.");
     d.number("disk", disk, unit::none, range_at_least(0), "Gigabytes that the runs' folders may take; before more is written the study stops. 0: no limit.");
     d.texts("reuse", reuse, "Folders of other studies, whose finished runs of equal scenes count as this study's.");
 }

@@ -61,68 +61,6 @@ RunStatus status_of(const LaneResult& result) {
     return result.ending.exit_code > 128 && result.ending.exit_code < 160 ? RunStatus::killed : RunStatus::failed;
 }
 
-} // namespace
-
-std::vector<Assignment> assignments_of(const Study& study, const StudyScene& scene, const Point& values) {
-    std::vector<Assignment> out;
-    for (const auto& text : scene.set) out.push_back({text, scene.where + ": set " + text});
-    for (const auto& one : study.measured) out.push_back({one.key + "=" + one.value, one.where + ": " + one.name});
-    for (std::size_t i = 0; i < study.parameters.size(); ++i) {
-        const auto& parameter = study.parameters[i];
-        out.push_back({parameter.key + "=" + values.at(i), parameter.where + ": " + parameter.name + " = " + values[i]});
-    }
-    return out;
-}
-
-std::string program_identity() {
-    const auto build = io::build_info();
-    return "treacle " + build.version + " (" + build.commit + ", " + build.state + ", " + build.compiler + ", " + build.type + ")";
-}
-
-std::string run_key(const SceneFacts& facts, int ranks, const std::string& program) {
-    return io::text_hash(program + "\nranks " + std::to_string(ranks) + "\n" + facts.content);
-}
-
-JournalOwner owner_of(const Study& study, const std::string& program) {
-    std::string text;
-    for (const auto& scene : study.scenes) text += "scene " + scene.name + "\n";
-    for (const auto& parameter : study.parameters) text += "parameter " + parameter.name + " " + parameter.key + "\n";
-    return {io::text_hash(text), program};
-}
-
-Candidate candidate_of(const Study& study, const StudyScene& scene, const Point& values, const SceneReader& read_scene) {
-    const auto facts = read_scene(study.scene_file(scene), assignments_of(study, scene, values));
-    return {scene.name, values, run_key(facts, study.runs.ranks, program_identity()), facts.end};
-}
-
-namespace {
-// "study.yaml:6: viscosity = -10 Pa.s" as far as the name.
-std::string without_values(const std::string& text) { return text.substr(0, text.find(" = ")); }
-} // namespace
-
-std::vector<Candidate> candidates_of(const Study& study, const std::vector<Point>& points, const SceneReader& read_scene) {
-    std::vector<Candidate> out;
-    std::vector<Diagnostic> problems;
-    for (const auto& point : points) {
-        for (const auto& scene : study.scenes) {
-            try {
-                out.push_back(candidate_of(study, scene, point, read_scene));
-            } catch (const InputError& error) {
-                // What is wrong with a key at every point is told once, with the first value.
-                for (const auto& problem : error.diagnostics()) {
-                    const bool known = std::ranges::any_of(problems, [&](const Diagnostic& one) {
-                        return without_values(one.where) == without_values(problem.where) && without_values(one.problem) == without_values(problem.problem);
-                    });
-                    if (!known) problems.push_back(problem);
-                }
-            }
-        }
-    }
-    if (!problems.empty()) throw InputError(problems);
-    return out;
-}
-
-namespace {
 const std::filesystem::path& made(const std::filesystem::path& folder) {
     std::error_code failed;
     std::filesystem::create_directories(folder / "runs", failed);
@@ -146,7 +84,7 @@ void check_launcher(const Study& study) {
 
 StudyRuns::StudyRuns(const Study& study, StudySetup setup, Log& log)
     : study_(study), setup_(std::move(setup)), log_(log), lock_(made(setup_.folder)), journal_(Journal::open(setup_.folder, owner_of(study, program_identity()))),
-      program_(program_identity()), lane_count_(lane_count(study.runs)),
+      lane_count_(lane_count(study.runs)), speculation_(study, setup_.folder / "speculative"),
       start_(std::chrono::steady_clock::now()), last_report_(start_) {
     if (!lock_.warning().empty()) log_.warn(lock_.warning());
     for (const auto& other : study_.runs.reuse) {
@@ -159,16 +97,20 @@ std::filesystem::path StudyRuns::run_folder(std::int64_t number) const { return 
 
 std::int64_t StudyRuns::ask(const Candidate& candidate) {
     simulated_end_ = candidate.end;
-    if (const auto* known = journal_.find(candidate.key)) return known->number;
-    return journal_.ask(candidate.scene, candidate.values, candidate.key).number;
+    const auto* known = journal_.find(candidate.key);
+    const auto number = known ? known->number : journal_.ask(candidate.scene, candidate.values, candidate.key).number;
+    work_[number] = candidate.work;
+    return number;
 }
 
-// A result that is there although the journal has none: this program was ended in between.
+// A result that is there although the journal has none: this program was ended in between, or it was speculated about.
 bool StudyRuns::adopt_finished(std::int64_t number) {
-    const auto& run = journal_.runs()[std::size_t(number - 1)];
-    if (const auto result = read_result(run_folder(number), run.key)) {
+    const auto& run = request(number);
+    auto result = read_result(run_folder(number), run.key);
+    if (!result && speculation_.take(run.key, run_folder(number))) result = read_result(run_folder(number), run.key);
+    if (result) {
+        tidy(run_folder(number));
         RunOutcome outcome{number, RunStatus::done, "", result->figures, result->seconds, result->peak_bytes, folder_bytes(run_folder(number)), 0, utc_now(), io::host_name(), ""};
-        tidy(number);
         journal_.finish(outcome);
         return true;
     }
@@ -188,7 +130,8 @@ bool StudyRuns::adopt_finished(std::int64_t number) {
 void StudyRuns::write_request(std::int64_t number) const {
     check_disk();
     std::filesystem::remove_all(run_folder(number));
-    study::write_request(run_folder(number), request_of(study_, journal_.runs()[std::size_t(number - 1)]));
+    // One that is lost with the machine's power is written again.
+    study::write_request(run_folder(number), request_of(study_, request(number)), Durability::cached);
 }
 
 void StudyRuns::finish(const LaneResult& result) {
@@ -206,28 +149,33 @@ std::vector<std::string> session_of_its_own(const RunOptions& options, const std
 }
 } // namespace
 
-void StudyRuns::start(std::int64_t number, Lanes& lanes) const {
-    const auto folder = run_folder(number);
-    write_request(number);
-    auto command = study_.runs.launch_words();
-    command.insert(command.end(), {setup_.program.string(), "forward", folder.string()});
-    lanes.start({number, folder, command, session_of_its_own(study_.runs, folder)});
+Lanes& StudyRuns::open_lanes() {
+    if (!lanes_) {
+        lanes_ = std::make_unique<Lanes>(lane_count_, LaneLimits{study_.runs.time_limit, study_.runs.hang_factor, study_.runs.hang_least, study_.runs.memory * 1e9});
+    }
+    return *lanes_;
+}
+
+void StudyRuns::start(LaneTask task) {
+    task.command = study_.runs.launch_words();
+    task.command.insert(task.command.end(), {setup_.program.string(), "forward", task.folder.string()});
+    task.environment = session_of_its_own(study_.runs, task.folder);
+    open_lanes().start(task);
 }
 
 // Removes what the study does not keep.
-void StudyRuns::tidy(std::int64_t number) const {
-    std::error_code unimportant;
-    std::filesystem::remove_all(run_folder(number) / session_folder, unimportant);
-    if (study_.runs.keep == Keep::everything) return;
-    const auto run = run_folder(number) / "run";
+void StudyRuns::tidy(const std::filesystem::path& folder) const {
     std::error_code ignored;
+    std::filesystem::remove_all(folder / session_folder, ignored);
+    if (study_.runs.keep == Keep::everything) return;
+    const auto run = folder / "run";
     if (study_.runs.keep == Keep::nothing) std::filesystem::remove_all(run, ignored);
     for (const char* name : {"frames", "checkpoints"}) std::filesystem::remove_all(run / name, ignored);
 }
 
 RunOutcome StudyRuns::settle(const LaneResult& result) const {
     const auto folder = run_folder(result.number);
-    const auto& run = journal_.runs()[std::size_t(result.number - 1)];
+    const auto& run = request(result.number);
     RunOutcome out;
     out.number = result.number;
     out.seconds = result.seconds;
@@ -244,7 +192,7 @@ RunOutcome StudyRuns::settle(const LaneResult& result) const {
         out.status = status_of(result);
         out.reason = reason_of(result, study_.runs, folder);
     }
-    tidy(result.number);
+    tidy(folder);
     out.bytes = folder_bytes(folder);
     return out;
 }
@@ -265,7 +213,7 @@ void StudyRuns::read_again(std::int64_t number) {
 
 void StudyRuns::check_disk() const {
     if (study_.runs.disk <= 0) return;
-    double sum = 0;
+    double sum = speculation_.bytes();
     for (const auto& run : journal_.runs()) {
         if (const auto* outcome = journal_.outcome(run.number); outcome && outcome->folder.empty()) sum += outcome->bytes;
     }
@@ -290,45 +238,106 @@ std::vector<std::int64_t> StudyRuns::waiting(std::span<const std::int64_t> runs,
     return waiting;
 }
 
-StudyEnd StudyRuns::run(std::span<const std::int64_t> runs, bool retry_failed) {
-    const auto waiting = this->waiting(runs, retry_failed);
-    if (waiting.empty()) return StudyEnd::complete;
-    Lanes lanes(lane_count_, {study_.runs.time_limit, study_.runs.hang_factor, study_.runs.hang_least, study_.runs.memory * 1e9});
-    std::size_t next = 0;
-    const auto take = [&](const std::vector<LaneResult>& results) {
-        for (const auto& result : results) {
+std::vector<std::int64_t> StudyRuns::longest_first(std::vector<std::int64_t> runs) const {
+    const auto work = [&](std::int64_t number) {
+        const auto known = work_.find(number);
+        return known == work_.end() ? 0.0 : known->second;
+    };
+    std::ranges::stable_sort(runs, std::ranges::greater{}, work);
+    return runs;
+}
+
+void StudyRuns::offer(std::vector<Candidate> candidates) {
+    if (!study_.runs.speculate) return;
+    const bool none = candidates.empty();
+    speculation_.offer(std::move(candidates));
+    if (!none) return;
+    while (const auto number = speculation_.least_wanted()) give_up(*number);
+    lanes_.reset();
+}
+
+void StudyRuns::give_up(std::int64_t speculative) {
+    open_lanes().discard(speculative);
+    speculation_.ended(speculative);
+}
+
+// Runs that were asked for, each on a free lane or one that speculates; on the lanes that are left what is speculated about.
+void StudyRuns::fill_lanes(std::deque<std::int64_t>& queue, std::set<std::int64_t>& under_way) {
+    const auto make_room = [&](std::optional<std::int64_t> number) {
+        if (number) give_up(*number);
+        return number.has_value();
+    };
+    for (; !queue.empty(); queue.pop_front()) {
+        const auto number = queue.front();
+        if (!speculation_.claim(request(number).key)) {
+            if (open_lanes().free() == 0 && !make_room(speculation_.least_wanted())) break;
+            write_request(number);
+            LaneTask task;
+            task.number = number;
+            task.folder = run_folder(number);
+            start(std::move(task));
+        }
+        under_way.insert(number);
+    }
+    while (queue.empty() && (open_lanes().free() > 0 || make_room(speculation_.stale()))) {
+        auto task = speculation_.next(journal_);
+        if (!task) break;
+        start(std::move(*task));
+    }
+}
+
+void StudyRuns::take(const std::vector<LaneResult>& results, std::deque<std::int64_t>& queue, std::set<std::int64_t>& under_way) {
+    for (const auto& result : results) {
+        if (result.number > 0) {
+            under_way.erase(result.number);
             // A run that was asked to end has no outcome; it is done again.
             if (result.end == LaneEnd::stop && (result.ending.exit_code != 0 || result.ending.signal != 0)) continue;
             finish(result);
+            continue;
         }
-    };
+        const auto ended = speculation_.ended(result.number);
+        if (!ended.claimed) continue;
+        const auto number = journal_.find(ended.key)->number;
+        under_way.erase(number);
+        changed_ = true;
+        // One that failed fails again, and then says why.
+        if (!adopt_finished(number)) queue.push_front(number);
+    }
+}
+
+StudyEnd StudyRuns::run(std::span<const std::int64_t> runs, bool retry_failed) {
+    const auto waiting = longest_first(this->waiting(runs, retry_failed));
+    std::deque<std::int64_t> queue(waiting.begin(), waiting.end());
+    std::set<std::int64_t> under_way;
     const auto stop_file = setup_.folder / "STOP";
-    for (;;) {
-        while (next < waiting.size() && lanes.free() > 0) {
-            start(waiting[next++], lanes);
-        }
-        if (lanes.idle()) break;
-        take(lanes.wait(1.0));
-        report(runs, waiting.size(), lanes);
+    while (!queue.empty() || !under_way.empty()) {
+        fill_lanes(queue, under_way);
+        take(open_lanes().wait(1.0), queue, under_way);
+        report(runs, waiting.size(), open_lanes().progress(), lane_count_);
         std::error_code ignored;
-        if (lanes.stop_asked() || std::filesystem::remove(stop_file, ignored)) {
+        if (open_lanes().stop_asked() || std::filesystem::remove(stop_file, ignored)) {
             log_.clear_progress();
             log_.line("asked to stop: ending the runs under way; the same command goes on from here");
-            take(lanes.stop(stop_grace));
+            take(open_lanes().stop(stop_grace), queue, under_way);
+            lanes_.reset();
             return StudyEnd::stopped;
         }
     }
+    if (speculation_.is_idle()) lanes_.reset();
     log_.clear_progress();
     return StudyEnd::complete;
 }
 
-void StudyRuns::report(std::span<const std::int64_t> runs, std::size_t fresh, Lanes& lanes) {
+void StudyRuns::report(std::span<const std::int64_t> runs, std::size_t fresh, std::vector<LaneProgress> under_way, int lanes) {
     const auto now = std::chrono::steady_clock::now();
     if (std::chrono::duration<double>(now - last_report_).count() < 1) return;
     last_report_ = now;
     StudyStatus status = count_runs(journal_, runs);
-    status.running = lanes.progress();
-    status.lanes = lane_count_;
+    for (const auto& one : under_way) {
+        if (one.number > 0) status.running.push_back(one);
+        if (one.number < 0) ++status.speculative;
+    }
+    status.lanes = lanes;
     status.seconds = std::chrono::duration<double>(now - start_).count();
     status.left = time_left(status, fresh, simulated_end_);
     write_status(setup_.folder / "status.json", status);

@@ -1,49 +1,17 @@
 #pragma once
 #include "base/log.hpp"
 #include "io/folder_lock.hpp"
+#include "study/candidates.hpp"
 #include "study/journal.hpp"
 #include "study/lanes.hpp"
+#include "study/speculation.hpp"
 
 #include <functional>
+#include <map>
 #include <memory>
 #include <span>
 
 namespace treacle::study {
-
-// A key of a scene that is set, and the place that asks for it: "study.yaml:12: viscosity".
-struct Assignment {
-    std::string text; // "liquids.syrup.viscosity=12 Pa.s"
-    std::string origin;
-};
-
-// What a study needs to know of a scene; the program's own reader of scenes tells it. Throws InputError where the scene is
-// not valid with these assignments.
-struct SceneFacts {
-    std::string content; // all that a run's result depends on: every value, and the contents of the files that it names
-    double end = 0;      // [s] of simulated time
-};
-using SceneReader = std::function<SceneFacts(const std::filesystem::path& scene, const std::vector<Assignment>& assignments)>;
-
-// The keys that a run of the study sets in its scene: those of the scene's entry, measured values, parameters.
-std::vector<Assignment> assignments_of(const Study& study, const StudyScene& scene, const Point& values);
-
-// Hash of all that a run's result depends on: the scene's content, ranks, and the program's version and sources.
-std::string run_key(const SceneFacts& facts, int ranks, const std::string& program);
-JournalOwner owner_of(const Study& study, const std::string& program);
-// Version and sources of this program, in one line.
-std::string program_identity();
-
-// A run that may be asked for.
-struct Candidate {
-    std::string scene; // its name
-    Point values;
-    std::string key;
-    double end = 0; // [s] of simulated time
-};
-// Throws InputError when the scene refuses the values.
-Candidate candidate_of(const Study& study, const StudyScene& scene, const Point& values, const SceneReader& read_scene);
-// Of every point in every scene, the scenes of a point side by side. Throws InputError with what is wrong in all of them.
-std::vector<Candidate> candidates_of(const Study& study, const std::vector<Point>& points, const SceneReader& read_scene);
 
 // Runs at once: those of the study, or as many as the cores of this machine are enough for.
 int lane_count(const RunOptions& options);
@@ -73,11 +41,20 @@ public:
     // have; the runs that are done stay so.
     StudyEnd run(std::span<const std::int64_t> runs, bool retry_failed = false);
 
+    // Candidates that may be asked for later, the likeliest first: work for lanes that idle while `run` waits for its runs. They
+    // change no outcome. Those offered before are forgotten; without any, what is under way is ended.
+    void offer(std::vector<Candidate> candidates);
+
     // For those who do the runs themselves: the runs without an outcome, each once, in their order; the folder and request of
     // one; and its outcome, from how it ended and its folder, into the journal.
     std::vector<std::int64_t> waiting(std::span<const std::int64_t> runs, bool retry_failed);
+    // In the order in which lanes do them best: the longest first, so that none of them stands alone at the end (Graham 1969).
+    std::vector<std::int64_t> longest_first(std::vector<std::int64_t> runs) const;
     void write_request(std::int64_t number) const;
     void finish(const LaneResult& result);
+    // Once a second at most: status.json and the progress of these runs, of which `fresh` had no outcome at first and some are
+    // under way on as many lanes; and the setup's `changed` when runs have ended.
+    void report(std::span<const std::int64_t> runs, std::size_t fresh, std::vector<LaneProgress> under_way, int lanes);
 
     const Journal& journal() const { return journal_; }
     const Study& study() const { return study_; }
@@ -87,10 +64,14 @@ public:
 private:
     RunOutcome settle(const LaneResult& result) const;
     bool adopt_finished(std::int64_t number); // from its folder, or another study's
-    void start(std::int64_t number, Lanes& lanes) const;
-    void tidy(std::int64_t number) const;
+    Lanes& open_lanes();
+    void start(LaneTask task);
+    void fill_lanes(std::deque<std::int64_t>& queue, std::set<std::int64_t>& under_way);
+    void take(const std::vector<LaneResult>& results, std::deque<std::int64_t>& queue, std::set<std::int64_t>& under_way);
+    void give_up(std::int64_t speculative);
+    const RunRequest& request(std::int64_t number) const { return journal_.runs()[std::size_t(number - 1)]; }
+    void tidy(const std::filesystem::path& folder) const;
     void read_again(std::int64_t number); // where the study reads other figures than before
-    void report(std::span<const std::int64_t> runs, std::size_t fresh, Lanes& lanes);
     void check_disk() const;
 
     const Study& study_;
@@ -99,10 +80,12 @@ private:
     io::FolderLock lock_;
     Journal journal_;
     std::vector<std::pair<std::filesystem::path, Journal>> others_; // studies whose runs count
-    std::string program_;
     int lane_count_;
+    Speculation speculation_;
+    std::unique_ptr<Lanes> lanes_; // while runs are done, and as long as there is something to speculate about
     bool changed_ = false; // runs have ended since the last report
     double simulated_end_ = 0; // [s], of the last run that was asked for
+    std::map<std::int64_t, double> work_; // of the runs asked for
     std::chrono::steady_clock::time_point start_, last_report_;
 };
 

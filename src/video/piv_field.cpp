@@ -1,6 +1,7 @@
 #include "video/piv_field.hpp"
 
 #include "base/error.hpp"
+#include "base/split.hpp"
 #include "base/text.hpp"
 #include "base/units.hpp"
 
@@ -33,17 +34,6 @@ Lines read_lines(const std::filesystem::path& path) {
     return out;
 }
 
-std::vector<std::string> split(const std::string& line, const std::string& separators) {
-    std::vector<std::string> words;
-    for (std::size_t from = 0; from < line.size();) {
-        const auto begin = line.find_first_not_of(separators, from);
-        if (begin == std::string::npos) break;
-        from = std::min(line.find_first_of(separators, begin), line.size());
-        words.push_back(line.substr(begin, from - begin));
-    }
-    return words;
-}
-
 std::string lower(std::string text) {
     for (auto& c : text) c = char(std::tolower(static_cast<unsigned char>(c)));
     return text;
@@ -68,7 +58,7 @@ struct Columns {
 
 void read_rows(const Lines& lines, std::size_t first, const Columns& columns, PivField& out) {
     for (std::size_t i = first; i < lines.text.size(); ++i) {
-        const auto words = split(lines.text[i], columns.separators);
+        const auto words = split_words(lines.text[i], columns.separators);
         if (words.empty() || words.front().front() == '#') continue;
         if (words.size() < columns.count || (!columns.more_may_follow && words.size() > columns.count)) {
             throw InputError({lines.where(i), "has " + std::to_string(words.size()) + " values", std::to_string(columns.count) + " are expected",
@@ -163,7 +153,7 @@ PivField read_named(const Lines& lines, std::size_t header, const std::string& s
     auto head = lines.text[header];
     head.erase(0, std::min(head.find_first_not_of("# \t"), head.size()));
     // A blank before a bracket belongs to the column's name.
-    auto names = split(head, separators == " \t" && head.find('[') != std::string::npos ? "\t" : separators);
+    auto names = split_words(head, separators == " \t" && head.find('[') != std::string::npos ? "\t" : separators);
     Columns columns;
     columns.count = names.size();
     columns.separators = separators;

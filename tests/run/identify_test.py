@@ -33,8 +33,85 @@ parameters:
   - {name: viscosity, key: liquids.syrup.viscosity, range: [0.5 Pa.s, 200 Pa.s], scale: log}
 experiments:
   - {name: block, masks: film, camera: front, from: 40 ms}
+measured:
+  - {name: density, key: liquids.syrup.density, value: 1400, plus_minus: 20}
 search: {tolerance: 0.03, evaluations: 10}
 """
+
+
+ROD = """schema_version: 1
+title: A rod falls in oil
+domain:
+  dimensions: 2
+  max: [0.04, 0.06]
+  spacing: 2.5 mm
+  boundaries: {x_min: {slip: no_slip}, x_max: {slip: no_slip}, y_min: {slip: no_slip}, y_max: {slip: no_slip}}
+liquids:
+  - {name: oil, density: 970, viscosity: 1 Pa.s, around_bodies: true, shapes: [{box: {min: [0, 0], max: [0.04, 0.06]}}]}
+bodies:
+  - {name: rod, kind: dynamic, density: 1555, slip: no_slip, shape: {sphere: {centre: [0.02, 0.045], radius: 0.006}}}
+method: {kind: grid}
+time: {end: 0.25 s}
+"""
+FIELDS = """schema_version: 1
+title: Oil around a falling rod
+scenes: [{name: fall, file: rod.yaml}]
+parameters:
+  - {name: viscosity, key: liquids.oil.viscosity, range: [0.2 Pa.s, 8 Pa.s], scale: log}
+experiments:
+  - name: rod
+    from: 0.04 s
+    piv: {files: ["fields/field_*.csv"], times: fields/times.csv, origin: [4 mm, 4 mm, 0], right: [1, 0, 0], up: [0, 1, 0], y: up, window: 4 mm, noise: 0.3 mm/s}
+search: {tolerance: 0.03, evaluations: 8}
+"""
+
+
+class Fields(Workplace):
+    """Velocity fields of PIV, of a rod that falls in a plane."""
+
+    def setUp(self):
+        super().setUp()
+        self.write("rod.yaml", ROD)
+        self.write("study.yaml", FIELDS)
+        self.treacle("run", "rod.yaml", "--set", "domain.spacing=2 mm", "--set", "liquids.oil.viscosity=1.3", "--set", "output.interval=20 ms", "--out", "truth")
+        self.treacle("piv", "truth", "--out", "fields", "--origin", 0.004, 0.004, 0, "--up", 0, 1, 0, "--size", 0.032, 0.052, "--step", 0.002, "--window", 0.004,
+                     "--from", 0.03, "--to", 0.25, "--interval", 0.02, "--noise", 0.02, "--outliers", 0.05, "--track", "rod", "--track-noise", 5e-5)
+
+    def write(self, name, text):
+        with open(self.path(name), "w") as file:
+            file.write(text)
+
+    def identified(self, out):
+        with open(self.path(out, "report", "result.yaml")) as file:
+            text = file.read()
+        return float(re.search(r"value: ([0-9.e+-]+)", text).group(1)), text
+
+    def test_a_free_rods_fields_tell_the_viscosity(self):
+        self.assertRegex(self.treacle("check", "study.yaml").stdout, r"11 fields, 5049 vectors, \d+ compared, \d+ not measured, \d+ outliers dropped")
+        done = self.treacle("identify", "study.yaml", "--out", "out")
+        value, text = self.identified("out")
+        # Five cells across the rod, where the fields have six: some 10 % of its drag.
+        self.assertLess(abs(value / 1.3 - 1), 0.15, text)
+        self.assertIn("proportional to its density", done.stdout)
+        self.assertIn("well determined", text)
+        self.assertEqual(sum(name.endswith(".svg") for name in os.listdir(self.path("out", "report"))), 4)
+
+    def test_on_a_prescribed_path_a_slow_flow_does_not_tell_it(self):
+        self.write("study.yaml", FIELDS.replace("noise: 0.3 mm/s}", "noise: 0.3 mm/s, ball: fields/track.csv}"))
+        self.treacle("identify", "study.yaml", "--out", "out", "--set", "search.evaluations=4")
+        self.assertIn("not identifiable", self.identified("out")[1])
+
+    def test_bad_fields_are_told_before_anything_is_run(self):
+        for old, new, text in (("origin: [4 mm", "origin: [40 mm", "outside of the scene's domain"),
+                               ("noise: 0.3 mm/s}", "noise: 0.3 mm/s, ball: {track: fields/track.csv, body: rood}}", "did you mean rod?"),
+                               ("noise: 0.3 mm/s}", "noise: 0.3 mm/s, ball: fields/track.csv}\n    time_zero: 0.1 s", "ball.track is at"),
+                               ("fields/field_*", "fields/feld_*", "is not there"),
+                               ("from: 0.04 s", "from: 0.3 s", "no field is between")):
+            self.write("study.yaml", FIELDS.replace(old, new))
+            self.assertNotEqual(FIELDS.replace(old, new), FIELDS)
+            done = self.treacle("identify", "study.yaml", "--out", "out", code=2)
+            self.assertIn(text, done.stderr)
+            self.assertIn("study.yaml:", done.stderr)
 
 
 class Identify(Workplace):
@@ -56,7 +133,9 @@ class Identify(Workplace):
             text = file.read()
         value = float(re.search(r"value: ([0-9.e+-]+)", text).group(1))
         low, high = map(float, re.search(r"interval_90: \[([0-9.e+-]+) Pa.s, ([0-9.e+-]+)", text).groups())
-        return value, low, high, text
+        with open(self.path(out, "report", "index.html")) as file:
+            page = file.read()
+        return value, low, high, text, page[page.index("<h2>Trials"):]
 
     def ended(self, journal):
         """Numbers of the runs that have an outcome."""
@@ -65,18 +144,18 @@ class Identify(Workplace):
         with open(journal) as file:
             return re.findall(r'"ended":(\d+)', file.read())
 
-    def test_a_viscosity_is_found_and_the_same_after_a_kill(self):
+    def test_a_viscosity_is_found_and_the_same_on_other_lanes_and_after_a_kill(self):
         self.film("10 Pa.s")
-        self.treacle("identify", "study.yaml", "--out", "one")
-        value, low, high, text = self.result("one")
+        self.treacle("identify", "study.yaml", "--out", "one", "--set", "runs.lanes=1")
+        value, low, high, text, trials = self.result("one")
         # The film has another spacing: a part in ten of the viscosity at six cells of height.
         self.assertLess(abs(value / 10 - 1), 0.15, text)
         self.assertTrue(low < value < high)
         report = os.listdir(self.path("one", "report"))
         self.assertIn("index.html", report)
         self.assertEqual(sum(name.endswith(".png") for name in report), 6)
-        # Killed when some runs are done, on one lane; the rest on two.
-        process = self.start("identify", "study.yaml", "--out", "two", "--set", "runs.lanes=1")
+        # Killed when some runs are done, on four lanes, one of which speculates; the rest on two.
+        process = self.start("identify", "study.yaml", "--out", "two", "--set", "runs.lanes=4")
         journal = self.path("two", "journal.jsonl")
         end = time.monotonic() + 120
         while time.monotonic() < end and process.poll() is None and len(self.ended(journal)) < 3:
@@ -85,7 +164,7 @@ class Identify(Workplace):
         process.communicate()
         done = len(self.ended(journal))
         self.treacle("identify", "study.yaml", "--out", "two", "--set", "runs.lanes=2")
-        self.assertEqual(self.result("two")[3], text)
+        self.assertEqual(self.result("two")[3:], (text, trials))
         ended = self.ended(journal)
         self.assertGreaterEqual(done, 1)
         self.assertEqual(len(ended), len(set(ended)), "no finished run is repeated")
@@ -97,9 +176,10 @@ class Identify(Workplace):
                                ("from: 40 ms", "from: 9 s", "no mask is between"),
                                ("camera: front", "camera: font", "neither a file nor a camera of the scene"),
                                ("key: liquids.syrup.viscosity", "key: liquids.syrup.viscositi", "viscositi"),
-                               ("key: liquids.syrup.viscosity, range: [0.5 Pa.s, 200 Pa.s]", "key: liquids.syrup.density, range: [900, 1500]",
+                               (STUDY[STUDY.index("  - {name: viscosity"):STUDY.index("search")],
+                                "  - {key: liquids.syrup.density, range: [900, 1500]}\n" + STUDY[STUDY.index("experiments"):STUDY.index("measured")],
                                 "silhouettes know the ratio"),
-                               (STUDY[STUDY.index("experiments"):STUDY.index("search")], "", "has no experiments"),
+                               (STUDY[STUDY.index("experiments"):STUDY.index("measured")], "", "has no experiments"),
                                (STUDY[STUDY.index("parameters"):STUDY.index("experiments")], "", "has no parameters"),
                                ("range: [0.5 Pa.s, 200 Pa.s]", "range: [0.5 Pa.s, 200 Pa.s], start: 300 Pa.s", "must lie in the range")):
             self.write("study.yaml", STUDY.replace(old, new))

@@ -148,10 +148,25 @@ class Split(Study):
 
     def test_the_journal_is_that_of_processes(self):
         self.sweep(out="good")
-        self.on_groups(3)
+        process = self.start("sweep", "study.yaml", "--out", "split", ranks=3)
+        shown = set()
+        while process.poll() is None:
+            shown.add(self.status_of("split"))
+            time.sleep(0.02)
+        self.assertEqual(process.returncode, 0, process.communicate()[0])
         self.assertEqual(self.figures("split"), self.figures("good"))
+        self.assertEqual(self.status_of("split"), 8)
+        self.assertTrue(shown & set(range(8)), f"status.json told {shown} runs done")
         asked = [[line["asked"], line["values"], line["key"]] for line in self.lines("asked", "split")]
         self.assertEqual(asked, [[line["asked"], line["values"], line["key"]] for line in self.lines("asked", "good")])
+
+    def status_of(self, out):
+        """Runs that are done, by status.json."""
+        path = self.path(out, "status.json")
+        if not os.path.exists(path):
+            return None
+        with open(path) as file:
+            return json.load(file)["done"]
 
     def test_a_run_that_throws_fails_alone_and_groups_have_ranks(self):
         self.change("points: 4", "points: 2")
@@ -208,6 +223,10 @@ class BadStudies(Study):
     def test_a_key_that_is_not_in_the_scene(self):
         self.change("syrup.viscosity", "syrup.vicosity")
         self.refused(["study.yaml:6: vicosity", "liquids.syrup.vicosity is not a known key", "did you mean viscosity?"])
+
+    def test_a_missing_key_points_to_the_manual_of_studies(self):
+        self.change("{name: block, file: block.yaml}", "{name: block}")
+        self.refused(["study.yaml:4", "file is missing", "`treacle schema --study scenes.file`"])
 
     def test_two_parameters_on_one_key(self):
         self.change("key: liquids.syrup.density", "name: other, key: liquids.syrup.viscosity")

@@ -160,16 +160,19 @@ def busy_lanes(context):
 
 
 def unequal_lanes(context):
-    """Wall time against the list schedule's lower bound: the longest run, or the work over the lanes."""
+    """Wall time of the whole sweep against the lower bound of any schedule: the longest run, or the work over the lanes. The long
+    runs stand last in the design."""
+    short, long = (0.05, 0.8) if context.quick else (0.1, 1.8)
     with scratch(context, "unequal") as folder:
         lay_out(context, folder, points=2)
-        rows = [f'"{10 + k} Pa.s, {0.03 if k % 5 else 0.3} s"' for k in range(15)]
-        text = (folder / "study.yaml").read_text().replace("liquids.syrup.density, range: [1000, 1400], points: 2", "time.end, values: [0.03 s]")
+        rows = [f'"{10 + k} Pa.s, {short if k < 22 else long} s"' for k in range(24)]
+        text = (folder / "study.yaml").read_text().replace("liquids.syrup.density, range: [1000, 1400], points: 2", "time.end, values: [1 s]")
         (folder / "study.yaml").write_text(text.replace("sweep: grid", "sweep: {design: list, rows: [" + ", ".join(rows) + "]}"))
-        done = sweep(context, folder, "out", "--set", "runs.lanes=3", "--set", "scenes.block.set=[domain.spacing=3 mm]")
+        done = sweep(context, folder, "out", "--set", "runs.lanes=3", "--set", "scenes.block.set=[domain.spacing=2 mm]")
         seconds = [line["seconds"] for line in lines_of(folder, "out", "ended")]
     best = max(max(seconds), sum(seconds) / 3)
-    return Figure(f"{done.seconds / best:.3f} of the best schedule, runs of {min(seconds):.2f} to {max(seconds):.2f} s", done.seconds <= 1.1 * best)
+    return Figure(f"{done.seconds / best:.3f} of the best schedule with start and end of the sweep, runs of {min(seconds):.1f} to {max(seconds):.1f} s",
+                  done.seconds <= 1.1 * best)
 
 
 def thousand_runs(context):

@@ -1,3 +1,4 @@
+#include "base/split.hpp"
 #include "base/text.hpp"
 
 #include <gtest/gtest.h>
@@ -85,6 +86,15 @@ TEST(Shorten, KeepsWholeLettersAndOneLine) {
     const auto text = shorten(std::string(59, 'a') + "ä" + std::string(20, 'b'));
     EXPECT_EQ(text, std::string(59, 'a') + "...");
     EXPECT_EQ(shorten("a\nb"), "a b");
+}
+
+TEST(Split, PartsMayBeEmptyAndWordsAreNot) {
+    using Texts = std::vector<std::string>;
+    EXPECT_EQ(split("a::b:", ':'), (Texts{"a", "", "b", ""}));
+    EXPECT_EQ(split("", ','), Texts{""});
+    EXPECT_EQ(split_words("  a\t b  "), (Texts{"a", "b"}));
+    EXPECT_EQ(split_words("a;;b c", ";"), (Texts{"a", "b c"}));
+    EXPECT_TRUE(split_words(" ").empty());
 }
 
 } // namespace

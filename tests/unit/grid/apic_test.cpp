@@ -5,7 +5,7 @@
 #include <functional>
 #include <gtest/gtest.h>
 
-namespace treacle::grid {
+namespace treacle::grid::apic_test {
 namespace {
 
 using test::Liquid;
@@ -386,4 +386,4 @@ TEST_P(TransferCase, SeedsDoNotDependOnTheRanks) {
 INSTANTIATE_TEST_SUITE_P(Transfer, TransferCase, testing::Values(2, 3),
                          [](const auto& info) { return std::to_string(info.param) + "D"; });
 
-} // namespace treacle::grid
+} // namespace treacle::grid::apic_test

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace treacle::grid {
+namespace treacle::grid::contraction_test {
 namespace {
 
 class Contracting : public testing::Test {
@@ -77,4 +77,4 @@ TEST_F(Contracting, WhatIsPouredFromHighHasItsVolume) {
 }
 
 } // namespace
-} // namespace treacle::grid
+} // namespace treacle::grid::contraction_test

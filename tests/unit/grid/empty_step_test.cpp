@@ -5,7 +5,7 @@
 
 // Steps with no liquid, or none that has a pressure or a stress, on any rank or on all: liquid comes, leaves, and is held
 // in gaps that are closed.
-namespace treacle::grid {
+namespace treacle::grid::empty_step_test {
 namespace {
 
 [[maybe_unused]] const auto* const solvers = testing::AddGlobalTestEnvironment(new sph::SolverEnvironment);
@@ -145,4 +145,4 @@ TEST_F(EmptySteps, SolveForStressesWithoutAnyPressure) {
 }
 
 } // namespace
-} // namespace treacle::grid
+} // namespace treacle::grid::empty_step_test

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace treacle::grid {
+namespace treacle::grid::inflow_test {
 namespace {
 
 constexpr double dx = 1.0 / 16, spacing = dx / 2; // [m]
@@ -170,4 +170,4 @@ TEST_F(Inlet, IsTheSameOnOneRankAndOnAll) {
 }
 
 } // namespace
-} // namespace treacle::grid
+} // namespace treacle::grid::inflow_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace treacle::grid {
+namespace treacle::grid::level_set_test {
 namespace {
 
 using test::Liquid;
@@ -161,4 +161,4 @@ TEST_P(LevelSetCase, LiquidThatTouchesAWallGoesOnInIt) {
 INSTANTIATE_TEST_SUITE_P(LevelSet, LevelSetCase, testing::Values(2, 3),
                          [](const auto& info) { return std::to_string(info.param) + "D"; });
 
-} // namespace treacle::grid
+} // namespace treacle::grid::level_set_test

@@ -2,7 +2,7 @@
 
 #include "grid/viscous_problem.hpp"
 
-namespace treacle::grid {
+namespace treacle::grid::mechanisms_test {
 namespace {
 
 // A ball with drops around it, smaller than a cell and stiff against their mass: as ragged as what particles make.
@@ -85,4 +85,4 @@ TEST(GridMechanisms, strain_nothing_and_are_the_same_on_any_ranks) {
 }
 
 } // namespace
-} // namespace treacle::grid
+} // namespace treacle::grid::mechanisms_test

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 // Flows of two liquids that lie in layers: what a stress meets where their viscosities jump (R3).
-namespace treacle::grid {
+namespace treacle::grid::mixed_viscosity_test {
 namespace {
 
 constexpr double density = 1000; // [kg/m3]
@@ -192,4 +192,4 @@ TEST_F(LayersOfLiquids, ConvergeAtAnyAngle) {
 }
 
 } // namespace
-} // namespace treacle::grid
+} // namespace treacle::grid::mixed_viscosity_test

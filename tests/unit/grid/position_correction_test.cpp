@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace treacle::grid {
+namespace treacle::grid::position_correction_test {
 namespace {
 
 using test::Liquid;
@@ -181,4 +181,4 @@ TEST_P(CorrectionCase, ItIsTheSameOnAnyRanks) {
 INSTANTIATE_TEST_SUITE_P(Correction, CorrectionCase, testing::Values(2, 3),
                          [](const auto& info) { return std::to_string(info.param) + "D"; });
 
-} // namespace treacle::grid
+} // namespace treacle::grid::position_correction_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace treacle::grid {
+namespace treacle::grid::pressure_bodies_test {
 namespace {
 
 constexpr double dt = 1e-2; // [s]
@@ -192,4 +192,4 @@ TEST_F(BodiesInLiquid, ThatCloseABoxAreCarriedByTheConstantOfThePressure) {
 }
 
 } // namespace
-} // namespace treacle::grid
+} // namespace treacle::grid::pressure_bodies_test

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace treacle::grid {
+namespace treacle::grid::pressure_test {
 namespace {
 
 [[maybe_unused]] const auto* const solvers = testing::AddGlobalTestEnvironment(new sph::SolverEnvironment);
@@ -175,4 +175,4 @@ TEST_F(Pressures, OfARoundDropAreThoseOfItsSurfaceTension) {
 }
 
 } // namespace
-} // namespace treacle::grid
+} // namespace treacle::grid::pressure_test

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace treacle::grid {
+namespace treacle::grid::rheology_test {
 namespace {
 
 constexpr double density = 1000, pull = 1; // [kg/m3], [m/s2] along x
@@ -218,4 +218,4 @@ TEST_F(Channel, ShearRatesOfLinearVelocitiesAreExact) {
 }
 
 } // namespace
-} // namespace treacle::grid
+} // namespace treacle::grid::rheology_test

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 // (L) Liquid under walls from which gravity pulls it.
-namespace treacle::grid {
+namespace treacle::grid::separation_test {
 namespace {
 
 // Mean velocity along gravity after `time` [s] over g t.
@@ -68,4 +68,4 @@ TEST(Separation, LetsLiquidFallFromSlopes) {
 }
 
 } // namespace
-} // namespace treacle::grid
+} // namespace treacle::grid::separation_test

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 // What slips does not stick, and drags nothing along; what touches bodies alone keeps the momentum of all together.
-namespace treacle::grid {
+namespace treacle::grid::slip_test {
 namespace {
 
 [[maybe_unused]] const auto* const solvers = testing::AddGlobalTestEnvironment(new sph::SolverEnvironment);
@@ -122,4 +122,4 @@ TEST(Gaps, CloseWithoutHeapingUpLiquid) {
 }
 
 } // namespace
-} // namespace treacle::grid
+} // namespace treacle::grid::slip_test

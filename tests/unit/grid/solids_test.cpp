@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace treacle::grid {
+namespace treacle::grid::solids_test {
 namespace {
 
 using test::ball;
@@ -170,4 +170,4 @@ TEST_P(SolidCase, PlacesWhereSolidsOverlapAreNotThrownFar) {
 INSTANTIATE_TEST_SUITE_P(Solids, SolidCase, testing::Values(2, 3),
                          [](const auto& info) { return std::to_string(info.param) + "D"; });
 
-} // namespace treacle::grid
+} // namespace treacle::grid::solids_test

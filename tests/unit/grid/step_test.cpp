@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace treacle::grid {
+namespace treacle::grid::step_test {
 namespace {
 
 [[maybe_unused]] const auto* const solvers = testing::AddGlobalTestEnvironment(new sph::SolverEnvironment);
@@ -423,4 +423,4 @@ TEST_F(Steps, GoOnFromAStateAsIfTheyHadNotStopped) {
 }
 
 } // namespace
-} // namespace treacle::grid
+} // namespace treacle::grid::step_test

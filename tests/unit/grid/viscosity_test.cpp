@@ -1,6 +1,6 @@
 #include "viscous_sample.hpp"
 
-namespace treacle::grid {
+namespace treacle::grid::viscosity_test {
 namespace {
 
 class SolverEnvironment : public testing::Environment {
@@ -229,4 +229,4 @@ TEST_F(GridViscosity, slip_walls_hold_liquid_off) {
 }
 
 } // namespace
-} // namespace treacle::grid
+} // namespace treacle::grid::viscosity_test

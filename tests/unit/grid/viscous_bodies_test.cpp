@@ -1,6 +1,6 @@
 #include "viscous_sample.hpp"
 
-namespace treacle::grid {
+namespace treacle::grid::viscous_bodies_test {
 namespace {
 
 rigid::BodiesSetup world(std::vector<rigid::BodySetup> bodies, int dimensions = 3) {
@@ -199,4 +199,4 @@ TEST_F(GridViscousBodies, torque_on_a_sphere_that_turns_within_another_is_right)
 }
 
 } // namespace
-} // namespace treacle::grid
+} // namespace treacle::grid::viscous_bodies_test

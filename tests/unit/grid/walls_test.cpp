@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace treacle::grid {
+namespace treacle::grid::walls_test {
 namespace {
 
 [[maybe_unused]] const auto* const solvers = testing::AddGlobalTestEnvironment(new sph::SolverEnvironment);
@@ -182,4 +182,4 @@ TEST_F(GridWalls, ALidAsLongAsThePeriodShearsTheLiquid) {
 }
 
 } // namespace
-} // namespace treacle::grid
+} // namespace treacle::grid::walls_test

@@ -106,7 +106,7 @@ TEST(CompareFrame, DerivativesByTheCameraAreThoseOfOtherPictures) {
         ASSERT_EQ(before.segments.size(), after.segments.size());
         for (std::size_t i = 0; i < before.segments.size(); ++i) {
             const double moved = after.segments[i].displacement - before.segments[i].displacement;
-            EXPECT_NEAR(moved, before.segments[i].by_view[std::size_t(parameter)] * step, 0.25) << view_names[std::size_t(parameter)] << " segment " << i;
+            EXPECT_NEAR(moved, before.segments[i].by_view[std::size_t(parameter)] * step, 0.25) << view_parameters(ExperimentKind::contours)[std::size_t(parameter)].name << " segment " << i;
         }
     }
 }

@@ -101,8 +101,51 @@ TEST(Estimate, AnotherResolutionsRunMovesTheAnswer) {
     const auto runs = film.runs();
     auto finer = film.run(2.35);
     finer.point[0] = 2.3; // at 2.3 it looks as the others at 2.35
-    const auto found = estimate(runs, prior(0.3), &finer);
+    const auto found = estimate(runs, prior(0.3), {{finer}});
     EXPECT_NEAR(found.point[0], 2.25, 1e-3);
+}
+
+// A sheet of PIV beside a film: vectors in units of their noise, in the same number of fields, each twice as sure of the viscosity as
+// a segment is. `odd` is what they say the viscosity is.
+EvaluatedRun with_vectors(EvaluatedRun run, double odd, double noise, int seed) {
+    std::mt19937 generator{std::uint32_t(seed)};
+    std::normal_distribution<double> normal(0, noise);
+    auto& sheet = run.experiments.emplace_back();
+    sheet.kind = ExperimentKind::piv;
+    for (int f = 0; f < 20; ++f) {
+        for (int i = 0; i < 60; ++i) {
+            SegmentResidual one;
+            one.frame = f;
+            one.x = i % 10;
+            one.y = i / 10;
+            one.points = 1;
+            one.displacement = 10 * (run.point[0] - odd) * std::sin(i) + normal(generator);
+            if (i == 3) one.points = 0;
+            if (i == 4 && run.point[0] > 2.9) one.displacement = std::nan("");
+            sheet.segments.push_back(one);
+        }
+    }
+    return run;
+}
+
+TEST(Estimate, ExperimentsOfTwoKindsAddUpEachByItsOwnNoise) {
+    const Film film(3, 0.5, 1, 1, 0);
+    auto priors = prior(0.3);
+    priors.push_back(ViewInformation::Identity());
+    const auto both = [&](double odd, double noise) {
+        std::vector<EvaluatedRun> runs;
+        for (const auto& one : film.runs()) runs.push_back(with_vectors(one, odd, noise, 11));
+        return estimate(runs, priors);
+    };
+    const auto alone = estimate(film.runs(), prior(0.3)), agreeing = both(truth, 1);
+    EXPECT_LT(agreeing.parts[0].total(), 0.5 * alone.parts[0].total());
+    EXPECT_LT(std::abs(agreeing.point[0] - truth), 3 * std::sqrt(agreeing.parts[0].total()));
+    EXPECT_NEAR(agreeing.noise[0], 0.5, 0.05); // [px]
+    EXPECT_NEAR(agreeing.noise[1], 1, 0.1);    // [noises]
+    // Vectors that are sixty times as noisy as stated hardly count, whatever they say.
+    EXPECT_LT(std::abs(both(truth + 0.3, 60).point[0] - alone.point[0]), std::sqrt(alone.parts[0].total()));
+    EXPECT_EQ(agreeing.misfit.size(), 60u); // by frame and field
+    EXPECT_EQ(agreeing.misfit_of.back(), 1u);
 }
 
 TEST(Estimate, OneRunIsNotEnough) {
@@ -114,11 +157,11 @@ TEST(Estimate, OneRunIsNotEnough) {
     EXPECT_THROW(estimate({empty, empty}, prior(0.3)), std::exception);
 }
 
-TEST(ContourObjective, IsLeastAtTheTruthAndCutsWhatIsFarAway) {
+TEST(ResidualObjective, IsLeastAtTheTruthAndCutsWhatIsFarAway) {
     const Film film(1, 0.3, 3, 4, 0.3);
-    const double best = contour_objective(film.run(truth), prior(0.3));
-    for (const double x : {0.5, 1.5, 2.1, 2.5, 4.0}) EXPECT_GT(contour_objective(film.run(x), prior(0.3)), best);
-    EXPECT_GT(contour_objective(film.run(8), prior(0.3)), contour_objective(film.run(5), prior(0.3)));
+    const double best = residual_objective(film.run(truth), prior(0.3));
+    for (const double x : {0.5, 1.5, 2.1, 2.5, 4.0}) EXPECT_GT(residual_objective(film.run(x), prior(0.3)), best);
+    EXPECT_GT(residual_objective(film.run(8), prior(0.3)), residual_objective(film.run(5), prior(0.3)));
 }
 
 } // namespace

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace treacle {
+namespace treacle::array_test {
 
 TEST(Reserve, MakesRoomAndNeverShrinks) {
     Array<double> view("treacle::test", 0);
@@ -91,4 +91,4 @@ TEST(CellGrid, WhatLiesOutsideBelongsToTheNearestCellOfTheBorder) {
     EXPECT_EQ(c[2], 0);
 }
 
-} // namespace treacle
+} // namespace treacle::array_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace treacle {
+namespace treacle::cell_sort_test {
 namespace {
 
 void expect_sorted(const ParticleStore& store, const CellGrid& grid, const CellList& cells,
@@ -119,4 +119,4 @@ TEST(OccupiedCells, IsTheSmallestBlockAroundTheParticles) {
     EXPECT_EQ(box.hi[2], 8);
 }
 
-} // namespace treacle
+} // namespace treacle::cell_sort_test

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace treacle {
+namespace treacle::neighbour_list_test {
 namespace {
 
 struct Sorted {
@@ -135,4 +135,4 @@ TEST(NeighbourList, EmptyStoresAndLonelyParticlesHaveNone) {
     EXPECT_EQ(list.size, 0);
 }
 
-} // namespace treacle
+} // namespace treacle::neighbour_list_test

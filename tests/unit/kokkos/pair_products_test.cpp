@@ -6,7 +6,7 @@
 #include <cmath>
 #include <vector>
 
-namespace treacle {
+namespace treacle::pair_products_test {
 namespace {
 // Rows [x, s, u, 0] without an order.
 std::vector<float> some_rows(int count) {
@@ -46,4 +46,4 @@ TEST(PairProducts, AreThoseOfTheRowAlone) {
         for (std::size_t k = 0; k < 16; ++k) EXPECT_NEAR(found[k], wanted[k], 1e-5) << count << " pairs, place " << k;
     }
 }
-} // namespace treacle
+} // namespace treacle::pair_products_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace treacle {
+namespace treacle::particle_store_test {
 namespace {
 
 struct Sample {
@@ -121,4 +121,4 @@ TEST(ParticleStore, BytesCountEveryArray) {
     EXPECT_LE(sample.store.bytes() - before, 76u * 1266);
 }
 
-} // namespace treacle
+} // namespace treacle::particle_store_test

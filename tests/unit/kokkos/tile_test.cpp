@@ -5,7 +5,7 @@
 #include <array>
 #include <functional>
 
-namespace treacle {
+namespace treacle::tile_test {
 
 namespace {
 using Sixteen = std::array<float, 16>;
@@ -57,4 +57,4 @@ TEST(Tile, AddsProductsAndStoresItsVectorsAlone) {
     }
 }
 
-} // namespace treacle
+} // namespace treacle::tile_test

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <gtest/gtest.h>
 
-namespace treacle {
+namespace treacle::cell_halo_test {
 namespace {
 
 struct Case {
@@ -168,4 +168,4 @@ INSTANTIATE_TEST_SUITE_P(CellHalo, CellHaloCase, testing::ValuesIn(cases), [](co
     return name;
 });
 
-} // namespace treacle
+} // namespace treacle::cell_halo_test

@@ -6,7 +6,7 @@
 #include <new>
 #include <numeric>
 
-namespace treacle {
+namespace treacle::comm_test {
 
 TEST(Comm, ReducesNumbersAndLists) {
     const auto comm = Comm::world();
@@ -140,4 +140,4 @@ TEST(Guard, NothingIsThrownWithoutAnError) {
     EXPECT_THROW(comm.guard_root([] { throw InputError({"", "root", "", ""}); }), Error);
 }
 
-} // namespace treacle
+} // namespace treacle::comm_test

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <gtest/gtest.h>
 
-namespace treacle {
+namespace treacle::decomposition_test {
 namespace {
 
 struct Weighted {
@@ -165,4 +165,4 @@ TEST(Decomposition, StateRestoresBoxesAndTree) {
     }
 }
 
-} // namespace treacle
+} // namespace treacle::decomposition_test

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace treacle {
+namespace treacle::exchange_test {
 namespace {
 
 // Every rank knows the whole graph of messages; the content names sender, receiver and place in the order.
@@ -85,4 +85,4 @@ TEST(ExchangeSlices, PairsSlicesOfTwoRanksInOrder) {
     for (int k = 0; k < 6; ++k) EXPECT_EQ(got(k), 10 * previous + k);
 }
 
-} // namespace treacle
+} // namespace treacle::exchange_test

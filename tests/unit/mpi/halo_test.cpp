@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 #include <map>
 
-namespace treacle {
+namespace treacle::halo_test {
 namespace {
 
 struct Case {
@@ -298,4 +298,4 @@ INSTANTIATE_TEST_SUITE_P(Halo, HaloCase, testing::ValuesIn(cases), [](const auto
     return name;
 });
 
-} // namespace treacle
+} // namespace treacle::halo_test

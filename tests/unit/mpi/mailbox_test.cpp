@@ -4,7 +4,7 @@
 
 #include <set>
 
-namespace treacle {
+namespace treacle::mailbox_test {
 
 TEST(Mailbox, LettersArriveOnceAndInTheOrderOfTheirSender) {
     const auto comm = Comm::world();
@@ -25,4 +25,4 @@ TEST(Mailbox, LettersArriveOnceAndInTheOrderOfTheirSender) {
     comm.barrier();
 }
 
-} // namespace treacle
+} // namespace treacle::mailbox_test

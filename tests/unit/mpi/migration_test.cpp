@@ -4,7 +4,7 @@
 #include <cstring>
 #include <gtest/gtest.h>
 
-namespace treacle {
+namespace treacle::migration_test {
 namespace {
 
 std::uint64_t scramble(std::uint64_t x) {
@@ -163,4 +163,4 @@ TEST(Migration, AllMayLeaveARankAndNoneMayBeThere) {
     EXPECT_EQ(migration.to_owner(none.store, decomposition).left, 0);
 }
 
-} // namespace treacle
+} // namespace treacle::migration_test

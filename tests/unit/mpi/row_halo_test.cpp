@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace treacle {
+namespace treacle::row_halo_test {
 
 TEST(RowHalo, brings_the_values_of_any_rows_also_past_ranks_without_rows) {
     const auto comm = Comm::world();
@@ -27,4 +27,4 @@ TEST(RowHalo, brings_the_values_of_any_rows_also_past_ranks_without_rows) {
     }
 }
 
-} // namespace treacle
+} // namespace treacle::row_halo_test

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-namespace treacle {
+namespace treacle::shared_rows_test {
 
 namespace {
 // Of a row of places that reaches over those of the next two ranks; every third rank has none.
@@ -71,4 +71,4 @@ TEST(SharedRows, keys_of_places_are_unpacked_as_they_were) {
     }
 }
 
-} // namespace treacle
+} // namespace treacle::shared_rows_test

@@ -1,6 +1,6 @@
 #include "sample.hpp"
 
-namespace treacle::rigid {
+namespace treacle::rigid::contact_test {
 namespace {
 constexpr double dt = 1e-3; // [s]
 }
@@ -113,4 +113,4 @@ TEST(Contact, BodiesMeetAcrossAPeriodicSide) {
     EXPECT_LT(bodies.velocity(1)[0], -0.1);
 }
 
-} // namespace treacle::rigid
+} // namespace treacle::rigid::contact_test

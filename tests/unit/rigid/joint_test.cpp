@@ -1,7 +1,7 @@
 #include "base/error.hpp"
 #include "sample.hpp"
 
-namespace treacle::rigid {
+namespace treacle::rigid::joint_test {
 namespace {
 
 constexpr double pi = std::numbers::pi;
@@ -362,4 +362,4 @@ TEST(Joint, ARestoredStateGoesOnBitForBit) {
     EXPECT_TRUE(std::ranges::equal(straight.joint_loads(), resumed.joint_loads()));
 }
 
-} // namespace treacle::rigid
+} // namespace treacle::rigid::joint_test

@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <fstream>
 
-namespace treacle::rigid {
+namespace treacle::rigid::mass_test {
 namespace {
 
 constexpr double exact = 1e-12; // of sums of some thousand terms, relative
@@ -73,4 +73,4 @@ TEST(Moments, OfATurnedMeshAreThoseOfItsBoxTurned) {
     }
 }
 
-} // namespace treacle::rigid
+} // namespace treacle::rigid::mass_test

@@ -1,6 +1,6 @@
 #include "sample.hpp"
 
-namespace treacle::rigid {
+namespace treacle::rigid::motion_test {
 namespace {
 
 constexpr double pi = std::numbers::pi;
@@ -117,4 +117,4 @@ TEST(Bodies, ARestoredStateGoesOnBitForBit) {
     EXPECT_EQ(straight.state(), resumed.state());
 }
 
-} // namespace treacle::rigid
+} // namespace treacle::rigid::motion_test

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 #include <limits>
 
-namespace treacle::solve {
+namespace treacle::solve::breakdown_test {
 
 namespace {
 
@@ -148,4 +148,4 @@ TEST(Breakdown, ic0_shifts_itself_where_incomplete_cholesky_breaks_down) {
     EXPECT_LE(distance(Comm::world(), x, system.values(noise)), 1e-7);
 }
 
-} // namespace treacle::solve
+} // namespace treacle::solve::breakdown_test

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace treacle::solve {
+namespace treacle::solve::complementarity_test {
 namespace {
 
 constexpr Index n = 12;
@@ -183,4 +183,4 @@ TEST(Complementarity, a_singular_matrix_has_a_solution_where_the_set_leaves_a_ro
     for (std::size_t i = 0; i < x.size(); ++i) EXPECT_NEAR(x[i], wanted[std::size_t(system.first) + i], 1e-10);
 }
 
-} // namespace treacle::solve
+} // namespace treacle::solve::complementarity_test

@@ -10,7 +10,7 @@
 #include <stdexcept>
 
 // Systems without rows, and the next ones that have some: liquid comes and goes in a run.
-namespace treacle::solve {
+namespace treacle::solve::empty_test {
 
 namespace {
 const std::vector<Preconditioner> kinds{Preconditioner::none, Preconditioner::jacobi, Preconditioner::ic0,
@@ -147,4 +147,4 @@ TEST_F(EmptySystems, are_not_mistaken_for_preconditioners_that_were_never_set_up
     EXPECT_THROW(solver.precondition(z, z), std::logic_error);
 }
 
-} // namespace treacle::solve
+} // namespace treacle::solve::empty_test

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 #include <limits>
 
-namespace treacle::solve {
+namespace treacle::solve::idr_test {
 namespace {
 
 constexpr Index unknowns = 60;
@@ -113,4 +113,4 @@ TEST(Idr, says_that_a_system_is_not_finite) {
 }
 
 } // namespace
-} // namespace treacle::solve
+} // namespace treacle::solve::idr_test

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <gtest/gtest.h>
 
-namespace treacle::solve {
+namespace treacle::solve::krylov_test {
 
 namespace {
 
@@ -255,4 +255,4 @@ TEST(Krylov, takes_a_preconditioner_of_the_callers) {
     EXPECT_EQ(applied, report.iterations); // none after the last iteration
 }
 
-} // namespace treacle::solve
+} // namespace treacle::solve::krylov_test

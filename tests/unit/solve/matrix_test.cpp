@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 #include <stdexcept>
 
-namespace treacle::solve {
+namespace treacle::solve::matrix_test {
 
 class MatrixOnRanks : public testing::TestWithParam<int> {};
 INSTANTIATE_TEST_SUITE_P(owners, MatrixOnRanks, testing::Values(1, 2, 1 << 20));
@@ -119,4 +119,4 @@ TEST_F(Pattern, falling_offsets_are_refused) {
     EXPECT_THROW(check_pattern(blocks()), std::logic_error);
 }
 
-} // namespace treacle::solve
+} // namespace treacle::solve::matrix_test

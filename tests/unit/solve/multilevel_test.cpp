@@ -7,7 +7,7 @@
 #include <map>
 #include <string>
 
-namespace treacle::solve {
+namespace treacle::solve::multilevel_test {
 
 namespace {
 
@@ -305,4 +305,4 @@ TEST(Multilevel, refuses_options_with_which_it_may_be_indefinite) {
     EXPECT_THROW(Multilevel(comm, options), std::logic_error);
 }
 
-} // namespace treacle::solve
+} // namespace treacle::solve::multilevel_test

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <gtest/gtest.h>
 
-namespace treacle::solve {
+namespace treacle::solve::rigid_multilevel_test {
 namespace {
 
 // Springs between the corners of n^3 cubes, stiff along the edges and the diagonals of faces, with little mass: three rows
@@ -138,4 +138,4 @@ TEST_F(RigidMultilevelTest, keeps_its_memory_from_one_matrix_to_the_next) {
 }
 
 } // namespace
-} // namespace treacle::solve
+} // namespace treacle::solve::rigid_multilevel_test

@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <gtest/gtest.h>
 
-namespace treacle::solve {
+namespace treacle::solve::runtime_test {
 
 TEST(SolveRuntime, names_its_libraries) {
     EXPECT_EQ(petsc_version().substr(0, 2), "3.");
@@ -150,4 +150,4 @@ TEST(PrefixedOptions, that_nothing_has_asked_for_are_listed) {
     EXPECT_EQ(has("-chosen_pc_type jacobi"), 0);
 }
 
-} // namespace treacle::solve
+} // namespace treacle::solve::runtime_test

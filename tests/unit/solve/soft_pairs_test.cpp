@@ -3,7 +3,7 @@
 #include <cmath>
 #include <gtest/gtest.h>
 
-namespace treacle::solve {
+namespace treacle::solve::soft_pairs_test {
 namespace {
 
 // Rows 0 and 1 are stiff and hardly resist v = (1, -1/2); row 2 is joined to row 1 by less than a pair is.
@@ -45,4 +45,4 @@ TEST(SoftPairs, leave_out_rows_that_are_aside) {
 }
 
 } // namespace
-} // namespace treacle::solve
+} // namespace treacle::solve::soft_pairs_test

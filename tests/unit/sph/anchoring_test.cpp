@@ -2,7 +2,7 @@
 
 #include <set>
 
-namespace treacle::sph {
+namespace treacle::sph::anchoring_test {
 namespace {
 
 // Blobs, rods and single particles that reach across the boxes of the ranks, some of them with anchors.
@@ -168,4 +168,4 @@ TEST(Anchoring, ADirichletNeighbourAtTheRimOfTheSupportIsNoAnchor) {
     EXPECT_GT(least_eigenvalue_beside(2.499 * spacing, 1), 1e-3);
 }
 
-} // namespace treacle::sph
+} // namespace treacle::sph::anchoring_test

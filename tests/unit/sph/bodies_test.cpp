@@ -3,7 +3,7 @@
 
 #include <functional>
 
-namespace treacle::sph {
+namespace treacle::sph::bodies_test {
 namespace {
 
 constexpr double dt = 2e-3; // [s]
@@ -301,4 +301,4 @@ TEST(Bodies, KinematicOnesPushLiquidAside) {
     EXPECT_GT(totals.momentum[0], 0);
 }
 
-} // namespace treacle::sph
+} // namespace treacle::sph::bodies_test

@@ -1,6 +1,6 @@
 #include "parts.hpp"
 
-namespace treacle::sph {
+namespace treacle::sph::complementarity_test {
 namespace {
 
 constexpr double dt = 1e-3; // [s]
@@ -235,4 +235,4 @@ TEST(Complementarity, ThePredictedRuleIsNearItAndTheSourceRuleIsNot) {
     EXPECT_LT(fastest, 4);
 }
 
-} // namespace treacle::sph
+} // namespace treacle::sph::complementarity_test

@@ -4,7 +4,7 @@
 #include <cstdio>
 #include <cstdlib>
 
-namespace treacle::sph {
+namespace treacle::sph::correspondence_test {
 namespace {
 
 // The dissertation's figure 3.5: a square with p = 0 in its outermost cells and a source in its middle, solved for
@@ -199,4 +199,4 @@ TEST(Correspondence, OneLambdaMakesTheGridFollowParticlesThatGiveMoreAndThatGive
     }
 }
 
-} // namespace treacle::sph
+} // namespace treacle::sph::correspondence_test

@@ -1,6 +1,6 @@
 #include "parts.hpp"
 
-namespace treacle::sph {
+namespace treacle::sph::definite_test {
 namespace {
 
 const SolidTerm terms[] = {SolidTerm::none, SolidTerm::decomposed, SolidTerm::unified, SolidTerm::amplified,
@@ -155,4 +155,4 @@ TEST(PressureMatrix, ATankWithoutAFreeSurfaceIsPositiveDefinite) {
     }
 }
 
-} // namespace treacle::sph
+} // namespace treacle::sph::definite_test

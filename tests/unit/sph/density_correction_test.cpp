@@ -1,6 +1,6 @@
 #include "parts.hpp"
 
-namespace treacle::sph {
+namespace treacle::sph::density_correction_test {
 namespace {
 
 constexpr double dt = 1e-3; // [s]
@@ -69,4 +69,4 @@ TEST(DensityCorrection, DependsOnTheRanksByItsPreconditionerOnly) {
                 0.1 * one.report.pressure.error_measure);
 }
 
-} // namespace treacle::sph
+} // namespace treacle::sph::density_correction_test

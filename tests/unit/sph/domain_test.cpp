@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace treacle::sph {
+namespace treacle::sph::domain_test {
 
 TEST(DomainBox, WrappedParticlesDifferFromTheirImagesByThePeriodExactly) {
     const auto box = make_domain_box(
@@ -74,4 +74,4 @@ TEST(CellGrid, APlaneHasOneLayerOfCells) {
     EXPECT_EQ(c[2], 0);
 }
 
-} // namespace treacle::sph
+} // namespace treacle::sph::domain_test

@@ -2,7 +2,7 @@
 
 #include "base/error.hpp"
 
-namespace treacle::sph {
+namespace treacle::sph::iisph_test {
 namespace {
 
 constexpr double dt = 1e-3; // [s]
@@ -327,4 +327,4 @@ TEST(Dfsph, ReachesTheDensityErrorAndKeepsTheMomentum) {
     for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(after[k], before[k], 1e-12 * scale);
 }
 
-} // namespace treacle::sph
+} // namespace treacle::sph::iisph_test

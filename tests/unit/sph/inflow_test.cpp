@@ -1,7 +1,7 @@
 #include "sample.hpp"
 #include "solver_environment.hpp"
 
-namespace treacle::sph {
+namespace treacle::sph::inflow_test {
 namespace {
 
 [[maybe_unused]] const auto* const environment = testing::AddGlobalTestEnvironment(new SolverEnvironment);
@@ -194,4 +194,4 @@ TEST(Outflow, OutletsTakeOutAndCountWhatIsInThem) {
     for (const std::size_t gone : {0, 4, 5}) EXPECT_EQ(left.count(id_of(gone)), 0u);
 }
 
-} // namespace treacle::sph
+} // namespace treacle::sph::inflow_test

@@ -1,6 +1,6 @@
 #include "parts.hpp"
 
-namespace treacle::sph {
+namespace treacle::sph::joint_test {
 namespace {
 
 constexpr double dt = 1e-3; // [s]
@@ -128,4 +128,4 @@ TEST(JointRows, ADropOnADryFloorHangsOnTheFloorsDryParticles) {
 }
 
 } // namespace
-} // namespace treacle::sph
+} // namespace treacle::sph::joint_test

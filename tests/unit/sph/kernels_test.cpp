@@ -3,7 +3,7 @@
 #include <cmath>
 #include <gtest/gtest.h>
 
-namespace treacle::sph {
+namespace treacle::sph::kernels_test {
 namespace {
 
 constexpr double h = 0.37; // [m]
@@ -99,4 +99,4 @@ TEST(NumberKernel, IsTheRatioOfSupportAndDistanceLessOneAndStaysFiniteAtZero) {
     EXPECT_DOUBLE_EQ(kernel.value(0.0), 19);
 }
 
-} // namespace treacle::sph
+} // namespace treacle::sph::kernels_test

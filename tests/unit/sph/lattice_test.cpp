@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace treacle::sph {
+namespace treacle::sph::lattice_test {
 namespace {
 
 // Sums over the lattice of spacing 1, by a script of its own; half of the last digit is the tolerance.
@@ -89,4 +89,4 @@ TEST(PlanarWall, RestGapIsWiderThanASpacing) {
     }
 }
 
-} // namespace treacle::sph
+} // namespace treacle::sph::lattice_test

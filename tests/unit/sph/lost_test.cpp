@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 #include <limits>
 
-namespace treacle::sph {
+namespace treacle::sph::lost_test {
 namespace {
 
 constexpr double dt = 0.01; // [s]
@@ -156,4 +156,4 @@ TEST(Totals, AreSumsOverTheParticlesOfAllRanks) {
     EXPECT_EQ(measure_totals(comm, none, sample.setup.constants, {0, 0, -9.81}).max_speed, 0);
 }
 
-} // namespace treacle::sph
+} // namespace treacle::sph::lost_test

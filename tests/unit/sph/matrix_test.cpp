@@ -1,6 +1,6 @@
 #include "parts.hpp"
 
-namespace treacle::sph {
+namespace treacle::sph::matrix_test {
 namespace {
 
 constexpr double dt = 1e-3; // [s]
@@ -134,4 +134,4 @@ INSTANTIATE_TEST_SUITE_P(Pressure, MatrixCase, testing::ValuesIn(cases), [](cons
     return name;
 });
 
-} // namespace treacle::sph
+} // namespace treacle::sph::matrix_test

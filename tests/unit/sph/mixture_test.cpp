@@ -2,7 +2,7 @@
 
 #include <stdexcept>
 
-namespace treacle::sph {
+namespace treacle::sph::mixture_test {
 namespace {
 
 constexpr double dt = 1e-3;    // [s]
@@ -217,4 +217,4 @@ TEST(Mixture, KeepsItsMomentumThroughSteps) {
     }
 }
 
-} // namespace treacle::sph
+} // namespace treacle::sph::mixture_test

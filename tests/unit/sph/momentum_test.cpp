@@ -1,6 +1,6 @@
 #include "change.hpp"
 
-namespace treacle::sph {
+namespace treacle::sph::momentum_test {
 namespace {
 
 constexpr double dt = 0.5; // [s]
@@ -110,4 +110,4 @@ TEST(Momentum, XsphMovesNoMomentum) {
     for (int k = 0; k < 3; ++k) EXPECT_NEAR(sum[k], 0, tolerance * sum[3]);
 }
 
-} // namespace treacle::sph
+} // namespace treacle::sph::momentum_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace treacle::sph {
+namespace treacle::sph::multilevel_test {
 namespace {
 
 constexpr double dt = 4e-3; // [s]
@@ -96,4 +96,4 @@ TEST_P(EachHierarchy, takes_few_iterations_with_a_heavy_liquid_on_a_light_one) {
     EXPECT_LE(report.pressure.iterations, GetParam() == PressurePreconditioner::multilevel ? 12 : 25);
 }
 
-} // namespace treacle::sph
+} // namespace treacle::sph::multilevel_test

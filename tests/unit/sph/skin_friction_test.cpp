@@ -1,7 +1,7 @@
 #include "parts.hpp"
 #include "sph/skin_friction.hpp"
 
-namespace treacle::sph {
+namespace treacle::sph::skin_friction_test {
 namespace {
 
 // A particle that slides over a floor of solid particles.
@@ -69,4 +69,4 @@ TEST(SkinFriction, OfASmoothWallIsNone) {
     EXPECT_EQ(test::on_host(parts.liquid.velocity())(0, 0), 1);
 }
 
-} // namespace treacle::sph
+} // namespace treacle::sph::skin_friction_test

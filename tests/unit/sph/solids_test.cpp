@@ -1,6 +1,6 @@
 #include "parts.hpp"
 
-namespace treacle::sph {
+namespace treacle::sph::solids_test {
 namespace {
 
 constexpr double dt = 1e-3; // [s]
@@ -218,4 +218,4 @@ TEST(WallForce, BalancedKeepsTheFirstLayerOfALatticeAtRestAndOneSidedDoesNot) {
     EXPECT_LT(std::abs(push_of_wall(balanced)), 0.05 * std::abs(sinking));
 }
 
-} // namespace treacle::sph
+} // namespace treacle::sph::solids_test

@@ -3,7 +3,7 @@
 #include <cstdio>
 #include <cstdlib>
 
-namespace treacle::sph {
+namespace treacle::sph::square_test {
 namespace {
 
 // The dissertation's figure 3.4: liquid at rest in a square with solids on three sides and p = 0 in the layer of the
@@ -113,4 +113,4 @@ TEST(SquareDomain, TheUnifiedTermIsFarMoreAccurateThanSolidsAsUnknowns) {
     if (file != nullptr && Comm::world().is_root()) write_table(file, exact, amplified, unknowns);
 }
 
-} // namespace treacle::sph
+} // namespace treacle::sph::square_test

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace treacle::sph {
+namespace treacle::sph::step_test {
 namespace {
 
 [[maybe_unused]] const auto* const environment = testing::AddGlobalTestEnvironment(new SolverEnvironment);
@@ -232,4 +232,4 @@ TEST(Step, SolidsOutsideTheGridCountForItsNearestCell) {
     EXPECT_EQ(boxes(20 * spacing), boxes(0.5 * spacing));
 }
 
-} // namespace treacle::sph
+} // namespace treacle::sph::step_test

@@ -1,6 +1,6 @@
 #include "parts.hpp"
 
-namespace treacle::sph {
+namespace treacle::sph::surface_test {
 namespace {
 
 constexpr double dt = 1e-3; // [s]
@@ -132,4 +132,4 @@ TEST(FreeSurface, ClampedSourcesAreNeverNegativeAndChangeNoRole) {
     }
 }
 
-} // namespace treacle::sph
+} // namespace treacle::sph::surface_test

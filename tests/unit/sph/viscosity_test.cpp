@@ -1,7 +1,7 @@
 #include "change.hpp"
 #include "viscous_sample.hpp"
 
-namespace treacle::sph {
+namespace treacle::sph::viscosity_test {
 namespace {
 
 // Angular momentum after a step of dt over that before.
@@ -284,4 +284,4 @@ TEST(ImplicitViscosity, MultilevelSparesIterationsAndKeepsThemFromGrowing) {
     EXPECT_LT(large, 0.8 * alone);
 }
 
-} // namespace treacle::sph
+} // namespace treacle::sph::viscosity_test

@@ -1,6 +1,6 @@
 #include "viscous_sample.hpp"
 
-namespace treacle::sph {
+namespace treacle::sph::viscous_matrix_test {
 namespace {
 
 constexpr ViscosityForm all_forms[] = {ViscosityForm::corrected, ViscosityForm::adjoint,
@@ -171,4 +171,4 @@ TEST(ViscousMatrix, BicgstabSolvesThePrintedFormAndConjugateGradientsSayThatThey
     EXPECT_FALSE(report.reason.empty());
 }
 
-} // namespace treacle::sph
+} // namespace treacle::sph::viscous_matrix_test

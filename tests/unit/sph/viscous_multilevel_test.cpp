@@ -3,7 +3,7 @@
 #include "sph/velocity_element.hpp"
 #include "viscous_sample.hpp"
 
-namespace treacle::sph {
+namespace treacle::sph::viscous_multilevel_test {
 namespace {
 
 // u.K u of an element by quadrature, two points an axis: velocities [corners][D], widths of the cell.
@@ -161,4 +161,4 @@ TEST(ViscousMultilevel, KeepsIterationsFewWhereAThinLiquidMeetsAThickOne) {
     }
 }
 
-} // namespace treacle::sph
+} // namespace treacle::sph::viscous_multilevel_test

@@ -2,7 +2,7 @@
 #include "sph/implicit_viscosity.hpp"
 #include "sph/slip_lattice.hpp"
 
-namespace treacle::sph {
+namespace treacle::sph::viscous_walls_test {
 namespace {
 
 constexpr double viscosity = 50; // [Pa s]
@@ -288,4 +288,4 @@ TEST(ViscousBodies, MoveTheSameOnAnyNumberOfRanks) {
     }
 }
 
-} // namespace treacle::sph
+} // namespace treacle::sph::viscous_walls_test

@@ -1,7 +1,7 @@
 #include "parts.hpp"
 #include "sph/wall_contact.hpp"
 
-namespace treacle::sph {
+namespace treacle::sph::wall_contact_test {
 namespace {
 
 constexpr double dt = 4e-3;           // [s]
@@ -90,4 +90,4 @@ TEST(WallContact, TheSolidGetsTheMomentumAndTheAngularMomentum) {
     }
 }
 
-} // namespace treacle::sph
+} // namespace treacle::sph::wall_contact_test

@@ -1,3 +1,4 @@
+#include "base/file.hpp"
 #include "sample.hpp"
 #include "study/study_runs.hpp"
 #include "study/table.hpp"
@@ -88,6 +89,43 @@ TEST_F(StudyRunsTest, FailuresAreRecordedWithTheirReasonsAndTheOthersAreRight) {
     EXPECT_EQ(table.rows[1][3], "4");
     EXPECT_EQ(table.rows[2][3], "");
     EXPECT_FALSE(std::filesystem::exists(runs.run_folder(1) / "run" / "frames"));
+}
+
+TEST_F(StudyRunsTest, IdleLanesSpeculateAndTheResultsWaitUntilAskedFor) {
+    setenv("PAUSE", "0.2", 1);
+    StudyRuns runs(study_, setup(), log_);
+    const auto offer = [&](const std::vector<Point>& points) { runs.offer(candidates_of(study_, points, facts)); };
+    offer({{"2"}, {"3"}});
+    runs.run(ask(runs, {"1"}));
+    EXPECT_EQ(runs.journal().runs().size(), 1u) << "what is speculated about is not asked for";
+    offer({{"2"}, {"3"}});
+    runs.run(ask(runs, {"9"}));
+    unsetenv("PAUSE");
+    const auto before = starts();
+    EXPECT_GE(before, 3u);
+    const auto numbers = ask(runs, {"2"});
+    EXPECT_EQ(numbers, std::vector<std::int64_t>{3});
+    runs.run(numbers);
+    EXPECT_EQ(starts(), before) << "it had been started";
+    EXPECT_EQ(runs.journal().outcome(3)->figures[0].value, 4);
+    EXPECT_TRUE(std::filesystem::exists(runs.run_folder(3) / "result.json"));
+    runs.run(ask(runs, {"3"}));
+    EXPECT_EQ(runs.journal().outcome(4)->reason, "no good") << "what failed is done again for its reason";
+    runs.offer({});
+    EXPECT_EQ(folder_bytes(out_ / "speculative"), 0);
+}
+
+TEST_F(StudyRunsTest, RunsThatAreAskedForTakeTheLanesOfSpeculation) {
+    study_.runs.time_limit = 20;
+    StudyRuns runs(study_, setup(), log_);
+    runs.offer(candidates_of(study_, {{"5"}}, facts)); // sleeps
+    setenv("PAUSE", "0.2", 1);
+    runs.run(ask(runs, {"1"}));
+    unsetenv("PAUSE");
+    EXPECT_GT(folder_bytes(out_ / "speculative"), 0);
+    runs.run(ask(runs, {"2", "9"}));
+    EXPECT_EQ(folder_bytes(out_ / "speculative"), 0) << "it was ended for them";
+    EXPECT_EQ(runs.journal().outcome(3)->figures[0].value, 81);
 }
 
 TEST_F(StudyRunsTest, NothingIsRunTwiceAndFailuresOnlyWhenAsked) {

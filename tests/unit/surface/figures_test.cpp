@@ -7,7 +7,7 @@
 #include <ctime>
 #include <gtest/gtest.h>
 
-namespace treacle::surface {
+namespace treacle::surface::figures_test {
 namespace {
 
 using namespace test;
@@ -163,4 +163,4 @@ TEST(SurfaceFigures, DISABLED_Cost) {
 }
 
 } // namespace
-} // namespace treacle::surface
+} // namespace treacle::surface::figures_test

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace treacle::surface {
+namespace treacle::surface::mesher_test {
 namespace {
 
 using namespace test;
@@ -253,4 +253,4 @@ TEST(Surface, OfNoParticlesIsEmptyAndOfBadOnesAnError) {
 }
 
 } // namespace
-} // namespace treacle::surface
+} // namespace treacle::surface::mesher_test

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 #include <set>
 
-namespace treacle::surface {
+namespace treacle::surface::parts_test {
 namespace {
 
 using namespace test;
@@ -136,4 +136,4 @@ TEST(MeshCheck, CountsWhatIsWrong) {
 }
 
 } // namespace
-} // namespace treacle::surface
+} // namespace treacle::surface::parts_test

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace treacle::surface {
+namespace treacle::surface::silhouette_test {
 namespace {
 
 using namespace test;
@@ -182,4 +182,4 @@ TEST(Silhouette, OutlineDistanceMovesSmoothly) {
 }
 
 } // namespace
-} // namespace treacle::surface
+} // namespace treacle::surface::silhouette_test

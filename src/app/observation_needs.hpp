@@ -1,0 +1,28 @@
+#pragma once
+#include "study/study_runs.hpp"
+
+namespace treacle::app {
+
+// Needs of an experiment of its run: the times of frames, keys of the scene that it sets, and all on which the comparison
+// depends.
+struct ObservationNeeds {
+    std::vector<double> times; // [s] of frames
+    std::vector<study::Assignment> assignments;
+    std::string content;
+};
+
+// The least time between observations in their order [s]; 0 for one.
+template <class Frames>
+double least_interval(const Frames& frames) {
+    double least = 0;
+    for (std::size_t i = 1; i < frames.size(); ++i) {
+        const double gap = frames[i].time - frames[i - 1].time;
+        least = least > 0 ? std::min(least, gap) : gap;
+    }
+    return least;
+}
+
+// Throws InputError where an experiment is compared beyond the end of its scene [s].
+void check_end(const std::string& where, const std::string& name, double last, double end);
+
+} // namespace treacle::app

@@ -1,0 +1,33 @@
+#pragma once
+#include <array>
+#include <vector>
+
+namespace treacle::identify {
+
+// What an experiment observes.
+enum class ExperimentKind { contours, piv, series };
+
+// Parameters of the view: they need no run, and are nuisances with priors. In this order in every list of derivatives.
+// Contours:
+enum ViewParameter { view_time, view_contour, view_focal, view_turn, view_place = view_turn + 3, view_count = view_place + 3 };
+// A sheet of PIV: time zero, relative scale, shifts and turn in its plane. The first is the time of every kind.
+enum SheetParameter { sheet_time, sheet_scale, sheet_right, sheet_up, sheet_turn, sheet_count };
+// A series of numbers: time zero, offset and relative scale of the instrument.
+enum SeriesParameter { series_time, series_offset, series_scale, series_count };
+
+using ViewDerivatives = std::array<double, view_count>;
+
+// Parts of the variance of an answer that come from the view.
+enum class ViewPart { time, contour, camera, sheet, instrument };
+
+struct ViewParameterFacts {
+    const char* name; // with its unit
+    ViewPart part;
+};
+// view_count at most; derivatives beyond them are 0.
+const std::vector<ViewParameterFacts>& view_parameters(ExperimentKind kind);
+
+// Standard deviation of a residual that is usual, in its unit: half a pixel of a contour; others are in units of their noise.
+double usual_noise(ExperimentKind kind);
+
+} // namespace treacle::identify

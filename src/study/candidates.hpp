@@ -1,0 +1,46 @@
+#pragma once
+#include "study/journal.hpp"
+#include "study/study.hpp"
+
+#include <functional>
+
+namespace treacle::study {
+
+// A key of a scene that is set, and the place that asks for it: "study.yaml:12: viscosity".
+struct Assignment {
+    std::string text; // "liquids.syrup.viscosity=12 Pa.s"
+    std::string origin;
+};
+
+// What a study needs to know of a scene; the program's own reader of scenes tells it. Throws InputError where the scene is
+// not valid with these assignments.
+struct SceneFacts {
+    std::string content; // all that a run's result depends on: every value, and the contents of the files that it names
+    double end = 0;      // [s] of simulated time
+    double work = 0;     // in which its runs' lengths are to each other, roughly: particles times steps; 0: not known
+};
+using SceneReader = std::function<SceneFacts(const std::filesystem::path& scene, const std::vector<Assignment>& assignments)>;
+
+// The keys that a run of the study sets in its scene: those of the scene's entry, measured values, parameters.
+std::vector<Assignment> assignments_of(const Study& study, const StudyScene& scene, const Point& values);
+
+// Hash of all that a run's result depends on: the scene's content, ranks, and the program's version and sources.
+std::string run_key(const SceneFacts& facts, int ranks, const std::string& program);
+JournalOwner owner_of(const Study& study, const std::string& program);
+// Version and sources of this program, in one line.
+std::string program_identity();
+
+// A run that may be asked for.
+struct Candidate {
+    std::string scene; // its name
+    Point values;
+    std::string key;
+    double end = 0;  // [s] of simulated time
+    double work = 0; // as in SceneFacts
+};
+// Throws InputError when the scene refuses the values.
+Candidate candidate_of(const Study& study, const StudyScene& scene, const Point& values, const SceneReader& read_scene);
+// Of every point in every scene, the scenes of a point side by side. Throws InputError with what is wrong in all of them.
+std::vector<Candidate> candidates_of(const Study& study, const std::vector<Point>& points, const SceneReader& read_scene);
+
+} // namespace treacle::study
