@@ -48,7 +48,6 @@ void save_checkpoint(const io::RunFolder& folder, const Input& input, const std:
     writer.attribute("scene", state_hash);
     writer.attribute("step", progress.step);
     writer.attribute("time", progress.time);
-    writer.attribute("frames", progress.frames);
     writer.attribute("checkpoints", progress.checkpoints);
     writer.attribute("reference_speed", progress.reference_speed);
     writer.attribute("initial_mass", progress.initial_mass);
@@ -85,7 +84,6 @@ Checkpoint find_checkpoint(const Comm& comm, const io::RunFolder& folder, const 
     auto& progress = out.progress;
     progress.step = reader.attribute<std::int64_t>("step");
     progress.time = reader.attribute<double>("time");
-    progress.frames = reader.attribute<std::int64_t>("frames");
     progress.checkpoints = reader.attribute<std::int64_t>("checkpoints");
     progress.reference_speed = reader.attribute<double>("reference_speed");
     progress.initial_mass = reader.attribute<double>("initial_mass");

@@ -9,7 +9,6 @@ namespace treacle::app {
 struct Progress {
     std::int64_t step = 0;
     double time = 0;                // [s]
-    std::int64_t frames = 0;        // written so far: the next one is due at frames * interval
     std::int64_t checkpoints = 0;   // due by simulated time so far
     double reference_speed = 0;     // [m/s]
     double initial_mass = 0;        // [kg]

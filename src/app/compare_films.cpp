@@ -39,6 +39,20 @@ double least_interval(const std::vector<identify::ObservedFrame>& frames) {
     return least;
 }
 
+// In order, those of different films that are as good as the same once.
+std::vector<std::string> numbers_apart(std::vector<double> times) {
+    constexpr double same = 1e-6; // [s]
+    std::ranges::sort(times);
+    std::vector<std::string> out;
+    double last = -1;
+    for (const double time : times) {
+        if (time < last + same) continue;
+        out.push_back(format_number(time));
+        last = time;
+    }
+    return out;
+}
+
 // Draws the run for the frames of one film.
 class FilmComparison {
 public:
@@ -176,7 +190,7 @@ FilmNeeds film_needs(const StudyFile& file, const study::StudyScene& scene) {
     const auto experiments = experiments_of(file, scene);
     if (experiments.empty()) return out;
     const auto input = load_scene({file.study.scene_file(scene), scene.set, {}, {}});
-    double interval = 0;
+    std::vector<double> times;
     std::string content;
     for (const auto* experiment : experiments) {
         const auto frames = identify::observed_frames(*experiment, file.beside(experiment->masks));
@@ -191,8 +205,7 @@ FilmNeeds film_needs(const StudyFile& file, const study::StudyScene& scene) {
                               "the camera's pictures have " + std::to_string(camera.lens().width) + " x " + std::to_string(camera.lens().height),
                               "give the camera of these pictures"});
         }
-        const double own = least_interval(frames);
-        if (own > 0) interval = interval > 0 ? std::min(interval, own) : own;
+        for (const auto& frame : frames) times.push_back(frame.time);
         const auto& pose = camera.pose();
         const auto& lens = camera.lens();
         content += "film " + experiment->name;
@@ -205,7 +218,9 @@ FilmNeeds film_needs(const StudyFile& file, const study::StudyScene& scene) {
         for (const auto& frame : frames) content += " " + format_number(frame.time) + read_file(frame.mask);
     }
     out.content = io::text_hash(content);
-    if (interval > 0) out.assignments.push_back({"output.interval=" + format_number(interval), "the interval of the masks"});
+    // Frames at the masks' own times: vertices that are moved there by their velocity alone miss what the flow gains in between.
+    out.assignments.push_back({"output.interval=0", "the times of the masks"});
+    out.assignments.push_back({"output.times=[" + join(numbers_apart(times), ", ") + "]", "the times of the masks"});
     return out;
 }
 

@@ -95,7 +95,7 @@ std::optional<std::filesystem::path> RunView::solids_of(std::size_t i) const {
 void require_frames(const RunView& run) {
     if (!run.frames.empty()) return;
     throw InputError({run.folder.root.string(), "there is no frame", "the run has not written one",
-                      "set output.interval and run again"});
+                      "set output.interval or output.times and run again"});
 }
 
 void make_output_folder(const std::filesystem::path& path) {

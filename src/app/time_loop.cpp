@@ -73,11 +73,10 @@ double TimeLoop::choose_step() const {
                                "look at the last frame for particles that fly off; a smaller time.cfl may help"});
     }
     double target = time.end;
-    const double interval = setup_.input.scene.output.interval;
-    if (interval > 0) target = std::min(target, interval * double(progress_.frames));
+    target = std::min(target, next_frame_);
     const double way = target - progress_.time;
     // Where nothing moves and nothing pulls, dt is infinite.
-    if (way <= time.min_step) return std::min(dt, interval > 0 ? interval : time.end);
+    if (way <= time.min_step) return std::min({dt, time.end, setup_.input.scene.output.next_frame(target) - progress_.time});
     return way / std::max(1.0, std::ceil(way / dt * (1 - same_time)));
 }
 
@@ -125,7 +124,7 @@ bool TimeLoop::keeps_checkpoints() const {
 void TimeLoop::count_due() {
     const auto& output = setup_.input.scene.output;
     const double now = with_tolerance(progress_.time);
-    if (output.interval > 0) progress_.frames = static_cast<std::int64_t>(std::floor(now / output.interval)) + 1;
+    next_frame_ = output.next_frame(now);
     if (output.checkpoint_interval > 0) {
         progress_.checkpoints = static_cast<std::int64_t>(std::floor(now / output.checkpoint_interval));
     }
@@ -136,11 +135,11 @@ void TimeLoop::write_due(Outputs& outputs, const StepFigures& report) {
     const auto& output = setup_.input.scene.output;
     const double now = with_tolerance(progress_.time);
     bool line = finished();
-    if (output.interval > 0 && (now >= output.interval * double(progress_.frames) || finished())) {
+    if (output.has_frames() && (now >= next_frame_ || finished())) {
         if (stale_) solver_->refresh();
         outputs.write_frame(progress_);
         outputs.write_solids(progress_);
-        progress_.frames = static_cast<std::int64_t>(std::floor(now / output.interval)) + 1;
+        next_frame_ = output.next_frame(now);
         line = line || output.log_interval == 0;
     }
     if (output.log_interval > 0 && now >= next_line_) {
@@ -241,15 +240,14 @@ ExitCode TimeLoop::run(Opening opening) {
         log_.line(std::to_string(totals_.particles) + " liquid" +
                   (solver_->solid() ? " and " + std::to_string(solids) + " solid" : std::string()) + " particles on " +
                   std::to_string(setup_.comm.size()) + " ranks");
-        if (setup_.input.scene.output.interval > 0) {
+        if (setup_.input.scene.output.has_frames()) {
             solver_->refresh();
             outputs.write_solids(progress_);
             outputs.write_frame(progress_);
-            progress_.frames = 1;
         }
         outputs.write_measurements(progress_);
     }
-    if (opening == Opening::resumed) count_due();
+    count_due();
     auto reason = StopControl::Reason::none;
     while (!finished() && reason == StopControl::Reason::none) {
         take_step(outputs);

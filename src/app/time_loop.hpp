@@ -43,6 +43,7 @@ private:
     StopControl stop_;
     Log log_;
     LiquidTotals totals_;
+    double next_frame_ = 0;       // [s] simulated
     double next_line_ = 0;        // [s] simulated
     double start_time_ = 0;       // [s] simulated, of this sitting
     double next_wall_save_ = 0;   // [s] of the clock

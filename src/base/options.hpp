@@ -72,6 +72,8 @@ public:
     // With `allowed`, each must be one of these.
     virtual void texts(const std::string& key, std::vector<std::string>& value, const std::string& doc,
                        const std::vector<std::string>& allowed = {}) = 0;
+    // A list of any length, each within `range`.
+    virtual void numbers(const std::string& key, std::vector<double>& value, const Unit& unit, const Range& range, const std::string& doc) = 0;
     virtual void vec3(const std::string& key, Vec3& value, const Unit& unit, const std::string& doc,
                       VectorKind kind = VectorKind::in_plane) = 0;
     // An axis or normal: not zero, no unit, of any length. `in_plane`: in plane scenes without a third number.

@@ -27,6 +27,8 @@ std::string type_of(const OptionEntry& entry) {
         return "text";
     case Kind::texts:
         return entry.words.empty() ? "list of words" : "list of " + join(entry.words, ", ");
+    case Kind::numbers:
+        return "list of numbers" + unit;
     case Kind::vec3:
         return (entry.vector == VectorKind::turning ? "3 numbers, or in a plane scene one about z," : "3 numbers") + unit;
     case Kind::choice:
@@ -62,7 +64,7 @@ std::string write_detail(const OptionEntry& entry, const std::string& path) {
     named.key = path;
     std::string out;
     write_summary(named, 0, out);
-    const bool quantity = entry.kind == Kind::number || entry.kind == Kind::vec3;
+    const bool quantity = entry.kind == Kind::number || entry.kind == Kind::numbers || entry.kind == Kind::vec3;
     if (quantity && !entry.unit.si.empty()) {
         out += "    Plain numbers are in " + std::string(entry.unit.si) +
                "; with a unit: " + std::string(entry.unit.accepted) + ".\n";

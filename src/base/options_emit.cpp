@@ -57,6 +57,11 @@ public:
         for (const auto& word : value) words.push_back(in_quotes(word));
         line(key, "[" + join(words, ", ") + "]");
     }
+    void numbers(const std::string& key, std::vector<double>& value, const Unit& unit, const Range&, const std::string&) override {
+        std::vector<std::string> parts;
+        for (const double x : value) parts.push_back(with_unit(format_number(x), unit));
+        line(key, "[" + join(parts, ", ") + "]");
+    }
     void vec3(const std::string& key, Vec3& value, const Unit& unit, const std::string&,
               VectorKind kind) override {
         std::vector<std::string> parts;

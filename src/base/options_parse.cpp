@@ -82,6 +82,18 @@ public:
         value = std::move(read);
     }
 
+    void numbers(const std::string& key, std::vector<double>& value, const Unit& unit, const Range& range, const std::string& doc) override {
+        const Node* node = find(key, doc);
+        if (!node || !expect(*node, key, Node::Kind::list, "must be a list of numbers")) return;
+        std::vector<double> read(node->items.size());
+        for (std::size_t i = 0; i < read.size(); ++i) {
+            const auto path = key + "." + std::to_string(i);
+            if (!expect(node->items[i], path, Node::Kind::scalar, "must be a number")) return;
+            if (!read_number(node->items[i], path, read[i], unit, range)) return;
+        }
+        value = std::move(read);
+    }
+
     void vec3(const std::string& key, Vec3& value, const Unit& unit, const std::string& doc,
               VectorKind kind) override {
         const Node* node = find(key, doc);

@@ -74,6 +74,8 @@ Json type_of(const OptionEntry& entry) {
         return {{"type", Json::array({"string", "number", "boolean"})}};
     case Kind::texts:
         return texts_of(entry);
+    case Kind::numbers:
+        return {{"type", "array"}, {"items", quantity(entry.range)}};
     case Kind::vec3: {
         const Json list = {{"type", "array"}, {"items", quantity(range_any())}, {"minItems", 2}, {"maxItems", 3}};
         if (entry.vector != VectorKind::turning) return list;

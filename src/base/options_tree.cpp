@@ -48,6 +48,15 @@ public:
         entry.words = allowed;
     }
 
+    void numbers(const std::string& key, std::vector<double>& value, const Unit& unit, const Range& range, const std::string& doc) override {
+        auto& entry = add(key, Kind::numbers, doc);
+        std::vector<std::string> parts;
+        for (const double x : value) parts.push_back(with_unit(format_number(x), unit));
+        entry.standard = "[" + join(parts, ", ") + "]";
+        entry.unit = unit;
+        entry.range = range;
+    }
+
     void vec3(const std::string& key, Vec3& value, const Unit& unit, const std::string& doc,
               VectorKind kind) override {
         auto& entry = add(key, Kind::vec3, doc);

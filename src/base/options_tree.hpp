@@ -8,7 +8,7 @@ namespace treacle {
 
 // The declaration as data, from which the manual and the JSON Schema are written. Private to base.
 struct OptionEntry {
-    enum class Kind { number, integer, boolean, text, texts, vec3, choice, block, list };
+    enum class Kind { number, integer, boolean, text, texts, numbers, vec3, choice, block, list };
     enum class Presence { optional, required, one_of };
 
     std::string key;

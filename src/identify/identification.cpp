@@ -231,13 +231,20 @@ Wanted rung_runs(const StudyFile& file, const search::Point& point) {
     return out;
 }
 
-// A run for each measured value that is not exact, raised by its standard deviation.
+// How far a measured value is changed to see what it does: far enough that the change stands out of the numerical noise.
+double measured_step(double value, double deviation) {
+    constexpr double clear = 0.05; // relative
+    return std::max(deviation, clear * std::abs(value));
+}
+
+// A run for each measured value that is not exact, with the value raised.
 Wanted measured_runs(const StudyFile& file, const search::Point& point) {
     Wanted out;
     for (std::size_t m = 0; m < file.measured; ++m) {
         const auto index = file.searched + m;
         const auto& parameter = file.study.parameters[index];
-        if (file.deviations[m] != 0) out.push_back({point, {parameter.name, index, *parameter.number(parameter.values.front()) + file.deviations[m]}});
+        const double value = *parameter.number(parameter.values.front());
+        if (file.deviations[m] != 0) out.push_back({point, {parameter.name, index, value + measured_step(value, file.deviations[m])}});
     }
     return out;
 }
@@ -279,9 +286,11 @@ void climb_rungs(const StudyFile& file, const Priors& priors, Trials& trials, Id
     }
     if (rungs.front().size() < 2) return;
     for (std::size_t k = 0; k < file.searched; ++k) {
-        const auto one = search::extrapolate(rungs[k], std::sqrt(out.estimate->parts[k].noise));
+        auto& parts = out.estimate->parts[k];
+        const auto one = search::extrapolate(rungs[k], {std::sqrt(parts.noise), std::max(1, file.search.noise_runs)});
         out.corrections.push_back(one);
-        out.estimate->parts[k].resolution = one.deviation * one.deviation;
+        parts.noise = one.noise * one.noise;
+        parts.resolution = one.deviation * one.deviation - parts.noise;
     }
 }
 
@@ -304,13 +313,17 @@ void measure_noise(const StudyFile& file, const Priors& priors, Trials& trials, 
 void vary_measured(const StudyFile& file, const Priors& priors, Trials& trials, Identification& out) {
     const auto point = out.estimate->point;
     for (const auto& wanted : measured_runs(file, point_of(point))) {
-        const auto& parameter = file.study.parameters[wanted.second.parameter];
+        const auto index = wanted.second.parameter;
+        const auto& parameter = file.study.parameters[index];
+        const double deviation = file.deviations[index - file.searched];
+        const double step = wanted.second.value - *parameter.number(parameter.values.front());
         const auto run = trials.run({wanted}).front();
-        if (!run) throw InputError({parameter.where, "the run with " + parameter.name + " raised by its plus_minus failed", "its share of the interval is not known",
+        if (!run) throw InputError({parameter.where, "the run with " + parameter.name + " raised by " + format_number(step) + " failed", "its share of the interval is not known",
                                     "see the table for the reason"});
         const auto shifted = estimate(trials.good(), priors, &*run).point;
         for (std::size_t k = 0; k < file.searched; ++k) {
-            out.estimate->parts[k].measured.emplace_back(parameter.name, std::pow(shifted[Eigen::Index(k)] - point[Eigen::Index(k)], 2));
+            const double shift = (shifted[Eigen::Index(k)] - point[Eigen::Index(k)]) * deviation / step;
+            out.estimate->parts[k].measured.emplace_back(parameter.name, shift * shift);
         }
     }
 }

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
+#include <limits>
 
 namespace treacle::scene {
 
@@ -101,6 +103,7 @@ void Output::declare(Declaration& d) {
     d.check(name != "solid", "name",
             {"must not be solid", "the frames of the solids are called so", "take another name"});
     d.number("interval", interval, unit::time, interval_range, "Simulated time between frames; 0 for none.");
+    d.numbers("times", times, unit::time, range_at_least(0), "Times of frames besides those of the interval: [0.12 s, 0.153 s].");
     d.texts("fields", fields, "Values per particle in the frames, besides its id.", frame_fields());
     d.boolean("double_precision", double_precision, "Frames in 64 bits a number instead of 32.");
     d.number("checkpoint_interval", checkpoint_interval, unit::time, interval_range,
@@ -110,6 +113,14 @@ void Output::declare(Declaration& d) {
     d.integer("checkpoints_kept", checkpoints_kept, range_at_least(1), "How many of the newest are kept.");
     d.number("log_interval", log_interval, unit::time, interval_range,
              "Simulated time between lines on the terminal; 0 for one per frame.");
+}
+
+double Output::next_frame(double time) const {
+    double next = interval > 0 ? interval * (std::floor(time / interval) + 1) : std::numeric_limits<double>::infinity();
+    for (const double one : times) {
+        if (one > time) next = std::min(next, one);
+    }
+    return next;
 }
 
 void Measurement::declare(Declaration& d) {

@@ -231,6 +231,7 @@ const std::vector<std::string>& frame_fields();
 struct Output {
     std::string name = "frame";
     double interval = 0; // [s] between frames; 0: none
+    std::vector<double> times; // [s] of frames besides those of the interval
     std::vector<std::string> fields{"velocity", "pressure", "density"};
     bool double_precision = false;
     double checkpoint_interval = 0;      // [s] simulated; 0: none
@@ -239,6 +240,10 @@ struct Output {
     double log_interval = 0; // [s] simulated between lines of the terminal; 0: every frame
 
     void declare(Declaration& d);
+
+    bool has_frames() const { return interval > 0 || !times.empty(); }
+    // The first time after `time` at which a frame is due [s]; infinite where none is.
+    double next_frame(double time) const;
 };
 
 // A calibrated lens and its pose, as they stand in effective.yaml.

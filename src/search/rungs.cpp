@@ -1,25 +1,27 @@
 #include "search/rungs.hpp"
 
 #include "base/error.hpp"
-#include "search/matrix.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <optional>
+#include <cstdio>
 #include <vector>
 
 namespace treacle::search {
 
 namespace {
-constexpr double least_order = 0.5, most_order = 2.1; // Eca & Hoekstra 2014: what second order in theory may show
-constexpr double safety = 1.25;                       // Roache 1994
+constexpr std::array orders{0.5, 0.75, 1.0, 1.25, 1.5, 1.75, 2.0};
+constexpr std::array sizes{0.003, 0.01, 0.03, 0.1, 0.3, 1.0}; // of the coarsest rung's error
+constexpr std::array noise_factors{0.5, 0.71, 1.0, 1.41, 2.0, 2.83, 4.0};
+constexpr double impurity = 0.15;    // of a power of the spacing, relative
+constexpr double least_noise = 1e-5; // of values that are given without
 
 std::vector<Rung> ordered(std::span<const Rung> given) {
     std::vector<Rung> rungs(given.begin(), given.end());
-    std::sort(rungs.begin(), rungs.end(), [](const Rung& a, const Rung& b) { return a.spacing < b.spacing; });
+    std::ranges::sort(rungs, {}, &Rung::spacing);
     if (rungs.size() < 2)
-        throw InputError({"", "a correction for resolution needs two rungs", "one has nothing to be compared with",
-                          "three show an order"});
+        throw InputError({"", "a correction for resolution needs two rungs", "one has nothing to be compared with", "three show an order"});
     for (std::size_t k = 0; k < rungs.size(); ++k) {
         if (!(rungs[k].spacing > 0)) throw InputError({"", "a rung has a spacing that is not positive", "", ""});
         if (k > 0 && rungs[k].spacing == rungs[k - 1].spacing)
@@ -28,116 +30,82 @@ std::vector<Rung> ordered(std::span<const Rung> given) {
     return rungs;
 }
 
-struct Fit {
-    double value = 0, slope = 0; // of value + slope (h / finest)^p
-    double squares = 0;          // of the rests
-    double order = 0;
+struct Model {
+    double order = 0, size = 0, noise = 0;
+    double evidence = 0; // logarithm
+    double value = 0, variance = 0; // of the value, less the finest rung's
 };
 
-// Two unknowns at a given order (R1).
-Fit fit_at(std::span<const Rung> rungs, double order) {
-    const std::size_t n = rungs.size();
-    double mean_x = 0, mean_y = 0, xx = 0, xy = 0;
-    std::vector<double> x;
-    for (const Rung& rung : rungs) x.push_back(std::pow(rung.spacing / rungs[0].spacing, order));
-    for (std::size_t k = 0; k < n; ++k) {
-        mean_x += x[k] / double(n);
-        mean_y += rungs[k].value / double(n);
+// The value as the constant of a linear regression with an even prior on it and a normal one on the slope, whose covariance
+// S = diag(s^2) + size^2 x x^T is inverted after Sherman and Morrison.
+void judge(std::span<const Rung> rungs, Model& model) {
+    const double coarsest = rungs.back().spacing;
+    double ones = 0, one_x = 0, xx = 0, one_y = 0, xy = 0, yy = 0, determinant = 0;
+    for (const Rung& rung : rungs) {
+        const double h = rung.spacing / coarsest, x = std::pow(h, model.order), y = rung.value - rungs.front().value;
+        const double own = std::pow(model.noise * h, 2) + std::pow(impurity * model.size * x, 2);
+        ones += 1 / own;
+        one_x += x / own;
+        xx += x * x / own;
+        one_y += y / own;
+        xy += x * y / own;
+        yy += y * y / own;
+        determinant += std::log(own);
     }
-    for (std::size_t k = 0; k < n; ++k) {
-        xx += (x[k] - mean_x) * (x[k] - mean_x);
-        xy += (x[k] - mean_x) * (rungs[k].value - mean_y);
-    }
-    Fit out;
-    out.order = order;
-    out.slope = xy / xx;
-    out.value = mean_y - out.slope * mean_x;
-    for (std::size_t k = 0; k < n; ++k) out.squares += std::pow(rungs[k].value - out.value - out.slope * x[k], 2);
-    return out;
+    const double square = model.size * model.size, k = square / (1 + square * xx);
+    const double information = ones - k * one_x * one_x;
+    model.value = (one_y - k * one_x * xy) / information;
+    model.variance = 1 / information;
+    model.evidence += -0.5 * (determinant + std::log(1 + square * xx) + std::log(information) + yy - k * xy * xy - model.value * model.value * information);
 }
 
-// The order of the least rests, from a grid and then golden sections; none at the ends of the range.
-std::optional<Fit> fit(std::span<const Rung> rungs) {
-    constexpr double spacing = 0.05, low = 0.1, high = 6;
-    Fit best = fit_at(rungs, low);
-    for (double order = low; order <= high; order += spacing)
-        if (const Fit other = fit_at(rungs, order); other.squares < best.squares) best = other;
-    double a = best.order - spacing, b = best.order + spacing;
-    constexpr double section = 0.6180339887498949;
-    for (int k = 0; k < 60; ++k) {
-        const double c = b - section * (b - a), d = a + section * (b - a);
-        (fit_at(rungs, c).squares < fit_at(rungs, d).squares ? b : a) = fit_at(rungs, c).squares < fit_at(rungs, d).squares ? d : c;
+// Logarithm of the probability that the noise is `factor` times what was measured with n degrees of freedom: chi-square, and even in
+// the logarithm of the noise before.
+double noise_evidence(double factor, int n) { return -n * std::log(factor) - 0.5 * n / (factor * factor); }
+
+std::vector<Model> models_of(std::span<const Rung> rungs, const RungNoise& noise) {
+    std::vector<Model> out;
+    for (const double order : orders) {
+        for (const double size : sizes) {
+            for (const double factor : noise_factors) {
+                Model model{order, size, std::max(least_noise, factor * noise.deviation), noise_evidence(factor, std::max(1, noise.freedom)), 0, 0};
+                judge(rungs, model);
+                out.push_back(model);
+            }
+        }
     }
-    best = fit_at(rungs, 0.5 * (a + b));
-    if (best.order < least_order || best.order > most_order) return std::nullopt;
-    return best;
-}
-
-double largest_difference(std::span<const Rung> rungs) {
-    const auto [least, most] = std::minmax_element(rungs.begin(), rungs.end(),
-                                                   [](const Rung& a, const Rung& b) { return a.value < b.value; });
-    return most->value - least->value;
-}
-
-// Standard deviation of the value that the noise of each rung makes, by way of the order too.
-double noise_of_value(std::vector<Rung> rungs, const Fit& found, double noise) {
+    const double most = std::ranges::max(out, {}, &Model::evidence).evidence;
     double sum = 0;
-    for (Rung& rung : rungs) {
-        const double before = rung.value;
-        rung.value += noise;
-        sum += std::pow(fit(rungs).value_or(fit_at(rungs, found.order)).value - found.value, 2);
-        rung.value = before;
-    }
-    return std::sqrt(sum);
-}
-
-// The value at spacing zero of value + a h + b h^2 (R3).
-double value_of_two_orders(std::span<const Rung> rungs) {
-    Matrix a(rungs.size(), 3);
-    std::vector<double> values;
-    for (std::size_t k = 0; k < rungs.size(); ++k) {
-        const double h = rungs[k].spacing / rungs[0].spacing;
-        a(k, 0) = 1;
-        a(k, 1) = h;
-        a(k, 2) = h * h;
-        values.push_back(rungs[k].value);
-    }
-    return least_squares(std::move(a), std::move(values))[0];
-}
-
-// Deviation of the fit by its degrees of freedom; three rungs have none left.
-double deviation_of(const Fit& fit, std::size_t rungs) {
-    return rungs > 3 ? std::sqrt(fit.squares / double(rungs - 3)) : std::sqrt(fit.squares);
-}
-
-Extrapolation from_difference(std::span<const Rung> rungs, double noise, const std::string& why) {
-    Extrapolation out;
-    out.value = rungs[0].value;
-    out.deviation = std::max(largest_difference(rungs), noise);
-    out.text = why + ": no correction, and the largest difference between rungs as its deviation";
+    for (auto& model : out) sum += model.evidence = std::exp(model.evidence - most);
+    for (auto& model : out) model.evidence /= sum;
     return out;
+}
+
+std::string text_of(const Extrapolation& out, double deviation, std::size_t rungs) {
+    char text[200];
+    std::snprintf(text, sizeof text, "an order of %.1f +- %.1f in spacing over %zu rungs, a correction of %+.2g with a standard deviation of %.2g", out.order,
+                  deviation, rungs, out.correction, out.deviation);
+    return text;
 }
 } // namespace
 
-Extrapolation extrapolate(std::span<const Rung> given, double noise) {
+Extrapolation extrapolate(std::span<const Rung> given, const RungNoise& noise) {
     const auto rungs = ordered(given);
-    if (rungs.size() < 3) return from_difference(rungs, noise, "two rungs show no order");
-    if (largest_difference(rungs) <= 2 * noise)
-        return from_difference(rungs, noise, "the rungs differ by no more than their noise");
-    const auto found = fit(rungs);
-    if (!found) {
-        auto out = from_difference(rungs, noise, "no order between 0.5 and 2.1 is observed");
-        out.deviation = std::max(out.deviation, std::abs(value_of_two_orders(rungs) - out.value));
-        return out;
-    }
+    const auto models = models_of(rungs, noise);
+    const double finest = rungs.front().spacing / rungs.back().spacing;
     Extrapolation out;
-    out.value = found->value;
-    out.order = found->order;
-    out.correction = out.value - rungs[0].value;
-    const double miss = std::abs(found->value + found->slope - rungs[0].value);
-    const double bound = safety * std::abs(out.correction) + deviation_of(*found, rungs.size()) + miss; // (R2)
-    out.deviation = std::max(std::hypot(0.5 * bound, noise_of_value(rungs, *found, noise)), noise);
-    out.text = "the order observed over " + std::to_string(rungs.size()) + " rungs";
+    double square = 0, orders_square = 0, noises = 0;
+    for (const auto& model : models) {
+        out.correction += model.evidence * model.value;
+        out.order += model.evidence * model.order;
+        square += model.evidence * (model.variance + model.value * model.value);
+        orders_square += model.evidence * model.order * model.order;
+        noises += model.evidence * model.noise * model.noise;
+    }
+    out.value = rungs.front().value + out.correction;
+    out.deviation = std::sqrt(std::max(0.0, square - out.correction * out.correction));
+    out.noise = noise.deviation > 0 ? std::min(out.deviation, std::sqrt(noises) * finest) : 0;
+    out.text = text_of(out, std::sqrt(std::max(0.0, orders_square - out.order * out.order)), rungs.size());
     return out;
 }
 

@@ -15,17 +15,21 @@ struct Extrapolation {
     double value = 0;
     double correction = 0; // value - the finest rung's
     double deviation = 0;  // standard deviation of the value
-    double order = 0;      // in spacing; 0 where none was observed
-    std::string text;      // how it was found, a sentence for the report
+    double noise = 0;      // standard deviation of the finest rung's value, part of the deviation
+    double order = 0;      // in spacing, mean of what the rungs allow
+    std::string text;      // how sure the order is, a sentence for the report
 };
 
-// (R1) value(h) = value + a h^p by least squares over three rungs or more, p between 0.5 and 2.1. The deviation is half the
-// bound of Eca & Hoekstra 2014, (R2) 1.25 |correction| + deviation of the fit + its miss of the finest rung, with what the noise of
-// the rungs does to the value. Where no such order is observed, or the rungs differ by no more than their noise, the
-// value is the finest rung's and the deviation the largest difference of all, or, if that is larger, from what (R3) first and
-// second order together come to. It is never below the noise.
-// noise: standard deviation of a rung's value, as of other seeds and shifts by half a cell; 0: unknown.
-// Throws InputError for fewer than two rungs, two of one spacing, or a spacing that is not positive.
-Extrapolation extrapolate(std::span<const Rung> rungs, double noise);
+// What is known of the values of rungs.
+struct RungNoise {
+    double deviation = 0; // standard deviation of the coarsest rung's value, as of other seeds and shifts by parts of a cell; 0: none
+    int freedom = 4;      // degrees of freedom that it was measured with
+};
+
+// (R1) value(h) = value + a (h / coarsest)^p (1 + 0.15 e) + n h / coarsest, with e of unit variance and the noise n. The value and its
+// variance are means over p of 0.5 to 2, over sizes of a from 0.3 % to 100 % and over what the noise may be by its degrees of freedom,
+// each with the probability that the rungs give it (Bayesian average of models; the value itself has an even prior). Values are
+// logarithms, so that a is relative. Throws InputError for fewer than two rungs, two of one spacing, or a spacing that is not positive.
+Extrapolation extrapolate(std::span<const Rung> rungs, const RungNoise& noise);
 
 } // namespace treacle::search

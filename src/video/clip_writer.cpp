@@ -89,6 +89,8 @@ struct ClipWriter::State {
         require(avio_open(&output->pb, temporary.c_str(), AVIO_FLAG_WRITE), "cannot be written");
         AVDictionary* settings = nullptr;
         av_dict_set_int(&settings, "video_track_timescale", ticks_a_second, 0);
+        // The time of the first frame stands in ticks of the movie, of which there are 1000 a second by default.
+        av_dict_set_int(&settings, "movie_timescale", ticks_a_second, 0);
         if (options.index_first) av_dict_set(&settings, "movflags", "faststart", 0);
         const int code = avformat_write_header(output.get(), &settings);
         av_dict_free(&settings);

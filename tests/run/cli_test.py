@@ -427,6 +427,15 @@ class WithRun(Workplace):
         self.assertIn("output.interval", self.refusal("render", "none"))
         self.assertIn("frames: none", self.treacle("info", "none").stdout)
 
+    def test_frames_come_at_the_times_that_are_listed(self):
+        self.treacle("run", COLUMN, "--out", "listed", "--set", "output.interval=0", "--set", "output.times=[7 ms, 2.5 ms]", "--set", "time.end=10 ms")
+        with open(self.path("listed", "frames", "frame.hdf.series")) as series:
+            times = [entry["time"] for entry in json.load(series)["files"]]
+        self.assertEqual(len(times), 4)
+        for time, expected in zip(times, (0, 2.5e-3, 7e-3, 10e-3)):
+            self.assertAlmostEqual(time, expected, delta=1e-12)
+        self.assertIn("output.times", self.refusal("check", COLUMN, "--set", "output.times=[-1 ms]"))
+
     def test_an_unused_petsc_option_is_told(self):
         done = self.treacle("run", COLUMN, "--out", "options", "--petsc", "-presure_ksp_rtol 1e-9")
         self.assertIn("-presure_ksp_rtol", done.stderr)

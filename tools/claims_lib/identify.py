@@ -42,7 +42,7 @@ def recovered(context, viscosity, seed):
         (folder / "scene.yaml").write_text(SCENE)
         (folder / "study.yaml").write_text(STUDY)
         execute(context, [treacle, "run", folder / "scene.yaml", "--out", folder / "truth", "--set", "domain.spacing=2.5 mm", "--set", "time.cfl=2",
-                          "--set", f"liquids.syrup.viscosity={viscosity} Pa.s"])
+                          "--set", "output.interval=4 ms", "--set", f"liquids.syrup.viscosity={viscosity} Pa.s"])
         execute(context, [treacle, "film", folder / "truth", "--out", folder / "film", "--lead", 0.5, "--still", 0.2, "--phase", 0.5, "--blur", 0.8,
                           "--noise", 1.5, "--seed", seed])
         execute(context, [treacle, "silhouettes", folder / "film/film.mp4", "--out", folder / "masks", "--no-overlay"])
@@ -138,7 +138,7 @@ def honest(context):
         with scratch(context, "honest") as folder:
             (folder / "scene.yaml").write_text(SCENE + cameras_drawn(films, draw))
             execute(context, [built(context, "treacle"), "run", folder / "scene.yaml", "--out", folder / "truth", "--set", "domain.spacing=1.75 mm",
-                              "--set", "time.cfl=2", "--set", f"liquids.syrup.viscosity={viscosity:.6g} Pa.s"])
+                              "--set", "time.cfl=2", "--set", "output.interval=4 ms", "--set", f"liquids.syrup.viscosity={viscosity:.6g} Pa.s"])
             for k in range(films):
                 (folder / f"film{k}").mkdir()
                 z, held, half = trial(context, folder, viscosity, k, draw)
