@@ -54,6 +54,9 @@ void SearchSettings::declare(Declaration& d) {
     d.texts("rungs", rungs, "Spacings of the scenes, the coarsest first: [8 mm, 5.6 mm, 4 mm]. The search runs with the first, one run each with the "
                             "others corrects its answer, and their differences say how far it is from that of spacing 0. Without them the "
                             "interval lacks the error of the resolution.");
+    d.choice<Answer>("answer", answer, {{"extrapolated", Answer::extrapolated}, {"finest", Answer::finest}},
+                     "extrapolated: at spacing zero, for films of real liquids; finest: at the finest rung, for a film that is itself a run of that spacing, "
+                     "whose interval then lacks the error of the resolution.");
     d.integer("noise_runs", noise_runs, range_between(0, 8), "Runs with the first spacing changed by 1.5 to 6 %, of which the scatter of the answer is the numerical noise.");
 }
 

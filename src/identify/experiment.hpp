@@ -48,12 +48,16 @@ struct Experiment {
 
 enum class Method { bracketing, cma_es, dissertation };
 
+// Where the answer is read off the rungs.
+enum class Answer { extrapolated, finest };
+
 struct SearchSettings {
     Method method = Method::bracketing;
     int evaluations = 20;    // at most
     double tolerance = 0.01; // of the parameters, relative
     int seed = 1;
     std::vector<std::string> rungs; // spacings of the scenes, the coarsest first: the search's, then those that correct it
+    Answer answer = Answer::extrapolated;
     int noise_runs = 4;             // of the search's spacing, changed a little, that measure the numerical noise
 
     void declare(Declaration& d);

@@ -239,7 +239,7 @@ double measured_step(double value, double deviation) {
     return std::max(deviation, clear * std::abs(value));
 }
 
-// A run for each measured value that is not exact, raised by a step.
+// A run for each measured value that is not exact, with the value raised.
 Wanted measured_runs(const StudyFile& file, const search::Point& point) {
     Wanted out;
     for (std::size_t m = 0; m < file.measured; ++m) {
@@ -305,6 +305,14 @@ void take_fit(const Estimate& finest, Estimate& out) {
     out.alike = alike;
 }
 
+search::Extrapolation at_finest(double value, search::Extrapolation found) {
+    found.value = value;
+    found.correction = 0;
+    found.deviation = found.noise;
+    found.text = "the answer is that of the finest rung, as the study asks";
+    return found;
+}
+
 // The answer at each finer rung.
 void climb_rungs(const StudyFile& file, const Priors& priors, Trials& trials, Identification& out) {
     const auto& parameter = file.study.parameters[file.searched + file.measured];
@@ -327,7 +335,8 @@ void climb_rungs(const StudyFile& file, const Priors& priors, Trials& trials, Id
     take_fit(estimate(trials.good(), priors, finer), *out.estimate);
     for (std::size_t k = 0; k < file.searched; ++k) {
         auto& parts = out.estimate->parts[k];
-        const auto one = search::extrapolate(rungs[k], {std::sqrt(parts.noise), std::max(1, file.search.noise_runs)});
+        auto one = search::extrapolate(rungs[k], {std::sqrt(parts.noise), std::max(1, file.search.noise_runs)});
+        if (file.search.answer == Answer::finest) one = at_finest(rungs[k].back().value, one);
         out.corrections.push_back(one);
         parts.noise = one.noise * one.noise;
         parts.resolution = one.deviation * one.deviation - parts.noise;
@@ -353,9 +362,10 @@ void measure_noise(const StudyFile& file, const Priors& priors, Trials& trials, 
 void vary_measured(const StudyFile& file, const Priors& priors, Trials& trials, Identification& out) {
     const auto point = out.estimate->point;
     for (const auto& wanted : measured_runs(file, point_of(point))) {
-        const auto& parameter = file.study.parameters[wanted.second.parameter];
+        const auto index = wanted.second.parameter;
+        const auto& parameter = file.study.parameters[index];
+        const double deviation = file.deviations[index - file.searched];
         const double step = wanted.second.value - *parameter.number(parameter.values.front());
-        const double deviation = file.deviations[wanted.second.parameter - file.searched];
         const auto run = trials.run({wanted}).front();
         if (!run) throw InputError({parameter.where, "the run with " + parameter.name + " raised by " + format_number(step) + " failed", "its share of the interval is not known",
                                     "see the table for the reason"});

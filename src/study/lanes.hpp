@@ -93,7 +93,7 @@ private:
     Clock::time_point last_look_;
 };
 
-// "2026-11-25T21:04:05Z"
+// "2026-11-25T21:04:05.123Z"
 std::string utc_now();
 
 } // namespace treacle::study

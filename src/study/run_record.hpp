@@ -34,7 +34,7 @@ struct RunOutcome {
     double peak_bytes = 0;   // of memory, all ranks together; 0: not known
     double bytes = 0;        // on disk
     int lane = 0;
-    std::string started;     // "2026-11-25T21:04:05Z"
+    std::string started;     // "2026-11-25T21:04:05.123Z"
     std::string host;
     std::string folder;      // of another study, when the run is one of its; else empty
 };

@@ -55,9 +55,9 @@ void write_status(const std::filesystem::path& path, const StudyStatus& status) 
                                {"done", std::int64_t(status.done)},
                                {"failed", std::int64_t(status.failed)},
                                {"running", running},
-                               {"speculative", std::int64_t(status.speculative)},
-                               {"lanes", status.lanes},
-                               {"wall time of this sitting [s]", status.seconds}});
+                               {"speculative", std::int64_t(status.speculative)}});
+    if (status.lanes > 0) out.set("lanes", status.lanes);
+    if (status.seconds > 0) out.set("wall time of this sitting [s]", status.seconds);
     if (status.left >= 0) out.set("time left [s]", status.left);
     io::write_json(path, out);
 }

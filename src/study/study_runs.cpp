@@ -19,6 +19,7 @@ namespace treacle::study {
 namespace {
 constexpr const char* session_folder = "session";
 constexpr double stop_grace = 20; // [s] for runs that are asked to end
+constexpr std::uintmax_t least_space = 16'000'000; // [bytes] of the disk: what the start of a run's ranks takes
 
 // The last line of a run's log that says something: the error that ended it.
 std::string last_words(const std::filesystem::path& log) {
@@ -134,8 +135,20 @@ void StudyRuns::write_request(std::int64_t number) const {
     study::write_request(run_folder(number), request_of(study_, request(number)), Durability::cached);
 }
 
+// A run that fails on a full disk has no outcome: it would be as good as any once there is space.
+void StudyRuns::check_space(const RunOutcome& outcome) const {
+    std::error_code unknown;
+    const auto space = std::filesystem::space(setup_.folder, unknown);
+    if (outcome.status == RunStatus::done || unknown || space.available >= least_space) return;
+    throw SimulationError({setup_.folder.string(), "the disk is full: " + format_bytes(space.available) + " are free",
+                           "run " + std::to_string(outcome.number) + " " + word(outcome.status) + " there (" + outcome.reason + ")",
+                           "free some space, then start again: the same command goes on, and what is done stays"});
+}
+
 void StudyRuns::finish(const LaneResult& result) {
-    journal_.finish(settle(result));
+    const auto outcome = settle(result);
+    check_space(outcome);
+    journal_.finish(outcome);
     read_again(result.number);
     changed_ = true;
 }

@@ -73,6 +73,7 @@ private:
     void tidy(const std::filesystem::path& folder) const;
     void read_again(std::int64_t number); // where the study reads other figures than before
     void check_disk() const;
+    void check_space(const RunOutcome& outcome) const;
 
     const Study& study_;
     StudySetup setup_;

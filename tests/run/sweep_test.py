@@ -9,6 +9,7 @@ import os
 import random
 import shutil
 import signal
+import subprocess
 import sys
 import time
 
@@ -124,6 +125,21 @@ class Sweep(Study):
         self.assertEqual([row["status"] for row in rows], ["done"] * 4)
         with open(self.path("out", "runs", "0001", "run", "summary.json")) as file:
             self.assertEqual(json.load(file)["ranks"], 2)
+
+    def test_a_full_disk_is_told_and_nothing_is_lost(self):
+        os.mkdir(self.path("small"))
+        if subprocess.run(["mount", "-t", "tmpfs", "-o", "size=600k", "tmpfs", self.path("small")], capture_output=True).returncode != 0:
+            self.skipTest("no small disk can be mounted")
+        try:
+            told = self.sweep(out="small/out", code=3).stderr
+            self.assertIn("the disk is full", told)
+            self.assertIn("free some space", told)
+            self.assertEqual(self.lines("ended", "small/out"), [])
+            subprocess.run(["mount", "-o", "remount,size=100m", self.path("small")], check=True)
+            self.sweep(out="small/out")
+            self.assertEqual([row["status"] for row in self.rows("small/out")], ["done"] * 8)
+        finally:
+            subprocess.run(["umount", self.path("small")], check=True)
 
     def test_asked_to_stop_it_goes_on_later(self):
         process = self.start("sweep", "study.yaml", "--out", "out", "--set", "runs.lanes=1")
