@@ -311,6 +311,19 @@ std::vector<double> inflation(const Fit& fit, const Matrix& g, const Matrix& cha
     return out;
 }
 
+// How far the fit takes the view of each experiment from what is known of it: the square of the distance, in units of its expectation by
+// the priors. Above 1 the residuals are less independent than their scatter tells: what the model does not explain has pulled at the view.
+std::vector<double> excesses(const Vector& view, const Matrix& information, const EvaluatedRun& run) {
+    std::vector<double> out;
+    for (std::size_t e = 0; e < run.experiments.size(); ++e) {
+        const auto first = Eigen::Index(e) * view_count;
+        const auto count = Eigen::Index(view_parameters(run.experiments[e].kind).size());
+        const Vector v = view.segment(first, count);
+        out.push_back(v.dot(information.block(first, first, count, count) * v) / double(count));
+    }
+    return out;
+}
+
 double& part_of(VarianceParts& parts, ViewPart part) {
     switch (part) {
     case ViewPart::time: return parts.time;
@@ -322,9 +335,11 @@ double& part_of(VarianceParts& parts, ViewPart part) {
     return parts.instrument;
 }
 
-VarianceParts parts_of(Eigen::Index k, Eigen::Index p, const Matrix& changes, const Matrix& a, const Matrix& information, const EvaluatedRun& run) {
+VarianceParts parts_of(Eigen::Index k, Eigen::Index p, const Matrix& changes, const Fit& fit, const Matrix& g, const Matrix& information, const EvaluatedRun& run) {
     VarianceParts out;
-    out.pixels = changes.col(k).squaredNorm();
+    const Matrix& a = fit.inverse;
+    const Vector moves = g * a.col(k);
+    out.pixels = std::max(changes.col(k).squaredNorm(), moves.dot(fit.weights.cwiseProduct(moves))); // of blocks, and of diluted segments
     for (std::size_t e = 0; e < run.experiments.size(); ++e) {
         const auto& views = view_parameters(run.experiments[e].kind);
         for (std::size_t first = 0, end = 0; first < views.size(); first = end) { // parameters of a part share a covariance
@@ -413,12 +428,18 @@ Estimate estimate(const std::vector<EvaluatedRun>& runs, const std::vector<ViewI
     const auto blocks = blocks_of(*best, layout, sector, 2 * out.block_frames);
     out.blocks = std::size_t(*std::ranges::max_element(blocks)) + 1;
     // Segments that share their noise must not outvote what is known of the view.
-    const auto dilution = inflation(result, g, block_changes(result, g, information, blocks), blocks, layout, p);
+    auto dilution = inflation(result, g, block_changes(result, g, information, blocks), blocks, layout, p);
     settle(dilution);
+    for (int round = 0; round < rounds; ++round) {
+        const auto excess = excesses(result.x.tail(result.x.size() - p), information.bottomRightCorner(views.cols(), views.cols()), *best);
+        if (std::ranges::max(excess) <= 1) break;
+        for (std::size_t e = 0; e < excess.size(); ++e) dilution[e] *= std::max(1.0, std::min(10.0, excess[e]));
+        settle(dilution);
+    }
 
     const Matrix changes = block_changes(result, g, information, blocks);
     for (Eigen::Index k = 0; k < p; ++k) {
-        out.parts.push_back(parts_of(k, p, changes, result.inverse, information, *best));
+        out.parts.push_back(parts_of(k, p, changes, result, g, information, *best));
         const auto squares = changes.col(k).array().square();
         out.freedom.push_back(std::max(1.0, squares.sum() * squares.sum() / std::max(1e-300, squares.square().sum()) - 1));
     }

@@ -5,8 +5,7 @@ import random
 import re
 import statistics
 
-from . import identify_piv
-from . import identify_templates
+from . import identify_container, identify_piv, identify_templates
 from .run import built, execute, scratch
 from .table import Figure, Table, Unmeasured
 
@@ -155,5 +154,6 @@ def honest(context):
     return Figure(f"90 %: {inside} of {total}, 50 %: {half_inside}; z: s.d. {deviation:.2f}, mean {mean:+.2f}; half-width {100 * width:.1f} %", ok)
 
 
+identify_container.add_rows(TABLE)
 identify_piv.add_rows(TABLE)
 identify_templates.add_rows(TABLE)
