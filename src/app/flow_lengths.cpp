@@ -55,7 +55,8 @@ double spread_thickness(const Input& input, const Geometry& geometry) {
         for (const auto& region : regions) volume += region.volume();
     }
     const double nu = liquid.viscosity / liquid.density;
-    if (!std::isfinite(volume) || !(volume > 0) || !(nu > 0)) return 0;
+    const bool closed = scene.domain.faces[1].kind == scene::FaceKind::wall; // towards x
+    if (closed || !std::isfinite(volume) || !(volume > 0) || !(nu > 0)) return 0;
     if (const auto width = channel_width(scene.domain)) {
         const double area = volume / *width;
         return area / identify::plane_front(nu, area, scene.time.end);

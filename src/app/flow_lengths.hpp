@@ -13,7 +13,7 @@ struct FlowLength {
 
 // Holes: round parts taken out of bodies that reach through them, the narrowest of each body. Threads: what comes out of a hole or inlet, as thin as
 // free fall to the lower side of the domain makes it; a viscous thread stays thicker. Layers: the liquid's height at the start, and at the end of
-// the run by Huppert's spreading (1982) of all of it over a floor, unless there is a hole.
+// the run by Huppert's spreading (1982) of all of it over a floor, unless there is a hole or a wall.
 std::vector<FlowLength> flow_lengths(const Input& input);
 
 // Lines of `treacle check STUDY`: capillary length, Bond numbers density g L^2 / surface tension, cells across; those with a

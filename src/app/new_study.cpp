@@ -20,7 +20,8 @@ constexpr double range_factor = 30; // of the search, to either side of the firs
 constexpr std::array sights{
     SightOption{"viscosity", "First guess, in the place of a formula", "VISCOSITY"},
     SightOption{"front", "How far the liquid had come: from the wall behind it, from the middle of a cylinder, from the block's upper edge on a slope", "LENGTH"},
-    SightOption{"at", "Time from the start at which --front or --drained was seen", "TIME"},
+    SightOption{"at", "Time from the start at which --front, --fallen or --drained was seen", "TIME"},
+    SightOption{"fallen", "How far a ball had fallen", "LENGTH"},
     SightOption{"drained", "Volume that had run out of a hole or nozzle", "VOLUME"},
     SightOption{"cup", "Standard cup: ford2 to ford5, zahn1 to zahn5", "NAME"},
     SightOption{"efflux", "Time in which that cup ran out", "TIME"},

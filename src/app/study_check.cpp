@@ -48,8 +48,12 @@ void print_runs(const identify::StudyFile& file) {
 
 // Takes out the experiments of which no film is there yet, and says so.
 void leave_out_unfilmed(identify::StudyFile& file) {
-    const auto unfilmed = [&](const identify::Experiment& one) { return !std::filesystem::exists(file.beside(one.masks)); };
-    for (const auto& one : file.experiments) row("experiment " + one.name, file.beside(one.masks).string() + (unfilmed(one) ? " (not there yet)" : ""));
+    const auto source = [&](const identify::Experiment& one) {
+        if (one.kind == identify::ExperimentKind::piv) return file.beside(one.piv.files.front());
+        return file.beside(one.kind == identify::ExperimentKind::series ? one.series.file : one.masks);
+    };
+    const auto unfilmed = [&](const identify::Experiment& one) { return one.kind != identify::ExperimentKind::piv && !std::filesystem::exists(source(one)); };
+    for (const auto& one : file.experiments) row("experiment " + one.name, source(one).string() + (unfilmed(one) ? " (not there yet)" : ""));
     std::erase_if(file.experiments, unfilmed);
 }
 

@@ -26,6 +26,7 @@ double from_hole(const FormValues& v) {
 double from_nozzle(const FormValues& v) {
     return outflow({v.at("density"), v.at("bore"), v.at("length"), v.at("level"), v.at("drained") / v.at("at")});
 }
+double of_ball(const FormValues& v) { return falling_ball(v.at("ball_density") - v.at("density"), v.at("radius"), v.at("tube"), v.at("fallen") / v.at("at")); }
 double from_cup(const FormValues& v) { return v.at("density") * v.at("efflux"); }
 
 const FirstGuess spreading{{"front", "at"}, "Huppert 1982, spreading over a floor in the plane", from_gate};
@@ -49,6 +50,7 @@ const std::vector<StudyTemplate>& study_templates() {
           {{"cup", "efflux"}, "the cup's formula, ASTM D1200 or D4212", from_cup}}},
         {"incline",
          {{{"front", "at"}, "Huppert 1982, spreading down a slope", down_incline}, {{"thickness", "speed"}, "Nusselt 1916, a film of even thickness", of_film}}},
+        {"falling_ball", {{{"fallen", "at"}, "Stokes 1851 with Faxen's walls, 1922", of_ball}}},
     };
     return all;
 }

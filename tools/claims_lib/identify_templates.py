@@ -1,8 +1,9 @@
 """Rows of `identify` on the templates of `treacle new`: each is written, checked, filmed and identified."""
 
+import random
 import re
 
-from .run import built, execute, scratch
+from .run import Columns, built, execute, scratch
 from .table import Figure
 
 # Viscosity of the film, first guess that the template is written with [Pa s], and the film's spacing [mm].
@@ -13,7 +14,19 @@ TEMPLATES = {
     "bostwick": (7, 4, 2.8),
     "nozzle_cup": (3, 2, 1.8),
     "incline": (7, 4, 2.8),
+    "falling_ball": (8, 5, 2.2),
 }
+
+
+def observe(context, name, folder, work):
+    """What the template's experiment is compared with: a film of the run, or the ball's path to 0.1 mm."""
+    if name != "falling_ball":
+        execute(context, [built(context, "treacle"), "film", folder / "truth", "--out", work / "masks", "--rate", 25, "--lead", 0, "--phase", 0.5])
+        return
+    table = Columns(folder / "truth/bodies.csv")
+    noise = random.Random(3)
+    rows = [f"{t},{z + noise.gauss(0, 1e-4)},1e-4" for t, z in zip(table["time"], table["ball position z"])]
+    (work / "ball.csv").write_text("\n".join(["time [s],value [m],plus_minus [m]", *rows]) + "\n")
 
 
 def identified(context, name):
@@ -26,7 +39,7 @@ def identified(context, name):
         execute(context, [treacle, "check", work / "study.yaml"])
         execute(context, [treacle, "run", work / "scene.yaml", "--out", folder / "truth", "--set", f"domain.spacing={spacing} mm", "--set", "time.cfl=2",
                           "--set", f"liquids.liquid.viscosity={viscosity} Pa.s"])
-        execute(context, [treacle, "film", folder / "truth", "--out", work / "masks", "--rate", 25, "--lead", 0, "--phase", 0.5])
+        observe(context, name, folder, work)
         execute(context, [treacle, "check", work / "study.yaml"])
         execute(context, [treacle, "identify", work / "study.yaml", "--quick", "--out", folder / "out"])
         text = (folder / "out/report/result.yaml").read_text()

@@ -91,7 +91,7 @@ TEST_F(StudyFileTest, IdentifiabilityIsSaidInWords) {
     };
     EXPECT_EQ(words(9, 10, 11), "well determined");
     EXPECT_EQ(words(3, 10, 30).substr(0, 6), "poorly");
-    EXPECT_NE(words(0.2, 10, 300).find("not determined"), std::string::npos);
+    EXPECT_NE(words(0.2, 10, 300).find("not identifiable"), std::string::npos);
     EXPECT_NE(words(0.5, 3, 9).find("an upper limit alone"), std::string::npos);
     EXPECT_NE(words(30, 60, 110).find("a lower limit alone"), std::string::npos);
     EXPECT_NE(words(0.9, 1.01, 1.1).find("at the lower end"), std::string::npos);
