@@ -11,7 +11,7 @@
 namespace treacle::search {
 
 namespace {
-constexpr std::array orders{0.5, 0.75, 1.0, 1.25, 1.5, 1.75, 2.0};
+constexpr std::array orders{0.5, 0.75, 1.0, 1.25, 1.5}; // free surfaces are of first order
 constexpr std::array sizes{0.003, 0.01, 0.03, 0.1, 0.3, 1.0}; // of the coarsest rung's error
 constexpr std::array noise_factors{0.5, 0.71, 1.0, 1.41, 2.0, 2.83, 4.0};
 constexpr double impurity = 0.15;    // of a power of the spacing, relative

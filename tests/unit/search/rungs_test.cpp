@@ -19,11 +19,11 @@ std::vector<Rung> series(double value, double slope, double order, std::vector<d
 
 // Beyond the finest rung lies what the order says, and the order is left in doubt.
 TEST(Rungs, APowerIsFollowedToSpacingZero) {
-    for (const double order : {0.75, 1.0, 1.5, 2.0})
+    for (const double order : {0.6, 0.8, 1.0, 1.4})
         for (const auto& spacings : {std::vector<double>{0.25, 0.5, 1}, {1, 0.25, 0.6}, {0.35, 0.5, 0.7, 1}, {0.4, 0.5, 0.7, 1}}) {
             const auto found = extrapolate(series(2.3, -0.05, order, spacings), {});
             const double exact = 0.05 * std::pow(std::ranges::min(spacings), order);
-            EXPECT_NEAR(found.order, order, 0.65); // drawn to the middle of 0.5 to 2
+            EXPECT_NEAR(found.order, order, 0.65); // drawn to the middle of 0.5 to 1.5
             EXPECT_GT(found.correction, 0.4 * exact);
             EXPECT_LT(found.correction, 3 * exact);
             EXPECT_LT(std::abs(found.value - 2.3), 1.5 * found.deviation);
