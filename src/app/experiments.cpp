@@ -3,6 +3,7 @@
 #include "app/compare_films.hpp"
 #include "app/compare_series.hpp"
 #include "app/compare_sheets.hpp"
+#include "app/run_shear_rates.hpp"
 #include "base/error.hpp"
 #include "base/text.hpp"
 #include "io/manifest.hpp"
@@ -79,6 +80,9 @@ void compare_with_experiments(const Comm& comm, const StudyFile& file, const stu
             compare_with_film(comm, file, *experiment, run, folder);
         }
     }
+    if (run.frames.empty()) return;
+    const auto rates = run_shear_rates(comm, run);
+    comm.guard_root([&] { identify::write_shear_rates(folder, rates); });
 }
 
 ObservationNeeds scene_needs(const StudyFile& file, const study::StudyScene& scene) {

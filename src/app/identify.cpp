@@ -1,6 +1,7 @@
 #include "app/identify.hpp"
 
 #include "app/experiments.hpp"
+#include "app/flow_curve_bands.hpp"
 #include "base/log.hpp"
 #include "identify/report.hpp"
 
@@ -20,6 +21,7 @@ ExitCode identify_study(const IdentifyRequest& request) {
     auto file = load_checked_study(request.study, request.overrides);
     if (request.quick) file.make_quick();
     require_experiments(file);
+    if (!request.compared_curve.empty()) identify::read_flow_curve(request.compared_curve); // bad tables are told before any run
     const StudyScenes scenes(file);
     identify::check_searched(file, scenes.reader());
     const auto priors = experiment_priors(file);
@@ -36,10 +38,14 @@ ExitCode identify_study(const IdentifyRequest& request) {
         const auto* outcome = runs.journal().outcome(number);
         return outcome && !outcome->folder.empty() ? std::filesystem::path(outcome->folder) : runs.run_folder(number);
     };
-    identify::write_report(folder / "report", file, found, folder_of);
+    const auto curves = flow_curve_bands(file, found, folder_of, request.compared_curve);
+    identify::write_report(folder / "report", file, found, folder_of, curves);
     for (const auto& line : identify::answer_lines(file, found)) log.line(line);
     for (std::size_t k = 0; k < found.values.size(); ++k) {
         log.line(file.study.parameters[k].name + ": " + identify::identifiability(file, found, k));
+    }
+    for (const auto& curve : curves) {
+        for (const auto& line : identify::describe(curve)) log.line(line);
     }
     for (const auto& note : identify::notes(file)) log.line(note);
     const auto said = identify::verdict(file, found);

@@ -4,6 +4,7 @@
 namespace treacle::app {
 
 struct IdentifyRequest : SweepRequest {
+    std::filesystem::path compared_curve; // a rheometer's table; empty: none
     bool quick = false; // see StudyFile::make_quick
 };
 

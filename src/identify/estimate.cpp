@@ -352,6 +352,13 @@ VarianceParts parts_of(Eigen::Index k, Eigen::Index p, const Matrix& changes, co
     return out;
 }
 
+// Of the parameters, by blocks and by the views' priors.
+Matrix covariance_of(const Matrix& changes, const Fit& fit, const Matrix& information, Eigen::Index p) {
+    const Matrix moves = changes.leftCols(p), by_view = fit.inverse.topRightCorner(p, fit.inverse.cols() - p);
+    const auto views = by_view.cols();
+    return moves.transpose() * moves + by_view * information.bottomRightCorner(views, views) * by_view.transpose();
+}
+
 const EvaluatedRun& least_of(const std::vector<EvaluatedRun>& runs, const std::vector<ViewInformation>& priors) {
     std::vector<double> objectives;
     for (const auto& run : runs) objectives.push_back(residual_objective(run, priors));
@@ -438,6 +445,7 @@ Estimate estimate(const std::vector<EvaluatedRun>& runs, const std::vector<ViewI
     }
 
     const Matrix changes = block_changes(result, g, information, blocks);
+    out.covariance = covariance_of(changes, result, information, p);
     for (Eigen::Index k = 0; k < p; ++k) {
         out.parts.push_back(parts_of(k, p, changes, result, g, information, *best));
         const auto squares = changes.col(k).array().square();

@@ -34,6 +34,7 @@ double ninety_percent(const VarianceParts& parts, double freedom);
 struct Estimate {
     Eigen::VectorXd point;      // [p]
     std::vector<VarianceParts> parts; // [p] of its variance
+    Eigen::MatrixXd covariance; // [p][p] of pixels and views
     std::vector<double> freedom; // [p] degrees of freedom of the part of the pixels: few where few blocks tell it
     std::vector<Eigen::VectorXd> view; // per experiment [view_count]: what the fit takes them for, less what was stated
     std::vector<double> noise;  // per experiment: standard deviation of a segment's residual in its unit, robust

@@ -379,6 +379,11 @@ void vary_measured(const StudyFile& file, const Priors& priors, Trials& trials, 
 
 void say_answer(const StudyFile& file, Identification& out) {
     const auto& estimate = *out.estimate;
+    out.covariance = estimate.covariance;
+    for (std::size_t k = 0; k < file.searched; ++k) { // what else there is moves each parameter by itself
+        const auto i = Eigen::Index(k);
+        out.covariance(i, i) = std::max(out.covariance(i, i), estimate.parts[k].total());
+    }
     for (std::size_t k = 0; k < file.searched; ++k) {
         const auto& parameter = file.study.parameters[k];
         const double x = out.corrections.empty() ? estimate.point[Eigen::Index(k)] : out.corrections[k].value;

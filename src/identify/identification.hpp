@@ -31,6 +31,7 @@ struct Identification {
     std::vector<search::Extrapolation> corrections; // [p] to spacing 0, of the coordinates
     std::vector<double> values;   // [p] identified, in the parameters' units
     std::vector<double> low, high; // ends of the 90 % interval
+    Eigen::MatrixXd covariance;    // [p][p] of the coordinates (the logarithm of a viscosity), its diagonal the sum of all parts
     std::string problem;          // why there is no estimate
 };
 

@@ -161,6 +161,22 @@ std::string pictures_text(const std::filesystem::path& folder, const StudyFile& 
     return out;
 }
 
+std::string curves_text(const std::vector<FlowCurveBand>& curves) {
+    std::string out;
+    for (const auto& curve : curves) {
+        out += "<h2>Flow curve: " + curve.liquid + "</h2>\n";
+        for (const auto& line : describe(curve)) out += "<p>" + line + "</p>\n";
+        out += chart(curve);
+    }
+    return out;
+}
+
+std::string curves_yaml(const std::vector<FlowCurveBand>& curves) {
+    std::string out = curves.empty() ? "" : "flow_curves:\n";
+    for (const auto& curve : curves) out += yaml(curve);
+    return out;
+}
+
 std::string html(const StudyFile& file, const Identification& identification, const std::string& pictures) {
     const auto title = file.study.title.empty() ? std::string("Identification") : file.study.title;
     std::string out = "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>" + title +
@@ -301,11 +317,11 @@ std::vector<std::string> notes(const StudyFile& file) {
 }
 
 void write_report(const std::filesystem::path& folder, const StudyFile& file, const Identification& identification,
-                  const std::function<std::filesystem::path(std::int64_t)>& folder_of) {
+                  const std::function<std::filesystem::path(std::int64_t)>& folder_of, const std::vector<FlowCurveBand>& curves) {
     std::filesystem::create_directories(folder);
     const auto pictures = pictures_text(folder, file, identification, folder_of);
-    write_file_atomically(folder / "result.yaml", yaml(file, identification));
-    write_file_atomically(folder / "index.html", html(file, identification, pictures));
+    write_file_atomically(folder / "result.yaml", yaml(file, identification) + curves_yaml(curves));
+    write_file_atomically(folder / "index.html", html(file, identification, curves_text(curves) + pictures));
 }
 
 } // namespace treacle::identify

@@ -1,4 +1,5 @@
 #pragma once
+#include "identify/flow_curve_band.hpp"
 #include "identify/identification.hpp"
 
 #include <filesystem>
@@ -11,7 +12,7 @@ namespace treacle::identify {
 //   index.html    the same for people, with plots, and pictures of observation and run at the best trial; opens from disk
 // `folder_of` says where a run's files are. Throws SimulationError.
 void write_report(const std::filesystem::path& folder, const StudyFile& file, const Identification& identification,
-                  const std::function<std::filesystem::path(std::int64_t)>& folder_of);
+                  const std::function<std::filesystem::path(std::int64_t)>& folder_of, const std::vector<FlowCurveBand>& curves);
 
 // Lines for a terminal: "viscosity = 10.1 Pa.s, 90 % interval 9.7 to 10.5".
 std::vector<std::string> answer_lines(const StudyFile& file, const Identification& identification);

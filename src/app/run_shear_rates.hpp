@@ -1,0 +1,13 @@
+#pragma once
+#include "app/frame_set.hpp"
+#include "identify/shear_rates.hpp"
+#include "mpi/comm.hpp"
+
+namespace treacle::app {
+
+// Shear rates sqrt(2 D:D) of a run's liquid over its frames but the first, from the velocities of some 2000 particles a frame and
+// those around them, weighted by what they dissipate per volume. Collective; the same on all ranks. Empty for frames without
+// velocities.
+identify::ShearRates run_shear_rates(const Comm& comm, const RunView& run);
+
+} // namespace treacle::app
