@@ -124,7 +124,12 @@ ExperimentCamera experiment_camera(const StudyFile& file, const Experiment& expe
             throw InputError({experiment.where, "camera = " + experiment.camera + " is neither a file nor a camera of the scene", error.what(), ""});
         }
     }
-    const auto record = video::read_camera(path, name);
+    auto record = video::read_camera(path, name);
+    if (record.any_size) {
+        const auto first = identify::observed_frames(experiment, file.beside(experiment.masks)).front().mask;
+        const auto mask = video::read_mask(first);
+        record = video::for_pictures(record, mask.width, mask.height, first.string());
+    }
     ExperimentCamera out{record.model(), {}, 0};
     if (record.pose_covariance) out.pose_covariance = Eigen::Map<const Eigen::Matrix<double, 6, 6>>(record.pose_covariance->data());
     if (record.covariance) out.focal_deviation = record.covariance->deviation(0) / record.lens.fx;
