@@ -26,6 +26,7 @@ public:
     FilmComparison(const StudyFile& file, const Experiment& experiment, const RunView& run)
         : run_(run), surface_(Comm::self(), run, {surface_options(run.input)}), model_(experiment_camera(file, experiment, run.input).model),
           frames_(identify::observed_frames(experiment, file.beside(experiment.masks))) {
+        through_ = experiment.see_through;
         step_ = 0.25 * std::max(least_interval(frames_), 1e-3);
     }
     const std::vector<identify::ObservedFrame>& frames() const { return frames_; }
@@ -33,7 +34,7 @@ public:
     identify::FrameComparison compare(std::size_t k, const std::filesystem::path& masks) {
         const auto& frame = frames_[k];
         const auto& mesh = surface_.build(nearest_frame(run_, frame.time));
-        if (scenery_.depth.empty() || surface_.solids_move()) scenery_ = draw_scenery(run_.input, surface_.solids(), model_);
+        if (scenery_.depth.empty() || surface_.solids_move()) scenery_ = draw_scenery(run_.input, surface_.solids(), model_, through_);
         video::FilmShot shot;
         shot.samples = 1;
         shot.offset = frame.time - surface_.time();
@@ -53,6 +54,7 @@ private:
     scene::CameraModel model_;
     std::vector<identify::ObservedFrame> frames_;
     video::FilmScenery scenery_;
+    std::vector<std::string> through_;
     double step_ = 0; // [s]
 };
 
@@ -151,11 +153,13 @@ ObservationNeeds film_needs(const StudyFile& file, const Experiment& experiment,
                           "the camera's pictures have " + std::to_string(camera.lens().width) + " x " + std::to_string(camera.lens().height),
                           "give the camera of these pictures"});
     }
+    require_bodies(input, experiment.see_through, experiment.where);
     ObservationNeeds out;
     for (const auto& frame : frames) out.times.push_back(frame.time);
     const auto& pose = camera.pose();
     const auto& lens = camera.lens();
     out.content = "film " + experiment.name;
+    for (const auto& name : experiment.see_through) out.content += " through " + name;
     for (const double v : {lens.fx, lens.fy, lens.cx, lens.cy}) out.content += " " + format_number(v);
     for (const double v : lens.distortion) out.content += " " + format_number(v);
     for (const auto& row : pose.rotation) {

@@ -106,7 +106,7 @@ private:
     void draw_scenery() {
         const bool moves = surface_.solids_move();
         if (painter_ && !moves) return;
-        scenery_ = app::draw_scenery(run_.input, surface_.solids(), model_);
+        scenery_ = app::draw_scenery(run_.input, surface_.solids(), model_, request_.see_through);
         auto look = request_.look;
         look.width = model_.lens().width;
         look.height = model_.lens().height;
@@ -187,6 +187,7 @@ ExitCode film_run(const Comm& comm, const FilmRequest& request) {
     check(request);
     const auto run = open_run(comm, request.run);
     require_frames(run);
+    require_bodies(run.input, request.see_through, "--see-through");
     const auto frames = plan_frames(request, run);
     const auto camera_of_scene = find_camera(run.input.scene, request.camera);
     const auto model = video::camera_model(view_of(camera_of_scene, run.input.scene.domain, {}), camera_of_scene.name);

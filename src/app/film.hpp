@@ -14,6 +14,7 @@ namespace treacle::app {
 struct FilmRequest {
     std::filesystem::path run;
     std::string camera;     // see find_camera
+    std::vector<std::string> see_through; // names of bodies
     std::filesystem::path out; // folder; default: film in the run's folder
     ExistingFolder existing = ExistingFolder::refuse;
     video::ClipCodec codec = video::ClipCodec::h264;

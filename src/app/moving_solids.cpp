@@ -80,10 +80,12 @@ surface::Solids MovingSolids::at(std::int64_t step) const {
     return out;
 }
 
-std::function<double(const Vec3&)> distance_of_seen(const Input& input, const surface::Solids& solids, double none) {
+std::function<double(const Vec3&)> distance_of_seen(const Input& input, const surface::Solids& solids, double none, const std::vector<std::string>& through) {
     std::vector<surface::Solid> seen;
-    for (std::size_t b = 0; b < input.scene.bodies.size(); ++b)
-        if (!input.scene.bodies[b].shape.inverted) seen.push_back(solids.bodies[b]);
+    for (std::size_t b = 0; b < input.scene.bodies.size(); ++b) {
+        const auto& body = input.scene.bodies[b];
+        if (!body.shape.inverted && std::ranges::find(through, body.name) == through.end()) seen.push_back(solids.bodies[b]);
+    }
     return [seen = std::move(seen), none](const Vec3& x) {
         double least = none;
         for (const auto& solid : seen) least = std::min(least, solid.distance(x));

@@ -26,7 +26,8 @@ private:
     const std::vector<double>* row_of(std::int64_t step) const; // null before the first step
 };
 
-// Distance [m] from the solids that do not fill all space but what they hold, negative inside; `none` without any.
-std::function<double(const Vec3&)> distance_of_seen(const Input& input, const surface::Solids& solids, double none);
+// Distance [m] from the solids that do not fill all space but what they hold, negative inside; `none` without any. Bodies of the names in
+// `through` are seen through.
+std::function<double(const Vec3&)> distance_of_seen(const Input& input, const surface::Solids& solids, double none, const std::vector<std::string>& through = {});
 
 } // namespace treacle::app

@@ -1,6 +1,8 @@
 #include "app/scenery.hpp"
 
 #include "app/moving_solids.hpp"
+#include "base/error.hpp"
+#include "base/text.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -20,10 +22,21 @@ double farthest(const scene::Domain& domain, const Vec3& place) {
 }
 } // namespace
 
-video::FilmScenery draw_scenery(const Input& input, const surface::Solids& solids, const scene::CameraModel& camera) {
+void require_bodies(const Input& input, const std::vector<std::string>& names, const std::string& where) {
+    std::vector<std::string> known;
+    for (const auto& body : input.scene.bodies) known.push_back(body.name);
+    for (const auto& name : names) {
+        if (std::ranges::find(known, name) != known.end()) continue;
+        const auto close = nearest(name, known);
+        throw InputError({where, "the scene has no body " + name + " that could be seen through", known.empty() ? "it has none" : "it has " + join(known, ", "),
+                          close ? "did you mean " + *close + "?" : ""});
+    }
+}
+
+video::FilmScenery draw_scenery(const Input& input, const surface::Solids& solids, const scene::CameraModel& camera, const std::vector<std::string>& through) {
     if (input.scene.domain.dimensions != 3) return {};
     const double far = farthest(input.scene.domain, camera.pose().position());
-    return video::draw_solids(camera, distance_of_seen(input, solids, far), far);
+    return video::draw_solids(camera, distance_of_seen(input, solids, far, through), far);
 }
 
 } // namespace treacle::app

@@ -26,6 +26,7 @@ void Experiment::declare(Declaration& d) {
     if (sheet) kind = ExperimentKind::piv;
     if (numbers) kind = ExperimentKind::series;
     d.check(int(sheet) + int(numbers) + int(!masks.empty()) == 1, "masks", {"must be given, or piv, or series, and only one of them", "an experiment observes one thing", "write an experiment for each"});
+    d.texts("see_through", see_through, "Bodies of the scene that the camera sees through: [front_wall]. What refracts is not accounted for.");
     d.text("camera", camera, "The camera's file, or the name of a camera of the scene; by default the scene's first.");
     d.number("time_zero", time_zero, unit::time, range_any(), "Time of the masks or fields at which the scene's time is 0: when the flow starts.");
     d.number("from", from, unit::time, range_at_least(0), "Scene's time from which masks or fields are compared.");

@@ -35,6 +35,7 @@ struct Experiment {
     std::string masks;    // folder of `treacle silhouettes` or `treacle film`, beside the study's file
     Sheet piv;
     Series series;
+    std::vector<std::string> see_through; // names of bodies of clear material: walls of glass
     std::string camera;   // a camera file, or the name of a camera of the scene
     double time_zero = 0; // [s] time of the masks' table at which the scene's time is 0
     double from = 0;      // [s] of the scene's time
