@@ -86,7 +86,7 @@ void check_launcher(const Study& study) {
 StudyRuns::StudyRuns(const Study& study, StudySetup setup, Log& log)
     : study_(study), setup_(std::move(setup)), log_(log), lock_(made(setup_.folder)), journal_(Journal::open(setup_.folder, owner_of(study, program_identity()))),
       lane_count_(lane_count(study.runs)), speculation_(study, setup_.folder / "speculative"),
-      start_(std::chrono::steady_clock::now()), last_report_(start_) {
+      start_(std::chrono::steady_clock::now()), last_report_(start_ - std::chrono::seconds(1)) { // the first is due at once
     if (!lock_.warning().empty()) log_.warn(lock_.warning());
     for (const auto& other : study_.runs.reuse) {
         const auto folder = std::filesystem::path(other).is_absolute() ? std::filesystem::path(other) : study_.path.parent_path() / other;
