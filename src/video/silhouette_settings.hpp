@@ -43,7 +43,7 @@ struct SilhouetteSettings {
     double highlight_ratio = 1.1; // difference: brighter up to this ratio, in the same colour, is no liquid
     double level = 0;           // threshold: grey level of 255; 0: Otsu's
     MaskPolarity liquid = MaskPolarity::automatic; // threshold, masks: is dark or light
-    Vec3 colour;                // colour: of the liquid, red green blue of 255
+    Vec3 colour{0, 0, 0};       // colour: of the liquid, red green blue of 255
     double tolerance = 60;      // colour: distance in red green blue
 
     bool brightness = true;     // drift of the exposure is taken out
