@@ -5,7 +5,7 @@ import random
 import re
 import statistics
 
-from . import identify_container, identify_piv, identify_templates
+from . import identify_container, identify_piv, identify_real, identify_templates
 from .run import built, execute, scratch
 from .table import Figure, Table, Unmeasured
 
@@ -157,3 +157,4 @@ def honest(context):
 identify_container.add_rows(TABLE)
 identify_piv.add_rows(TABLE)
 identify_templates.add_rows(TABLE)
+identify_real.add_rows(TABLE)
