@@ -45,19 +45,24 @@ const SegmentResidual& at(const EvaluatedRun& run, const Layout::Row& row) { ret
 
 double huber_weight(double residual, double scale, double bend) { return std::abs(residual) <= bend * scale ? 1 : bend * scale / std::abs(residual); }
 
-double median(std::vector<double> values) {
-    if (values.empty()) return 0;
-    const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
-    std::ranges::nth_element(values, middle);
-    return *middle;
+// The value below which half of the weights lie.
+double weighted_median(std::vector<std::pair<double, double>> values) { // value, weight
+    std::ranges::sort(values);
+    double half = 0;
+    for (const auto& [value, weight] : values) half += 0.5 * weight;
+    for (const auto& [value, weight] : values) {
+        half -= weight;
+        if (half <= 0) return value;
+    }
+    return 0;
 }
 
-// Of each experiment.
-std::vector<double> robust_scales(const Vector& residuals, const Layout& layout) {
-    std::vector<std::vector<double>> sizes(layout.experiments);
-    for (std::size_t i = 0; i < layout.rows.size(); ++i) sizes[layout.rows[i].experiment].push_back(std::abs(residuals[Eigen::Index(i)]));
+// Of each experiment, by the segments that tell the parameters: those that do not move, along walls say, have no part in the noise.
+std::vector<double> robust_scales(const Vector& residuals, const Layout& layout, const Vector& telling) {
+    std::vector<std::vector<std::pair<double, double>>> sizes(layout.experiments);
+    for (std::size_t i = 0; i < layout.rows.size(); ++i) sizes[layout.rows[i].experiment].emplace_back(std::abs(residuals[Eigen::Index(i)]), telling[Eigen::Index(i)]);
     std::vector<double> out;
-    for (auto& one : sizes) out.push_back(std::max(least_noise, 1.4826 * median(std::move(one))));
+    for (auto& one : sizes) out.push_back(std::max(least_noise, 1.4826 * weighted_median(std::move(one))));
     return out;
 }
 
@@ -113,6 +118,7 @@ struct FitOptions {
     bool usual_noise = false; // that of the residuals otherwise
     double bend = 3;
     std::vector<double> dilution; // per experiment: how many correlated segments count as one
+    Eigen::Index parameters = 0;  // columns before those of the views
 };
 
 Fit fit(const Vector& r, const Matrix& g, const Vector& size, const Matrix& information, const Layout& layout, const FitOptions& options) {
@@ -122,7 +128,7 @@ Fit fit(const Vector& r, const Matrix& g, const Vector& size, const Matrix& info
     out.noise.assign(layout.experiments, 1);
     for (int round = 0; round < rounds; ++round) {
         out.left = r + g * out.x;
-        if (!options.usual_noise) out.noise = robust_scales(out.left, layout);
+        if (!options.usual_noise) out.noise = robust_scales(out.left, layout, g.leftCols(options.parameters).rowwise().norm());
         for (Eigen::Index i = 0; i < r.size(); ++i) {
             const auto e = layout.rows[std::size_t(i)].experiment;
             const double dilution = options.dilution.empty() ? 1 : options.dilution[e];
@@ -370,7 +376,7 @@ double residual_objective(const EvaluatedRun& run, const std::vector<ViewInforma
     const auto layout = layout_of(run, {});
     if (layout.rows.empty()) return 1e300;
     const auto r = displacements(run, layout), size = sizes(run, layout);
-    const auto best = fit(r, view_matrix(run, layout), size, prior_matrix(priors, 0), layout, {true, bend, {}});
+    const auto best = fit(r, view_matrix(run, layout), size, prior_matrix(priors, 0), layout, {true, bend, {}, 0});
     double sum = best.x.dot(prior_matrix(priors, 0) * best.x);
     for (Eigen::Index i = 0; i < r.size(); ++i) {
         const double u = std::abs(best.left[i]);
@@ -422,7 +428,7 @@ Estimate estimate(const std::vector<EvaluatedRun>& runs, const std::vector<ViewI
             model = local_model(runs, layout, out.point, reach);
             for (const auto& rung : finer) correct(model, rung, layout, out.point);
             g << model.gradient, views;
-            result = fit(model.value, g, size, information, layout, {false, 3, dilution});
+            result = fit(model.value, g, size, information, layout, {false, 3, dilution, p});
             const Vector step = result.x.head(p);
             // Not far beyond the runs, where the model is a guess.
             out.point += step / std::max(1.0, step.cwiseAbs().maxCoeff() / 0.5);

@@ -269,7 +269,6 @@ Wanted later_runs(const StudyFile& file, const search::Point& point) {
 bool settle_rung(const StudyFile& file, const Priors& priors, Trials& trials, std::vector<std::vector<EvaluatedRun>>& finer, std::size_t rung, Eigen::VectorXd& point) {
     constexpr double near = 0.03, reach = 0.1; // of the logarithm of a viscosity
     constexpr std::size_t most = 4;
-    const bool last = rung + 2 == file.study.parameters[file.searched + file.measured].values.size();
     finer.emplace_back();
     auto next = point;
     while (finer.back().size() < most) {
@@ -281,7 +280,7 @@ bool settle_rung(const StudyFile& file, const Priors& priors, Trials& trials, st
         const bool moved = std::ranges::all_of(finer.back(), [&](const EvaluatedRun& one) { return distance(one) > near; });
         next = point;
         if (moved) continue;
-        if (last || finer.back().size() > 1) break;
+        if (finer.back().size() > 1) break;
         const Eigen::VectorXd way = point - finer.back().front().point;
         next = finer.back().front().point + (way.norm() > 0 ? Eigen::VectorXd(way * (reach / way.norm())) : Eigen::VectorXd::Constant(way.size(), reach));
     }
