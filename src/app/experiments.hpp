@@ -16,7 +16,7 @@ void compare_with_experiments(const Comm& comm, const identify::StudyFile& file,
 // fit the scene.
 ObservationNeeds scene_needs(const identify::StudyFile& file, const study::StudyScene& scene);
 
-// What is known of an experiment's observations, for people: "24 masks", "20 fields, 11 520 vectors, 570 outliers dropped".
+// Summary of an experiment's observations, for people: "24 masks", "20 fields, 11 520 vectors, 570 outliers dropped".
 std::string describe_observations(const identify::StudyFile& file, const identify::Experiment& experiment);
 
 } // namespace treacle::app

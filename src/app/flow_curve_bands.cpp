@@ -75,21 +75,14 @@ identify::FlowCurveBand band_of(const identify::StudyFile& file, const identify:
     return out;
 }
 
-const identify::Trial* best_trial(const identify::Identification& identification) {
-    const identify::Trial* best = nullptr;
-    for (const auto& trial : identification.trials) {
-        if (!std::isnan(trial.objective) && (!best || trial.objective < best->objective)) best = &trial;
-    }
-    return best;
-}
 } // namespace
 
 std::vector<identify::FlowCurveBand> flow_curve_bands(const identify::StudyFile& file, const identify::Identification& identification,
-                                                      const std::function<std::filesystem::path(std::int64_t)>& folder_of, const std::filesystem::path& measured) {
+                                                      const std::function<std::filesystem::path(std::int64_t)>& folder_of, const std::optional<identify::ViscositiesByRate>& measured) {
     std::vector<identify::FlowCurveBand> out;
     if (!identification.estimate) return out;
     identify::ShearRates flow;
-    if (const auto* best = best_trial(identification)) {
+    if (const auto* best = identify::best_trial(identification)) {
         for (const auto run : best->runs) flow.add(identify::read_shear_rates(folder_of(run)).weights());
     }
     for (const auto& liquid : searched_liquids(file)) {
@@ -97,7 +90,7 @@ std::vector<identify::FlowCurveBand> flow_curve_bands(const identify::StudyFile&
         if (!curve || !((*curve)(1) > 0)) continue;
         out.push_back(band_of(file, identification, liquid, *curve));
         out.back().flow = flow;
-        if (!measured.empty()) out.back().measured = identify::read_flow_curve(measured);
+        out.back().measured = measured;
     }
     return out;
 }

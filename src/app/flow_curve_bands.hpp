@@ -8,8 +8,8 @@ namespace treacle::app {
 
 // Flow curves of the liquids of which keys were identified, by the study's first scene that has them. The band is that of the parameters'
 // covariance, linear in the logarithm of the viscosity; shear rates are those of the runs at the best trial, which lie in the
-// folders that `folder_of` tells. `measured`: a rheometer's table; empty: none. Throws InputError.
+// folders that `folder_of` tells. `measured`: by a rheometer. Throws InputError.
 std::vector<identify::FlowCurveBand> flow_curve_bands(const identify::StudyFile& file, const identify::Identification& identification,
-                                                      const std::function<std::filesystem::path(std::int64_t)>& folder_of, const std::filesystem::path& measured);
+                                                      const std::function<std::filesystem::path(std::int64_t)>& folder_of, const std::optional<identify::ViscositiesByRate>& measured);
 
 } // namespace treacle::app

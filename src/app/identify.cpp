@@ -21,7 +21,8 @@ ExitCode identify_study(const IdentifyRequest& request) {
     auto file = load_checked_study(request.study, request.overrides);
     if (request.quick) file.make_quick();
     require_experiments(file);
-    if (!request.compared_curve.empty()) identify::read_flow_curve(request.compared_curve); // bad tables are told before any run
+    std::optional<identify::ViscositiesByRate> measured; // read first: bad tables are told before any run
+    if (!request.compared_curve.empty()) measured = identify::read_flow_curve(request.compared_curve);
     const StudyScenes scenes(file);
     identify::check_searched(file, scenes.reader());
     const auto priors = experiment_priors(file);
@@ -38,7 +39,7 @@ ExitCode identify_study(const IdentifyRequest& request) {
         const auto* outcome = runs.journal().outcome(number);
         return outcome && !outcome->folder.empty() ? std::filesystem::path(outcome->folder) : runs.run_folder(number);
     };
-    const auto curves = flow_curve_bands(file, found, folder_of, request.compared_curve);
+    const auto curves = flow_curve_bands(file, found, folder_of, measured);
     identify::write_report(folder / "report", file, found, folder_of, curves);
     for (const auto& line : identify::answer_lines(file, found)) log.line(line);
     for (std::size_t k = 0; k < found.values.size(); ++k) {

@@ -163,7 +163,7 @@ void add_film(CLI::App& program, const ChooseCommand& choose) {
     r.shot.exposure = -1;
     app.add_option("run", words->run, "Folder of a run")->required()->type_name("DIR");
     app.add_option("--camera", words->camera, "A camera of the scene, or a camera file (default: the first one)")->type_name("NAME|FILE");
-    app.add_option("--see-through", words->request.see_through, "A body of clear material. May be given several times.")->allow_extra_args(false)->type_name("BODY");
+    app.add_option("--see-through", r.see_through, "A body of clear material. May be given several times.")->allow_extra_args(false)->type_name("BODY");
     app.add_option("--out", words->out, "Folder (default: film/ in that of the run)")->type_name("DIR");
     app.add_flag("--overwrite", words->overwrite, "Replace the folder");
     app.add_option("--codec", words->codec, "h264 (default), lossless (H.264) or ffv1 (MKV)")->check(CLI::IsMember({"h264", "lossless", "ffv1"}))->type_name("CODEC");

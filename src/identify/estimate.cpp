@@ -27,7 +27,7 @@ struct Layout {
     std::size_t experiments = 0;
 };
 
-Layout layout_of(const EvaluatedRun& run, const std::vector<std::vector<EvaluatedRun>>& others) {
+Layout layout_of(const EvaluatedRun& run, const std::vector<EvaluatedRun>& others, const std::vector<std::vector<EvaluatedRun>>& finer) {
     Layout out;
     out.experiments = run.experiments.size();
     for (std::size_t e = 0; e < run.experiments.size(); ++e) {
@@ -35,7 +35,7 @@ Layout layout_of(const EvaluatedRun& run, const std::vector<std::vector<Evaluate
         for (std::size_t s = 0; s < run.experiments[e].segments.size(); ++s) {
             const auto finite = [&](const EvaluatedRun& one) { return std::isfinite(one.experiments[e].segments[s].displacement); };
             const auto all_finite = [&](const std::vector<EvaluatedRun>& runs) { return std::ranges::all_of(runs, finite); };
-            if (run.experiments[e].segments[s].points > 0 && finite(run) && std::ranges::all_of(others, all_finite)) out.rows.push_back({e, s, usual});
+            if (run.experiments[e].segments[s].points > 0 && finite(run) && all_finite(others) && std::ranges::all_of(finer, all_finite)) out.rows.push_back({e, s, usual});
         }
     }
     return out;
@@ -57,7 +57,7 @@ double weighted_median(std::vector<std::pair<double, double>> values) { // value
     return 0;
 }
 
-// Of each experiment, by the segments that tell the parameters: those that do not move, along walls say, have no part in the noise.
+// Noise of each experiment, by the segments that tell the parameters: those that do not move, along walls say, have no part in the noise.
 std::vector<double> robust_scales(const Vector& residuals, const Layout& layout, const Vector& telling) {
     std::vector<std::vector<std::pair<double, double>>> sizes(layout.experiments);
     for (std::size_t i = 0; i < layout.rows.size(); ++i) sizes[layout.rows[i].experiment].emplace_back(std::abs(residuals[Eigen::Index(i)]), telling[Eigen::Index(i)]);
@@ -317,7 +317,7 @@ std::vector<double> inflation(const Fit& fit, const Matrix& g, const Matrix& cha
     return out;
 }
 
-// How far the fit takes the view of each experiment from what is known of it: the square of the distance, in units of its expectation by
+// Distance by which the fit takes the view of each experiment from what is known of it: its square, in units of its expectation by
 // the priors. Above 1 the residuals are less independent than their scatter tells: what the model does not explain has pulled at the view.
 std::vector<double> excesses(const Vector& view, const Matrix& information, const EvaluatedRun& run) {
     std::vector<double> out;
@@ -358,7 +358,7 @@ VarianceParts parts_of(Eigen::Index k, Eigen::Index p, const Matrix& changes, co
     return out;
 }
 
-// Of the parameters, by blocks and by the views' priors.
+// Covariance of the parameters, by blocks and by the views' priors.
 Matrix covariance_of(const Matrix& changes, const Fit& fit, const Matrix& information, Eigen::Index p) {
     const Matrix moves = changes.leftCols(p), by_view = fit.inverse.topRightCorner(p, fit.inverse.cols() - p);
     const auto views = by_view.cols();
@@ -373,7 +373,7 @@ const EvaluatedRun& least_of(const std::vector<EvaluatedRun>& runs, const std::v
 } // namespace
 
 double residual_objective(const EvaluatedRun& run, const std::vector<ViewInformation>& priors, double bend) {
-    const auto layout = layout_of(run, {});
+    const auto layout = layout_of(run, {}, {});
     if (layout.rows.empty()) return 1e300;
     const auto r = displacements(run, layout), size = sizes(run, layout);
     const auto best = fit(r, view_matrix(run, layout), size, prior_matrix(priors, 0), layout, {true, bend, {}, 0});
@@ -405,9 +405,7 @@ Estimate estimate(const std::vector<EvaluatedRun>& runs, const std::vector<ViewI
     if (runs.empty()) throw InputError({"identify", "has no good run", "all have failed", "look at their reasons in the table"});
     const auto p = runs.front().point.size();
     const auto* best = &least_of(finer.empty() ? runs : finer.back(), priors);
-    auto all = finer;
-    all.push_back(runs);
-    const auto layout = layout_of(*best, all);
+    const auto layout = layout_of(*best, runs, finer);
     if (layout.rows.empty()) {
         throw InputError({"identify", "finds nothing to compare: no contour in the masks, no vector in the liquid",
                           "masks hold no liquid, or only specks and what touches the rim; or sheets lie where no run has liquid",

@@ -49,7 +49,7 @@ struct Experiment {
 
 enum class Method { bracketing, cma_es, dissertation };
 
-// Where the answer is read off the rungs.
+// Spacing at which the answer is read off the rungs.
 enum class Answer { extrapolated, finest };
 
 struct SearchSettings {

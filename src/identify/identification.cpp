@@ -233,7 +233,7 @@ Wanted rung_runs(const StudyFile& file, const search::Point& point) {
     return out;
 }
 
-// How far a measured value is changed to see what it does: far enough that the change stands out of the numerical noise.
+// Step by which a measured value is changed to see what it does: far enough that the change stands out of the numerical noise.
 double measured_step(double value, double deviation) {
     constexpr double clear = 0.05; // relative
     return std::max(deviation, clear * std::abs(value));
@@ -265,7 +265,7 @@ Wanted later_runs(const StudyFile& file, const search::Point& point) {
 
 // Runs at one spacing until the answer there stands, at most `most` of them: at the answer so far, and then where it moves to. A run to
 // the side, unless the answer moves by itself, says how displacements change at this spacing: where the flow is wild, the
-// coarse runs tell that wrongly. False where a run failed.
+// coarse runs tell that wrongly. False where no run succeeded.
 bool settle_rung(const StudyFile& file, const Priors& priors, Trials& trials, std::vector<std::vector<EvaluatedRun>>& finer, std::size_t rung, Eigen::VectorXd& point) {
     constexpr double near = 0.03, reach = 0.1; // of the logarithm of a viscosity
     constexpr std::size_t most = 4;
@@ -433,6 +433,14 @@ void search_and_estimate(const StudyFile& file, const Priors& priors, Trials& tr
 }
 } // namespace
 
+const Trial* best_trial(const Identification& identification) {
+    const Trial* best = nullptr;
+    for (const auto& trial : identification.trials) {
+        if (!std::isnan(trial.objective) && (!best || trial.objective < best->objective)) best = &trial;
+    }
+    return best;
+}
+
 ViewInformation sheet_information(const ViewUncertainty& uncertainty) {
     ViewInformation out = ViewInformation::Identity(); // of the parameters that a sheet does not have
     out(sheet_time, sheet_time) = information(uncertainty.time_zero);
@@ -451,17 +459,16 @@ ViewInformation series_information(const ViewUncertainty& uncertainty, const Ser
 }
 
 ViewInformation information_of(const ViewUncertainty& uncertainty, const std::optional<Eigen::Matrix<double, 6, 6>>& pose, double focal_deviation) {
-    const auto of = information;
     ViewInformation out = ViewInformation::Zero();
-    out(view_time, view_time) = of(uncertainty.time_zero);
-    out(view_contour, view_contour) = of(uncertainty.contour);
-    out(view_focal, view_focal) = of(focal_deviation > 0 ? focal_deviation : uncertainty.focal);
+    out(view_time, view_time) = information(uncertainty.time_zero);
+    out(view_contour, view_contour) = information(uncertainty.contour);
+    out(view_focal, view_focal) = information(focal_deviation > 0 ? focal_deviation : uncertainty.focal);
     if (pose) {
         out.block<6, 6>(view_turn, view_turn) = (*pose + 1e-24 * Eigen::Matrix<double, 6, 6>::Identity()).inverse();
     } else {
         for (int k = 0; k < 3; ++k) {
-            out(view_turn + k, view_turn + k) = of(uncertainty.turn);
-            out(view_place + k, view_place + k) = of(uncertainty.place);
+            out(view_turn + k, view_turn + k) = information(uncertainty.turn);
+            out(view_place + k, view_place + k) = information(uncertainty.place);
         }
     }
     return out;

@@ -35,6 +35,9 @@ struct Identification {
     std::string problem;          // why there is no estimate
 };
 
+// The trial that looks most like the films; null without one.
+const Trial* best_trial(const Identification& identification);
+
 // Information on the view before the films are looked at, per experiment.
 using Priors = std::vector<ViewInformation>;
 ViewInformation information_of(const ViewUncertainty& uncertainty, const std::optional<Eigen::Matrix<double, 6, 6>>& pose, double focal_deviation);

@@ -131,15 +131,6 @@ std::string rungs_text(const StudyFile& file, const Identification& identificati
     return out;
 }
 
-// The trial that looks most like the films; null without one.
-const Trial* best_trial(const Identification& identification) {
-    const Trial* best = nullptr;
-    for (const auto& trial : identification.trials) {
-        if (!std::isnan(trial.objective) && (!best || trial.objective < best->objective)) best = &trial;
-    }
-    return best;
-}
-
 std::string pictures_text(const std::filesystem::path& folder, const StudyFile& file, const Identification& identification,
                           const std::function<std::filesystem::path(std::int64_t)>& folder_of) {
     const auto* best = best_trial(identification);
