@@ -35,27 +35,33 @@ double distance(const video::ContourPoint& a, const video::ContourPoint& b) {
 }
 } // namespace
 
+std::vector<std::size_t> compared_times(const Experiment& experiment, const std::vector<double>& times, const std::string& what) {
+    std::vector<std::size_t> out;
+    int skipped = 0;
+    for (std::size_t i = 0; i < times.size(); ++i) {
+        const double time = times[i] - experiment.time_zero;
+        if (!(time >= experiment.from) || (experiment.to > 0 && time > experiment.to) || skipped++ % experiment.every != 0) continue;
+        out.push_back(i);
+    }
+    if (!out.empty()) return out;
+    throw InputError({experiment.where, "no " + what + " is between `from` and `to`",
+                      times.empty() ? "there is none" : "the " + what + "s' times, less time_zero, go from " + format_number(times.front() - experiment.time_zero) + " to " +
+                                                            format_number(times.back() - experiment.time_zero) + " s",
+                      "look at time_zero, from and to"});
+}
+
 std::vector<ObservedFrame> observed_frames(const Experiment& experiment, const std::filesystem::path& folder) {
     const auto table = read_csv(table_of(folder, experiment.where));
     const auto& numbers = table.column("frame");
     const auto& times = table.column("time");
-    const double end = experiment.to > 0 ? experiment.to : 1e300;
     std::vector<ObservedFrame> frames;
-    int skipped = 0;
-    for (std::size_t i = 0; i < numbers.size(); ++i) {
-        const double time = times[i] - experiment.time_zero;
-        if (!(time >= experiment.from) || time > end || skipped++ % experiment.every != 0) continue;
+    for (const auto i : compared_times(experiment, times, "mask")) {
         const auto name = video::mask_name(std::int64_t(numbers[i]));
-        frames.push_back({int(numbers[i]), time, folder / name});
+        frames.push_back({int(numbers[i]), times[i] - experiment.time_zero, folder / name});
         if (!std::filesystem::exists(frames.back().mask)) {
             throw InputError({table.path.string(), "names frame " + format_number(numbers[i]) + ", but " + name + " is not there",
                               "every frame of the table has a mask", "make the silhouettes again"});
         }
-    }
-    if (frames.empty()) {
-        throw InputError({experiment.where, "no mask is between `from` and `to`", "the masks' times, less time_zero, go from " +
-                          (times.empty() ? std::string("nothing") : format_number(times.front() - experiment.time_zero) + " to " + format_number(times.back() - experiment.time_zero) + " s"),
-                          "look at time_zero, from and to"});
     }
     return frames;
 }

@@ -2,6 +2,7 @@
 
 #include "base/error.hpp"
 #include "base/text.hpp"
+#include "identify/observation.hpp"
 #include "base/units.hpp"
 
 #include <algorithm>
@@ -53,22 +54,14 @@ std::vector<double> column_in_si(const CsvColumns& table, const std::string& nam
 std::vector<ObservedValue> observed_values(const Experiment& experiment, const std::filesystem::path& file, const std::string& unit) {
     const auto table = read_csv(file);
     const auto times = column_in_si(table, "time", "s"), values = column_in_si(table, experiment.series.values, unit), deviations = column_in_si(table, "plus_minus", unit);
-    const double end = experiment.to > 0 ? experiment.to : 1e300;
     std::vector<ObservedValue> out;
-    int skipped = 0;
-    for (std::size_t i = 0; i < times.size(); ++i) {
-        const double time = times[i] - experiment.time_zero;
-        if (!(time >= experiment.from) || time > end || skipped++ % experiment.every != 0) continue;
+    for (const auto i : compared_times(experiment, times, "value")) {
         if (!(deviations[i] > 0)) {
             throw InputError({file.string() + ":" + std::to_string(i + 2), "plus_minus must be > 0", "it is a standard deviation, and weighs the value", "write how well the value is known"});
         }
-        out.push_back({int(i), time, values[i], deviations[i]});
+        out.push_back({int(i), times[i] - experiment.time_zero, values[i], deviations[i]});
     }
-    if (!out.empty()) return out;
-    throw InputError({experiment.where, "no value is between `from` and `to`",
-                      times.empty() ? file.string() + " has no rows" : "the times, less time_zero, go from " + format_number(times.front() - experiment.time_zero) + " to " +
-                                                                          format_number(times.back() - experiment.time_zero) + " s",
-                      "look at time_zero, from and to"});
+    return out;
 }
 
 RunResiduals compare_series(const std::vector<ObservedValue>& observed, const std::vector<double>& times, const std::vector<double>& values) {

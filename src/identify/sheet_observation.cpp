@@ -3,6 +3,7 @@
 #include "base/csv_reader.hpp"
 #include "base/error.hpp"
 #include "base/text.hpp"
+#include "identify/observation.hpp"
 #include "identify/piv_files.hpp"
 #include "scene/signed_distance.hpp"
 #include "video/piv_outliers.hpp"
@@ -96,23 +97,13 @@ ObservedSheet observe_sheet(const Experiment& experiment, const Beside& beside, 
     const auto outliers = mark_outliers(sheet, fields, times);
     std::vector<scene::SolidRegion> mask;
     for (const auto& shape : sheet.mask) mask.emplace_back(shape);
-    const double end = experiment.to > 0 ? experiment.to : 1e300;
     ObservedSheet out;
-    int skipped = 0;
-    for (std::size_t i = 0; i < fields.size(); ++i) {
-        const double time = times[i] - experiment.time_zero;
-        if (!(time >= experiment.from) || time > end || skipped++ % experiment.every != 0) continue;
+    for (const auto i : compared_times(experiment, times, "field")) {
         out.counts.vectors += fields[i].x.size();
         out.counts.missing += fields[i].x.size() - valid[i];
         out.counts.outliers += outliers[i];
-        out.fields.push_back(convert(sheet, fields[i], time, mask, touches, out.counts));
+        out.fields.push_back(convert(sheet, fields[i], times[i] - experiment.time_zero, mask, touches, out.counts));
         out.fields.back().number = int(i);
-    }
-    if (out.fields.empty()) {
-        throw InputError({experiment.where, "no field is between `from` and `to`",
-                          "the fields' times, less time_zero, go from " + format_number(times.front() - experiment.time_zero) + " to " +
-                              format_number(times.back() - experiment.time_zero) + " s",
-                          "look at time_zero, from and to"});
     }
     if (out.counts.kept() == 0) {
         throw InputError({experiment.where, "no vector of the fields is left",
