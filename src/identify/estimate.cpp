@@ -145,7 +145,7 @@ Fit fit(const Vector& r, const Matrix& g, const Vector& size, const Matrix& info
     return out;
 }
 
-// Value, gradient and square term of each row through the runs nearest to the centre [p].
+// Value, gradient and square term of each row at the centre [p].
 struct LocalModel {
     Vector value;
     Matrix gradient; // [rows][p]
@@ -153,31 +153,43 @@ struct LocalModel {
     std::size_t runs = 0;
 };
 
-LocalModel local_model(const std::vector<EvaluatedRun>& runs, const Layout& layout, const Vector& centre, const Vector& reach) {
-    const auto p = centre.size();
-    std::vector<std::pair<double, const EvaluatedRun*>> near;
-    for (const auto& run : runs) near.emplace_back(((run.point - centre).array() / reach.array()).matrix().norm(), &run);
-    std::ranges::stable_sort(near, {}, &std::pair<double, const EvaluatedRun*>::first);
-    const bool squares = p == 1;
-    const std::size_t terms = std::size_t(p) + (squares ? 2 : 1), wanted = terms + 2;
-    LocalModel out;
-    out.runs = std::min(near.size(), wanted);
-    if (out.runs < std::size_t(p) + 1) {
-        throw InputError({"identify", "has " + std::to_string(near.size()) + " good runs", "its local model needs " + std::to_string(p + 1),
+// Distances over which the local model may be fitted, of the logarithm of a viscosity: runs at `reach` count half.
+constexpr double reach = 0.3, farthest = 0.7;
+
+// Runs that the model is fitted to: all that are not far from the centre, and the nearest ones where these are too few. A model
+// through the nearest alone, where a search has closed in, has the derivatives of the runs' numerical noise.
+std::vector<const EvaluatedRun*> runs_near(const std::vector<EvaluatedRun>& runs, const Vector& centre) {
+    const std::size_t p = std::size_t(centre.size()), wanted = p == 1 ? 5 : p + 3;
+    std::vector<std::pair<double, const EvaluatedRun*>> order;
+    for (const auto& run : runs) order.emplace_back((run.point - centre).norm(), &run);
+    std::ranges::stable_sort(order, {}, &std::pair<double, const EvaluatedRun*>::first);
+    std::vector<const EvaluatedRun*> out;
+    for (const auto& [distance, run] : order) {
+        if (distance <= farthest || out.size() < wanted) out.push_back(run);
+    }
+    if (out.size() < p + 1) {
+        throw InputError({"identify", "has " + std::to_string(out.size()) + " good runs", "its local model needs " + std::to_string(p + 1),
                           "raise search.evaluations, or see why runs failed"});
     }
-    const bool quadratic = squares && out.runs >= 3;
+    return out;
+}
+
+LocalModel local_model(const std::vector<EvaluatedRun>& runs, const Layout& layout, const Vector& centre) {
+    const auto near = runs_near(runs, centre);
+    const auto p = centre.size();
+    LocalModel out;
+    out.runs = near.size();
+    const bool quadratic = p == 1 && out.runs >= 3;
     Matrix basis(Eigen::Index(out.runs), p + 1 + (quadratic ? 1 : 0));
     Matrix values(Eigen::Index(out.runs), Eigen::Index(layout.rows.size()));
     for (std::size_t k = 0; k < out.runs; ++k) {
         const auto i = Eigen::Index(k);
-        const Vector d = near[k].second->point - centre;
-        // Further runs count less, where there are more than the model needs.
-        const double weight = 1 / (1 + near[k].first * near[k].first);
+        const Vector d = near[k]->point - centre;
+        const double weight = 1 / (1 + d.squaredNorm() / (reach * reach));
         basis(i, 0) = weight;
         basis.row(i).segment(1, p) = weight * d.transpose();
         if (quadratic) basis(i, p + 1) = weight * 0.5 * d[0] * d[0];
-        values.row(i) = weight * displacements(*near[k].second, layout).transpose();
+        values.row(i) = weight * displacements(*near[k], layout).transpose();
     }
     const Matrix coefficients = basis.colPivHouseholderQr().solve(values);
     out.value = coefficients.row(0).transpose();
@@ -186,26 +198,24 @@ LocalModel local_model(const std::vector<EvaluatedRun>& runs, const Layout& layo
     return out;
 }
 
-// Takes the model to the resolution of other runs: what these show beyond it is interpolated, exactly at the one nearest to the centre
-// and linearly along the directions in which the others lie from it.
+// Takes the model to the resolution of other runs: what these show beyond it is a value and a slope, by least squares in which the slope is
+// expected to be none, over distances at which the numerical noise of runs hides it.
 void correct(LocalModel& model, const std::vector<EvaluatedRun>& runs, const Layout& layout, const Vector& centre) {
-    const auto p = centre.size();
-    const auto beyond = [&](const EvaluatedRun& run) {
+    constexpr double hidden = 0.1; // distance, of the logarithm of a viscosity, over which the model's slope errs by as much as runs scatter
+    const auto p = centre.size(), count = Eigen::Index(runs.size());
+    Matrix basis = Matrix::Zero(count + p, p + 1), beyond = Matrix::Zero(count + p, model.value.size());
+    for (Eigen::Index i = 0; i < count; ++i) {
+        const auto& run = runs[std::size_t(i)];
         const Vector d = run.point - centre;
-        Vector out = displacements(run, layout) - model.value - model.gradient * d;
-        if (p == 1) out -= 0.5 * d[0] * d[0] * model.square;
-        return out;
-    };
-    const auto& nearest = *std::ranges::min_element(runs, {}, [&](const EvaluatedRun& run) { return (run.point - centre).norm(); });
-    const Vector base = beyond(nearest);
-    Matrix ways(p, Eigen::Index(runs.size())), changes(model.value.size(), Eigen::Index(runs.size()));
-    for (std::size_t i = 0; i < runs.size(); ++i) {
-        ways.col(Eigen::Index(i)) = runs[i].point - nearest.point;
-        changes.col(Eigen::Index(i)) = beyond(runs[i]) - base;
+        basis(i, 0) = 1;
+        basis.row(i).tail(p) = d.transpose();
+        beyond.row(i) = (displacements(run, layout) - model.value - model.gradient * d).transpose();
+        if (p == 1) beyond.row(i) -= 0.5 * d[0] * d[0] * model.square.transpose();
     }
-    const Matrix slope = changes * ways.completeOrthogonalDecomposition().pseudoInverse();
-    model.value += base + slope * (centre - nearest.point);
-    model.gradient += slope;
+    for (Eigen::Index k = 0; k < p; ++k) basis(count + k, k + 1) = hidden;
+    const Matrix change = basis.colPivHouseholderQr().solve(beyond);
+    model.value += change.row(0).transpose();
+    model.gradient += change.bottomRows(p).transpose();
 }
 
 // Number of each frame among those of its experiment.
@@ -421,9 +431,8 @@ Estimate estimate(const std::vector<EvaluatedRun>& runs, const std::vector<ViewI
     LocalModel model;
     Matrix g(views.rows(), p + views.cols());
     const auto settle = [&](const std::vector<double>& dilution) {
-        const Vector reach = Vector::Constant(p, 0.3);
         for (int round = 0; round < 12; ++round) {
-            model = local_model(runs, layout, out.point, reach);
+            model = local_model(runs, layout, out.point);
             for (const auto& rung : finer) correct(model, rung, layout, out.point);
             g << model.gradient, views;
             result = fit(model.value, g, size, information, layout, {false, 3, dilution, p});

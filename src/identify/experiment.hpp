@@ -55,7 +55,7 @@ enum class Answer { extrapolated, finest };
 struct SearchSettings {
     Method method = Method::bracketing;
     int evaluations = 20;    // at most
-    double tolerance = 0.01; // of the parameters, relative
+    double tolerance = 0.03; // of the parameters, relative
     int seed = 1;
     std::vector<std::string> rungs; // spacings of the scenes, the coarsest first: the search's, then those that correct it
     Answer answer = Answer::extrapolated;

@@ -267,7 +267,7 @@ Wanted later_runs(const StudyFile& file, const search::Point& point) {
 // the side, unless the answer moves by itself, says how displacements change at this spacing: where the flow is wild, the
 // coarse runs tell that wrongly. False where no run succeeded.
 bool settle_rung(const StudyFile& file, const Priors& priors, Trials& trials, std::vector<std::vector<EvaluatedRun>>& finer, std::size_t rung, Eigen::VectorXd& point) {
-    constexpr double near = 0.03, reach = 0.1; // of the logarithm of a viscosity
+    constexpr double near = 0.03, reach = 0.15; // of the logarithm of a viscosity
     constexpr std::size_t most = 4;
     finer.emplace_back();
     auto next = point;

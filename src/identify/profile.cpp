@@ -42,7 +42,8 @@ void widen_to_alike_trials(const StudyFile& file, Identification& identification
     for (const auto& trial : identification.trials) {
         if (of_search(trial)) best = std::min(best, trial.objective);
     }
-    const double chance = std::max(identification.estimate->alike, numerical_scatter(identification));
+    const bool scatter_decides = std::ranges::all_of(file.experiments, prescribes);
+    const double chance = std::max(identification.estimate->alike, scatter_decides ? numerical_scatter(identification) : 0.0);
     for (const auto& trial : identification.trials) {
         if (!of_search(trial) || trial.objective > best + chance) continue;
         for (std::size_t k = 0; k < file.searched; ++k) {
