@@ -395,6 +395,26 @@ double residual_objective(const EvaluatedRun& run, const std::vector<ViewInforma
     return 0.5 * sum / double(r.size());
 }
 
+std::vector<double> search_residuals(const EvaluatedRun& run, const std::vector<ViewInformation>& priors, double bend) {
+    std::vector<double> out;
+    std::vector<std::size_t> first;
+    for (const auto& one : run.experiments) {
+        first.push_back(out.size());
+        out.resize(out.size() + one.segments.size(), std::nan(""));
+    }
+    const auto layout = layout_of(run, {}, {});
+    if (layout.rows.empty()) return {};
+    const auto size = sizes(run, layout);
+    const auto information = prior_matrix(priors, 0);
+    const auto best = fit(displacements(run, layout), view_matrix(run, layout), size, information, layout, {true, bend, {}, 0});
+    for (std::size_t i = 0; i < layout.rows.size(); ++i) {
+        out[first[layout.rows[i].experiment] + layout.rows[i].segment] = std::sqrt(size[Eigen::Index(i)]) * best.left[Eigen::Index(i)];
+    }
+    const Vector away = information.llt().matrixU() * best.x;
+    out.insert(out.end(), away.data(), away.data() + away.size());
+    return out;
+}
+
 double VarianceParts::total() const {
     double sum = pixels + time + contour + camera + sheet + instrument + resolution + noise;
     for (const auto& [name, part] : measured) sum += part;

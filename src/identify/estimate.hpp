@@ -18,6 +18,10 @@ struct EvaluatedRun {
 // with Huber's loss beyond `bend` noises, least over the view's parameters within their priors.
 double residual_objective(const EvaluatedRun& run, const std::vector<ViewInformation>& priors, double bend = 3);
 
+// Residuals of a run whose mean loss is its objective, for searches that use them: those of all segments at the view that suits the run best,
+// in units of their usual noise (not a number where there is none), and what that view is away from its priors.
+std::vector<double> search_residuals(const EvaluatedRun& run, const std::vector<ViewInformation>& priors, double bend = 3);
+
 // Parts of the variance of the logarithm of a parameter.
 struct VarianceParts {
     double pixels = 0; // scatter of the residuals

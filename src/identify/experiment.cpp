@@ -46,9 +46,10 @@ void Experiment::declare(Declaration& d) {
 
 void SearchSettings::declare(Declaration& d) {
     d.choice<Method>("method", method,
-                     {{"bracketing", Method::bracketing}, {"cma_es", Method::cma_es}, {"dissertation", Method::dissertation}},
-                     "bracketing: for one parameter, from both sides, then Brent's method; cma_es: for several; dissertation: that of its section "
-                     "6.5.5, CMA-ES without a logarithm.");
+                     {{"automatic", Method::automatic}, {"bracketing", Method::bracketing}, {"gauss_newton", Method::gauss_newton}, {"cma_es", Method::cma_es}, {"dissertation", Method::dissertation}},
+                     "automatic: bracketing for one parameter, gauss_newton for several; bracketing: from both sides, then Brent's method; gauss_newton: by "
+                     "the residuals of each segment, in some 15 runs of three parameters; cma_es: by the objective alone, in hundreds; dissertation: that of its "
+                     "section 6.5.5, CMA-ES without a logarithm.");
     d.integer("evaluations", evaluations, range_at_least(3), "Runs of each scene at most.");
     d.number("tolerance", tolerance, unit::none, range_above(0), "Relative change of the parameters at which the search ends.");
     d.integer("seed", seed, range_at_least(0), "Of the random numbers of cma_es.");

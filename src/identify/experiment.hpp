@@ -47,13 +47,13 @@ struct Experiment {
     void declare(Declaration& d);
 };
 
-enum class Method { bracketing, cma_es, dissertation };
+enum class Method { automatic, bracketing, gauss_newton, cma_es, dissertation };
 
 // Spacing at which the answer is read off the rungs.
 enum class Answer { extrapolated, finest };
 
 struct SearchSettings {
-    Method method = Method::bracketing;
+    Method method = Method::automatic;
     int evaluations = 20;    // at most
     double tolerance = 0.03; // of the parameters, relative
     int seed = 1;

@@ -5,6 +5,7 @@
 #include "identify/profile.hpp"
 #include "search/bracketing.hpp"
 #include "search/cma_es.hpp"
+#include "search/gauss_newton.hpp"
 
 #include <algorithm>
 #include <array>
@@ -58,10 +59,16 @@ std::unique_ptr<search::Search> search_of(const StudyFile& file) {
     search::Limits limits;
     limits.evaluations = file.search.evaluations;
     const auto seed = std::uint64_t(file.search.seed);
-    if (file.search.method == Method::bracketing) {
+    const bool automatic = file.search.method == Method::automatic;
+    if (file.search.method == Method::bracketing || (automatic && axes.size() == 1)) {
         if (axes.size() == 1) return std::make_unique<search::Bracketing>(axes.front(), limits);
         throw InputError({file.study.path.string(), "search.method = bracketing, for " + std::to_string(axes.size()) + " parameters", "it brackets one",
-                          "write search: cma_es"});
+                          "write search: gauss_newton"});
+    }
+    if (file.search.method == Method::gauss_newton || automatic) {
+        search::GaussNewtonOptions options;
+        options.limits = limits;
+        return std::make_unique<search::GaussNewton>(axes, options);
     }
     auto options = file.search.method == Method::dissertation ? search::CmaOptions::dissertation(seed) : search::CmaOptions{};
     options.seed = seed;
@@ -407,6 +414,12 @@ Wanted expected_runs(const StudyFile& file, const Priors& priors, const Trials& 
     return out;
 }
 
+std::vector<std::vector<double>> residuals_of(const std::vector<std::optional<EvaluatedRun>>& runs, const Priors& priors) {
+    std::vector<std::vector<double>> out;
+    for (const auto& run : runs) out.push_back(run ? search_residuals(*run, priors) : std::vector<double>());
+    return out;
+}
+
 void search_and_estimate(const StudyFile& file, const Priors& priors, Trials& trials, Identification& out) {
     auto search = search_of(file);
     while (!search->stopped()) {
@@ -414,7 +427,8 @@ void search_and_estimate(const StudyFile& file, const Priors& priors, Trials& tr
         for (const auto& point : search->ask()) wanted.push_back({point, {}});
         trials.offer(expected_runs(file, priors, trials, *search));
         const auto before = out.trials.size();
-        trials.run(wanted);
+        const auto evaluated = trials.run(wanted);
+        if (search->uses_residuals()) search->tell_residuals(residuals_of(evaluated, priors));
         std::vector<search::Value> values;
         for (std::size_t i = before; i < out.trials.size(); ++i) {
             values.push_back(std::isnan(out.trials[i].objective) ? search::Value::failed() : search::Value::measured(out.trials[i].objective));

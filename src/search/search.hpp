@@ -93,6 +93,10 @@ public:
     // Points whose values are needed next. They can be run at once, and lie within the bounds. The same until
     // `tell`; empty once stopped.
     const std::vector<Point>& ask();
+    // Residuals of each point, whose mean loss its value is, in units of their noise; told before the values, to searches that use them.
+    // All points have as many; not a number where one cannot be compared, none where the run failed.
+    virtual bool uses_residuals() const { return false; }
+    virtual void tell_residuals(std::vector<std::vector<double>>) {}
     // One value a point, in their order.
     void tell(std::span<const Value> values);
     // Points that may be asked for after these, the likeliest first: work for lanes that would idle. Their values
