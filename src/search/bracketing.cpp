@@ -8,6 +8,7 @@ namespace treacle::search {
 namespace {
 constexpr double growth = 1.618033988749895; // of a step downhill over the one before
 constexpr int most_steps_downhill = 40;      // 1e8 steps
+constexpr double local = 16; // tolerances: the residuals' curve through points as near as this is right
 
 bool by_place(const Sample& a, const Sample& b) { return a.x < b.x; }
 } // namespace
@@ -37,7 +38,7 @@ Task<void> Bracketing::look_around() {
         const Point point = clamped({x});
         if (point[0] != axis.start) points.push_back(point);
     }
-    const std::vector<Value> values = co_await evaluate(points);
+    const std::vector<Value> values = co_await values_of(points);
     for (std::size_t k = 0; k < points.size(); ++k) samples_.push_back({points[k][0], values[k]});
     std::sort(samples_.begin(), samples_.end(), by_place);
 }
@@ -84,20 +85,39 @@ Task<bool> Bracketing::go_downhill() {
         if (!x) co_return true;
         std::vector<Point> points;
         points.push_back({*x});
-        const std::vector<Value> values = co_await evaluate(points);
+        const std::vector<Value> values = co_await values_of(points);
         samples_.push_back({*x, values[0]});
         std::sort(samples_.begin(), samples_.end(), by_place);
     }
     co_return false;
 }
 
+Task<std::vector<Value>> Bracketing::values_of(std::vector<Point> points) {
+    std::vector<Value> values = co_await evaluate(points);
+    for (std::size_t k = 0; k < told_.size(); ++k)
+        if (values[k].is_measured() && !told_[k].empty()) curve_.add(points[k][0], std::move(told_[k]));
+    told_.clear();
+    co_return values;
+}
+
+std::optional<double> Bracketing::curve_vertex() const {
+    const double best = brent_->best().x, width = axes()[0].smallest();
+    if (!downhill_ || !curve_.is_known(best)) return std::nullopt;
+    return brent_->on_lattice(curve_.least(best, brent_->lower(), brent_->upper(), 0.5 * width));
+}
+
 Task<void> Bracketing::refine() {
     brent_.emplace(samples_, axes()[0].smallest(), axes()[0].start);
     while (!brent_->converged()) {
+        const auto vertex = curve_vertex();
+        if (vertex && std::abs(*vertex - brent_->best().x) <= axes()[0].smallest() && curve_.nearest(brent_->best().x) <= local * axes()[0].smallest()) break;
+        const bool use = vertex && *vertex > brent_->lower() && *vertex < brent_->upper() && *vertex != brent_->best().x;
+        const double before = brent_->best().x, next = use ? *vertex : brent_->next();
         std::vector<Point> points;
-        points.push_back({brent_->next()});
-        const std::vector<Value> values = co_await evaluate(points);
-        brent_->accept(values[0]);
+        points.push_back({next});
+        const std::vector<Value> values = co_await values_of(points);
+        use ? brent_->accept(next, values[0]) : brent_->accept(values[0]);
+        downhill_ = !use || brent_->best().x != before;
     }
 }
 

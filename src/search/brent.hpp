@@ -21,6 +21,8 @@ public:
     bool converged() const;
     double next() const { return propose().x; }
     void accept(Value f) { accept(propose(), f); } // the value at next()
+    void accept(double x, Value f) { accept({x, last_step_}, f); } // at another point within the bracket
+    double on_lattice(double u) const;
     const Sample& best() const { return x_; }
     double lower() const { return lower_; }
     double upper() const { return upper_; }
@@ -39,7 +41,6 @@ private:
     Proposal propose() const;
     void accept(const Proposal& proposal, Value f);
     bool allowed(double u) const;
-    double on_lattice(double u) const;
     std::optional<Vertex> vertex(Model model) const;
     std::optional<Vertex> parabola_vertex() const;
     std::optional<Vertex> corner_vertex() const;
