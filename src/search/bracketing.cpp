@@ -110,14 +110,17 @@ Task<void> Bracketing::refine() {
     brent_.emplace(samples_, axes()[0].smallest(), axes()[0].start);
     while (!brent_->converged()) {
         const auto vertex = curve_vertex();
-        if (vertex && std::abs(*vertex - brent_->best().x) <= axes()[0].smallest() && curve_.nearest(brent_->best().x) <= local * axes()[0].smallest()) break;
+        const bool there = vertex && std::abs(*vertex - brent_->best().x) <= axes()[0].smallest();
+        if (there && led_ && curve_.nearest(brent_->best().x) <= local * axes()[0].smallest()) break;
         const bool use = vertex && *vertex > brent_->lower() && *vertex < brent_->upper() && *vertex != brent_->best().x;
         const double before = brent_->best().x, next = use ? *vertex : brent_->next();
         std::vector<Point> points;
         points.push_back({next});
         const std::vector<Value> values = co_await values_of(points);
         use ? brent_->accept(next, values[0]) : brent_->accept(values[0]);
-        downhill_ = !use || brent_->best().x != before;
+        const bool better = brent_->best().x != before;
+        downhill_ = !use || better;
+        if (better) led_ = use;
     }
 }
 

@@ -39,6 +39,7 @@ private:
     std::vector<std::vector<double>> told_;
     ResidualCurve curve_;
     bool downhill_ = true; // the curve's last point was better than all before
+    bool led_ = false;     // the best point is one of the curve
 };
 
 } // namespace treacle::search

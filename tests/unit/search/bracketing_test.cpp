@@ -3,6 +3,9 @@
 #include "functions.hpp"
 
 #include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
 #include <set>
 
 namespace treacle::search {
@@ -52,6 +55,51 @@ TEST(Bracketing, FindsWhatNoModelDescribes) {
     EXPECT_LE(most_evaluations([](double x) { return std::sqrt(std::abs(x)); }), 16);
     EXPECT_LE(most_evaluations([](double x) { return std::pow(x, 4); }), 24);
     EXPECT_LE(most_evaluations([](double x) { return std::abs(x); }, 1e-6), 16);
+}
+
+// Displacements that level out far from the answer, each at its own pace, as contours do that have run off.
+std::vector<double> displacements(double x) {
+    std::vector<double> out;
+    for (int i = 1; i <= 30; ++i) out.push_back(4 * i * std::tanh(0.02 * i * x) + 0.3 * std::sin(9 * i));
+    return out;
+}
+
+double mean_loss(const std::vector<double>& residuals) {
+    double sum = 0;
+    for (const double r : residuals) sum += std::abs(r) <= 3 ? 0.5 * r * r : 3 * std::abs(r) - 4.5;
+    return sum / double(residuals.size());
+}
+
+// Evaluations until the stop; `told` makes residuals of a point.
+std::int64_t evaluations_with(double start, const std::function<std::vector<double>(double)>& told) {
+    Bracketing search(axis(start, 0.03));
+    while (!search.stopped()) {
+        const auto points = search.ask();
+        std::vector<std::vector<double>> residuals;
+        std::vector<Value> values;
+        for (const auto& x : points) {
+            residuals.push_back(told(x[0]));
+            values.push_back(Value::measured(mean_loss(displacements(x[0]))));
+        }
+        search.tell_residuals(residuals);
+        search.tell(values);
+    }
+    EXPECT_NEAR(search.best()->point[0], 0, 0.04) << "from " << start;
+    return search.evaluations();
+}
+
+TEST(Bracketing, ResidualsLeadToTheAnswerInFewerEvaluations) {
+    std::int64_t most = 0, most_without = 0;
+    for (const double start : starts) {
+        most = std::max(most, evaluations_with(start, displacements));
+        most_without = std::max(most_without, evaluations_with(start, [](double) { return std::vector<double>(); }));
+    }
+    EXPECT_LE(most, 8);
+    EXPECT_GE(most_without, most + 2);
+}
+
+TEST(Bracketing, ResidualsThatSayNothingDoNotLeadAstray) {
+    for (const double start : starts) EXPECT_LE(evaluations_with(start, [](double x) { return std::vector<double>{std::sin(100 * x), std::cos(70 * x), std::nan("")}; }), 16);
 }
 
 TEST(Bracketing, PointsLieOnALattice) {
