@@ -14,7 +14,9 @@ namespace {
 constexpr std::array orders{0.5, 0.75, 1.0, 1.25, 1.5}; // free surfaces are of first order
 constexpr std::array sizes{0.003, 0.01, 0.03, 0.1, 0.3, 1.0}; // of the coarsest rung's error
 constexpr std::array noise_factors{0.5, 0.71, 1.0, 1.41, 2.0, 2.83, 4.0};
+constexpr double order_deviation = 0.25; // of orders around 1, before the rungs are seen
 constexpr double impurity = 0.15;    // of a power of the spacing, relative
+constexpr int passes = 3;            // of the slope that the impurity is a part of
 constexpr double least_noise = 1e-5; // of values that are given without
 
 std::vector<Rung> ordered(std::span<const Rung> given) {
@@ -37,26 +39,29 @@ struct Model {
 };
 
 // The value as the constant of a linear regression with an even prior on it and a normal one on the slope, whose covariance
-// S = diag(s^2) + size^2 x x^T is inverted after Sherman and Morrison.
+// S = diag(s^2) + size^2 x x^T is inverted after Sherman and Morrison. What departs from the power is a part of the slope found.
 void judge(std::span<const Rung> rungs, Model& model) {
-    const double coarsest = rungs.back().spacing;
-    double ones = 0, one_x = 0, xx = 0, one_y = 0, xy = 0, yy = 0, determinant = 0;
-    for (const Rung& rung : rungs) {
-        const double h = rung.spacing / coarsest, x = std::pow(h, model.order), y = rung.value - rungs.front().value;
-        const double own = std::pow(model.noise * h, 2) + std::pow(impurity * model.size * x, 2);
-        ones += 1 / own;
-        one_x += x / own;
-        xx += x * x / own;
-        one_y += y / own;
-        xy += x * y / own;
-        yy += y * y / own;
-        determinant += std::log(own);
+    const double coarsest = rungs.back().spacing, square = model.size * model.size;
+    double slope = model.size;
+    for (int pass = 0; pass < passes; ++pass) {
+        double ones = 0, one_x = 0, xx = 0, one_y = 0, xy = 0, yy = 0, determinant = 0;
+        for (const Rung& rung : rungs) {
+            const double h = rung.spacing / coarsest, x = std::pow(h, model.order), y = rung.value - rungs.front().value;
+            const double own = std::pow(model.noise * h, 2) / rung.runs + std::pow(impurity * slope * x, 2);
+            ones += 1 / own;
+            one_x += x / own;
+            xx += x * x / own;
+            one_y += y / own;
+            xy += x * y / own;
+            yy += y * y / own;
+            determinant += std::log(own);
+        }
+        const double k = square / (1 + square * xx), information = ones - k * one_x * one_x;
+        model.value = (one_y - k * one_x * xy) / information;
+        model.variance = 1 / information;
+        model.evidence = -0.5 * (determinant + std::log(1 + square * xx) + std::log(information) + yy - k * xy * xy - model.value * model.value * information);
+        slope = std::min(model.size, std::abs(k * (xy - model.value * one_x)));
     }
-    const double square = model.size * model.size, k = square / (1 + square * xx);
-    const double information = ones - k * one_x * one_x;
-    model.value = (one_y - k * one_x * xy) / information;
-    model.variance = 1 / information;
-    model.evidence += -0.5 * (determinant + std::log(1 + square * xx) + std::log(information) + yy - k * xy * xy - model.value * model.value * information);
 }
 
 // Logarithm of the probability that the noise is `factor` times what was measured with n degrees of freedom: chi-square, and even in
@@ -68,8 +73,9 @@ std::vector<Model> models_of(std::span<const Rung> rungs, const RungNoise& noise
     for (const double order : orders) {
         for (const double size : sizes) {
             for (const double factor : noise_factors) {
-                Model model{order, size, std::max(least_noise, factor * noise.deviation), noise_evidence(factor, std::max(1, noise.freedom)), 0, 0};
+                Model model{order, size, std::max(least_noise, factor * noise.deviation), 0, 0, 0};
                 judge(rungs, model);
+                model.evidence += noise_evidence(factor, std::max(1, noise.freedom)) - 0.5 * std::pow((order - 1) / order_deviation, 2);
                 out.push_back(model);
             }
         }
@@ -104,7 +110,7 @@ Extrapolation extrapolate(std::span<const Rung> given, const RungNoise& noise) {
     }
     out.value = rungs.front().value + out.correction;
     out.deviation = std::sqrt(std::max(0.0, square - out.correction * out.correction));
-    out.noise = noise.deviation > 0 ? std::min(out.deviation, std::sqrt(noises) * finest) : 0;
+    out.noise = noise.deviation > 0 ? std::min(out.deviation, std::sqrt(noises / rungs.front().runs) * finest) : 0;
     out.text = text_of(out, std::sqrt(std::max(0.0, orders_square - out.order * out.order)), rungs.size());
     return out;
 }

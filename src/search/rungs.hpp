@@ -8,6 +8,7 @@ namespace treacle::search {
 struct Rung {
     double spacing = 0; // any unit
     double value = 0;
+    int runs = 1; // that the value is of: its noise is less by their square root
 };
 
 // The figure at spacing zero, and what is known of its error.
@@ -22,13 +23,13 @@ struct Extrapolation {
 
 // What is known of the values of rungs.
 struct RungNoise {
-    double deviation = 0; // standard deviation of the coarsest rung's value, as of other seeds and shifts by parts of a cell; 0: none
+    double deviation = 0; // standard deviation of a value of one run at the coarsest spacing, as of other seeds and shifts by parts of a cell; 0: none
     int freedom = 4;      // degrees of freedom that it was measured with
 };
 
 // (R1) value(h) = value + a (h / coarsest)^p (1 + 0.15 e) + n h / coarsest, with e of unit variance and the noise n. The value and its
-// variance are means over p of 0.5 to 1.5, over sizes of a from 0.3 % to 100 % and over what the noise may be by its degrees of freedom,
-// each with the probability that the rungs give it (Bayesian average of models; the value itself has an even prior). Values are
+// variance are means over p of 0.5 to 1.5 (1 +- 0.25 before the rungs are seen), over sizes of a from 0.3 % to 100 % and over what the noise may
+// be by its degrees of freedom, each with the probability that the rungs give it (Bayesian average of models; the value itself has an even prior). Values are
 // logarithms, so that a is relative. Throws InputError for fewer than two rungs, two of one spacing, or a spacing that is not positive.
 Extrapolation extrapolate(std::span<const Rung> rungs, const RungNoise& noise);
 
