@@ -5,7 +5,7 @@ import random
 import re
 import statistics
 
-from . import identify_container, identify_piv, identify_real, identify_templates
+from . import identify_container, identify_piv, identify_real, identify_rheology, identify_templates
 from .run import built, execute, scratch
 from .table import Figure, Table, Unmeasured
 
@@ -158,3 +158,4 @@ identify_container.add_rows(TABLE)
 identify_piv.add_rows(TABLE)
 identify_templates.add_rows(TABLE)
 identify_real.add_rows(TABLE)
+identify_rheology.add_rows(TABLE)
