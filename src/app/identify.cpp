@@ -45,6 +45,7 @@ ExitCode identify_study(const IdentifyRequest& request) {
     for (std::size_t k = 0; k < found.values.size(); ++k) {
         log.line(file.study.parameters[k].name + ": " + identify::identifiability(file, found, k));
     }
+    for (const auto& line : identify::trade_lines(file, found)) log.line(line);
     for (const auto& curve : curves) {
         for (const auto& line : identify::describe(curve)) log.line(line);
     }

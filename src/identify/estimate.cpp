@@ -58,11 +58,15 @@ double weighted_median(std::vector<std::pair<double, double>> values) { // value
 }
 
 // Noise of each experiment, by the segments that tell the parameters: those that do not move, along walls say, have no part in the noise.
-std::vector<double> robust_scales(const Vector& residuals, const Layout& layout, const Vector& telling) {
-    std::vector<std::vector<std::pair<double, double>>> sizes(layout.experiments);
-    for (std::size_t i = 0; i < layout.rows.size(); ++i) sizes[layout.rows[i].experiment].emplace_back(std::abs(residuals[Eigen::Index(i)]), telling[Eigen::Index(i)]);
+// pooled: the same for all, in units of what is usual of each.
+std::vector<double> robust_scales(const Vector& residuals, const Layout& layout, const Vector& telling, bool pooled) {
+    std::vector<std::vector<std::pair<double, double>>> sizes(pooled ? 1 : layout.experiments);
+    for (std::size_t i = 0; i < layout.rows.size(); ++i) {
+        sizes[pooled ? 0 : layout.rows[i].experiment].emplace_back(std::abs(residuals[Eigen::Index(i)]), telling[Eigen::Index(i)]);
+    }
     std::vector<double> out;
     for (auto& one : sizes) out.push_back(std::max(least_noise, 1.4826 * weighted_median(std::move(one))));
+    if (pooled) out.resize(layout.experiments, out.front());
     return out;
 }
 
@@ -119,6 +123,7 @@ struct FitOptions {
     double bend = 3;
     std::vector<double> dilution; // per experiment: how many correlated segments count as one
     Eigen::Index parameters = 0;  // columns before those of the views
+    Vector pull = {};             // slope of what is known beside the residuals; empty: none
 };
 
 Fit fit(const Vector& r, const Matrix& g, const Vector& size, const Matrix& information, const Layout& layout, const FitOptions& options) {
@@ -128,7 +133,7 @@ Fit fit(const Vector& r, const Matrix& g, const Vector& size, const Matrix& info
     out.noise.assign(layout.experiments, 1);
     for (int round = 0; round < rounds; ++round) {
         out.left = r + g * out.x;
-        if (!options.usual_noise) out.noise = robust_scales(out.left, layout, g.leftCols(options.parameters).rowwise().norm());
+        if (!options.usual_noise) out.noise = robust_scales(out.left, layout, g.leftCols(options.parameters).rowwise().norm(), options.parameters > 1);
         for (Eigen::Index i = 0; i < r.size(); ++i) {
             const auto e = layout.rows[std::size_t(i)].experiment;
             const double dilution = options.dilution.empty() ? 1 : options.dilution[e];
@@ -136,7 +141,9 @@ Fit fit(const Vector& r, const Matrix& g, const Vector& size, const Matrix& info
         }
         const Matrix weighted = out.weights.asDiagonal() * g;
         out.inverse = (g.transpose() * weighted + information).ldlt().solve(Matrix::Identity(g.cols(), g.cols()));
-        const Vector next = -out.inverse * (weighted.transpose() * r);
+        Vector slope = weighted.transpose() * r;
+        if (options.pull.size() > 0) slope += options.pull;
+        const Vector next = -out.inverse * slope;
         const double change = (next - out.x).norm();
         out.x = next;
         if (change <= 1e-10 * (1e-10 + out.x.norm())) break;
@@ -153,7 +160,8 @@ struct LocalModel {
     std::size_t runs = 0;
 };
 
-// Distances over which the local model may be fitted, of the logarithm of a viscosity: runs at `reach` count half.
+// Distances over which the local model may be fitted, of the logarithm of a viscosity: runs at `reach` count half. With several parameters
+// the model is linear, and less far.
 constexpr double reach = 0.3, farthest = 0.7;
 
 // Runs that the model is fitted to: all that are not far from the centre, and the nearest ones where these are too few. A model
@@ -165,7 +173,7 @@ std::vector<const EvaluatedRun*> runs_near(const std::vector<EvaluatedRun>& runs
     std::ranges::stable_sort(order, {}, &std::pair<double, const EvaluatedRun*>::first);
     std::vector<const EvaluatedRun*> out;
     for (const auto& [distance, run] : order) {
-        if (distance <= farthest || out.size() < wanted) out.push_back(run);
+        if (distance <= (p == 1 ? farthest : reach) || out.size() < wanted) out.push_back(run);
     }
     if (out.size() < p + 1) {
         throw InputError({"identify", "has " + std::to_string(out.size()) + " good runs", "its local model needs " + std::to_string(p + 1),
@@ -365,14 +373,14 @@ VarianceParts parts_of(Eigen::Index k, Eigen::Index p, const Matrix& changes, co
             part_of(out, views[first].part) += column.dot(information.block(at_view, at_view, count, count) * column);
         }
     }
+    out.range = a.row(k).head(p).dot(information.topLeftCorner(p, p) * a.row(k).head(p).transpose());
     return out;
 }
 
-// Covariance of the parameters, by blocks and by the views' priors.
+// Covariance of the parameters, by blocks and by the priors of views and ranges.
 Matrix covariance_of(const Matrix& changes, const Fit& fit, const Matrix& information, Eigen::Index p) {
-    const Matrix moves = changes.leftCols(p), by_view = fit.inverse.topRightCorner(p, fit.inverse.cols() - p);
-    const auto views = by_view.cols();
-    return moves.transpose() * moves + by_view * information.bottomRightCorner(views, views) * by_view.transpose();
+    const Matrix moves = changes.leftCols(p), by_priors = fit.inverse.topRows(p);
+    return moves.transpose() * moves + by_priors * information * by_priors.transpose();
 }
 
 const EvaluatedRun& least_of(const std::vector<EvaluatedRun>& runs, const std::vector<ViewInformation>& priors) {
@@ -416,7 +424,7 @@ std::vector<double> search_residuals(const EvaluatedRun& run, const std::vector<
 }
 
 double VarianceParts::total() const {
-    double sum = pixels + time + contour + camera + sheet + instrument + resolution + noise;
+    double sum = pixels + time + contour + camera + sheet + instrument + range + resolution + noise;
     for (const auto& [name, part] : measured) sum += part;
     return sum;
 }
@@ -431,7 +439,7 @@ double ninety_percent(const VarianceParts& parts, double freedom) {
     return z + (z3 + z) / (4 * n) + (5 * z5 + 16 * z3 + 3 * z) / (96 * n * n) + (3 * z7 + 19 * z5 + 17 * z3 - 15 * z) / (384 * n * n * n);
 }
 
-Estimate estimate(const std::vector<EvaluatedRun>& runs, const std::vector<ViewInformation>& priors, const std::vector<std::vector<EvaluatedRun>>& finer) {
+Estimate estimate(const std::vector<EvaluatedRun>& runs, const std::vector<ViewInformation>& priors, const std::vector<std::vector<EvaluatedRun>>& finer, const RangePrior& range) {
     if (runs.empty()) throw InputError({"identify", "has no good run", "all have failed", "look at their reasons in the table"});
     const auto p = runs.front().point.size();
     const auto* best = &least_of(finer.empty() ? runs : finer.back(), priors);
@@ -443,7 +451,9 @@ Estimate estimate(const std::vector<EvaluatedRun>& runs, const std::vector<ViewI
     }
     const auto size = sizes(*best, layout);
     const auto views = view_matrix(*best, layout);
-    const auto information = prior_matrix(priors, p);
+    auto information = prior_matrix(priors, p);
+    const bool bounded = range.lower.size() == p;
+    if (bounded) information.diagonal().head(p) = range.information();
 
     Estimate out;
     out.point = best->point;
@@ -455,10 +465,14 @@ Estimate estimate(const std::vector<EvaluatedRun>& runs, const std::vector<ViewI
             model = local_model(runs, layout, out.point);
             for (const auto& rung : finer) correct(model, rung, layout, out.point);
             g << model.gradient, views;
-            result = fit(model.value, g, size, information, layout, {false, 3, dilution, p});
-            const Vector step = result.x.head(p);
+            Vector pull = Vector::Zero(g.cols());
+            if (bounded) pull.head(p) = range.information().cwiseProduct(out.point - range.centre());
+            result = fit(model.value, g, size, information, layout, {false, 3, dilution, p, pull});
+            const Vector before = out.point;
             // Not far beyond the runs, where the model is a guess.
-            out.point += step / std::max(1.0, step.cwiseAbs().maxCoeff() / 0.5);
+            out.point += result.x.head(p) / std::max(1.0, result.x.head(p).cwiseAbs().maxCoeff() / 0.5);
+            if (bounded) out.point = out.point.cwiseMax(range.lower).cwiseMin(range.upper);
+            const Vector step = out.point - before;
             if (step.cwiseAbs().maxCoeff() < 1e-6) break;
         }
     };
@@ -469,11 +483,16 @@ Estimate estimate(const std::vector<EvaluatedRun>& runs, const std::vector<ViewI
     out.blocks = std::size_t(*std::ranges::max_element(blocks)) + 1;
     // Segments that share their noise must not outvote what is known of the view.
     auto dilution = inflation(result, g, block_changes(result, g, information, blocks), blocks, layout, p);
+    // Several parameters are told by the difference of experiments: with a noise of its own the one that the model explains worse would be
+    // given up for the others, step by step.
+    const auto alike = [&](double most) { if (p > 1) std::ranges::fill(dilution, most); };
+    alike(std::ranges::max(dilution));
     settle(dilution);
     for (int round = 0; round < rounds; ++round) {
         const auto excess = excesses(result.x.tail(result.x.size() - p), information.bottomRightCorner(views.cols(), views.cols()), *best);
         if (std::ranges::max(excess) <= 1) break;
         for (std::size_t e = 0; e < excess.size(); ++e) dilution[e] *= std::max(1.0, std::min(10.0, excess[e]));
+        alike(std::ranges::max(dilution));
         settle(dilution);
     }
 

@@ -14,6 +14,16 @@ struct EvaluatedRun {
     std::vector<RunResiduals> experiments;
 };
 
+// What is known of the parameters before any film, where there are several: that they lie within their ranges. Where films do not
+// tell them one by one, the answer is then a region that ends, and not a point at its end.
+struct RangePrior {
+    Eigen::VectorXd lower, upper; // [p] of the coordinates; empty: none is used
+
+    Eigen::VectorXd centre() const { return 0.5 * (lower + upper); }
+    // Of the variance of an even distribution over the range.
+    Eigen::VectorXd information() const { return 12 * (upper - lower).array().square().inverse(); }
+};
+
 // The search's objective: half of the weighted squares of the residuals in units of their usual noise, mean over segments,
 // with Huber's loss beyond `bend` noises, least over the view's parameters within their priors.
 double residual_objective(const EvaluatedRun& run, const std::vector<ViewInformation>& priors, double bend = 3);
@@ -26,6 +36,7 @@ std::vector<double> search_residuals(const EvaluatedRun& run, const std::vector<
 struct VarianceParts {
     double pixels = 0; // scatter of the residuals
     double time = 0, contour = 0, camera = 0, sheet = 0, instrument = 0;
+    double range = 0; // what is known by the ranges of the parameters alone
     double resolution = 0, noise = 0; // numerical; see Identification
     std::vector<std::pair<std::string, double>> measured; // by the measured values' names
     double total() const;
@@ -38,7 +49,7 @@ double ninety_percent(const VarianceParts& parts, double freedom);
 struct Estimate {
     Eigen::VectorXd point;      // [p]
     std::vector<VarianceParts> parts; // [p] of its variance
-    Eigen::MatrixXd covariance; // [p][p] of pixels and views
+    Eigen::MatrixXd covariance; // [p][p] of pixels, views and ranges
     std::vector<double> freedom; // [p] degrees of freedom of the part of the pixels: few where few blocks tell it
     std::vector<Eigen::VectorXd> view; // per experiment [view_count]: what the fit takes them for, less what was stated
     std::vector<double> noise;  // per experiment: standard deviation of a segment's residual in its unit, robust
@@ -59,7 +70,8 @@ struct Estimate {
 // own noise, and diluted by how many of its segments count as one. Throws InputError where the runs do not determine it.
 // finer: runs at one or more other resolutions, or with another change, in order. Then r is that of the last of them; g of the runs
 // before is corrected along the directions in which each resolution has several runs (a multisecant update, Fang & Saad 2009).
+// range: what else is known of several parameters; the point stays within it.
 Estimate estimate(const std::vector<EvaluatedRun>& runs, const std::vector<ViewInformation>& priors,
-                  const std::vector<std::vector<EvaluatedRun>>& finer = {});
+                  const std::vector<std::vector<EvaluatedRun>>& finer = {}, const RangePrior& range = {});
 
 } // namespace treacle::identify

@@ -2,6 +2,7 @@
 
 #include "base/error.hpp"
 #include "base/text.hpp"
+#include "identify/directions.hpp"
 #include "identify/profile.hpp"
 #include "search/bracketing.hpp"
 #include "search/cma_es.hpp"
@@ -202,6 +203,12 @@ Wanted runs_around(const Estimate& estimate, const std::vector<EvaluatedRun>& go
     constexpr double reach = 0.12, near = 0.03; // of the logarithm of a viscosity
     Wanted out;
     const auto p = std::size_t(estimate.point.size());
+    if (p > 1) {
+        std::vector<Eigen::VectorXd> points;
+        for (const auto& run : good) points.push_back(run.point);
+        for (const auto& point : points_to_span(estimate.point, points, axes)) out.push_back({point, {"around the answer"}});
+        return out;
+    }
     for (std::size_t k = 0; k < p; ++k) {
         for (const double side : {-reach, 0.0, reach}) {
             search::Point point(estimate.point.data(), estimate.point.data() + p);
@@ -282,7 +289,7 @@ bool settle_rung(const StudyFile& file, const Priors& priors, Trials& trials, st
         const auto run = trials.run({rung_runs(file, point_of(next))[rung]}).front();
         if (!run) break; // its failure stands in the table; the others say what they can
         finer.back().push_back(*run);
-        point = estimate(trials.good(), priors, finer).point;
+        point = estimate(trials.good(), priors, finer, range_prior(file)).point;
         const auto distance = [&](const EvaluatedRun& one) { return (one.point - point).cwiseAbs().maxCoeff(); };
         const bool moved = std::ranges::all_of(finer.back(), [&](const EvaluatedRun& one) { return distance(one) > near; });
         next = point;
@@ -311,8 +318,8 @@ void take_fit(const Estimate& finest, Estimate& out) {
     out.alike = alike;
 }
 
-search::Extrapolation at_finest(double value, search::Extrapolation found) {
-    found.value = value;
+search::Extrapolation at_finest(search::Extrapolation found) {
+    found.value -= found.correction;
     found.correction = 0;
     found.deviation = found.noise;
     found.text = "the answer is that of the finest rung, as the study asks";
@@ -323,29 +330,36 @@ search::Extrapolation at_finest(double value, search::Extrapolation found) {
 void climb_rungs(const StudyFile& file, const Priors& priors, Trials& trials, Identification& out) {
     const auto& parameter = file.study.parameters[file.searched + file.measured];
     auto point = out.estimate->point;
-    std::vector<std::vector<search::Rung>> rungs(file.searched);
-    const auto keep = [&](const std::string& word) {
+    std::vector<ResolutionAnswer> answers;
+    const auto keep = [&](const std::string& word, std::size_t runs) {
+        constexpr std::size_t near = 2; // runs that are near enough to the answer to lessen its noise
         RungAnswer answer{word, {}};
-        for (std::size_t k = 0; k < file.searched; ++k) {
-            rungs[k].push_back({*parameter.number(word), point[Eigen::Index(k)]});
-            answer.values.push_back(value_of(file.study.parameters[k], point[Eigen::Index(k)]));
-        }
+        for (std::size_t k = 0; k < file.searched; ++k) answer.values.push_back(value_of(file.study.parameters[k], point[Eigen::Index(k)]));
+        answers.push_back({*parameter.number(word), int(std::min(runs, near)), point});
         out.rungs.push_back(answer);
     };
-    keep(parameter.values.front());
+    keep(parameter.values.front(), out.estimate->runs);
     std::vector<std::vector<EvaluatedRun>> finer;
     for (std::size_t i = 1; i < parameter.values.size(); ++i) {
-        if (settle_rung(file, priors, trials, finer, i - 1, point)) keep(parameter.values[i]);
+        if (settle_rung(file, priors, trials, finer, i - 1, point)) keep(parameter.values[i], finer.back().size());
     }
     if (finer.empty()) return;
-    take_fit(estimate(trials.good(), priors, finer), *out.estimate);
+    take_fit(estimate(trials.good(), priors, finer, range_prior(file)), *out.estimate);
+    auto resolved = extrapolate_answers(answers, out.estimate->covariance, out.noise, file.search.noise_runs);
+    if (file.search.answer == Answer::finest) {
+        resolved.value = answers.back().value;
+        resolved.resolution.setZero();
+        for (auto& one : resolved.axes) one = at_finest(one);
+    }
+    out.resolved = resolved.value;
+    if (const auto range = range_prior(file); range.lower.size() > 0) out.resolved = resolved.value.cwiseMax(range.lower).cwiseMin(range.upper);
+    out.corrections = resolved.axes;
+    out.noise = resolved.noise;
+    out.covariance += resolved.resolution;
     for (std::size_t k = 0; k < file.searched; ++k) {
-        auto& parts = out.estimate->parts[k];
-        auto one = search::extrapolate(rungs[k], {std::sqrt(parts.noise), std::max(1, file.search.noise_runs)});
-        if (file.search.answer == Answer::finest) one = at_finest(rungs[k].back().value, one);
-        out.corrections.push_back(one);
-        parts.noise = one.noise * one.noise;
-        parts.resolution = one.deviation * one.deviation - parts.noise;
+        const auto i = Eigen::Index(k);
+        out.estimate->parts[k].noise = resolved.noise(i, i);
+        out.estimate->parts[k].resolution = resolved.resolution(i, i);
     }
 }
 
@@ -353,15 +367,13 @@ void climb_rungs(const StudyFile& file, const Priors& priors, Trials& trials, Id
 void measure_noise(const StudyFile& file, const Priors& priors, Trials& trials, Identification& out) {
     std::vector<Eigen::VectorXd> answers{out.estimate->point};
     for (const auto& run : trials.run(noise_runs(file, point_of(out.estimate->point)))) {
-        if (run) answers.push_back(estimate(trials.good(), priors, {{*run}}).point);
+        if (run) answers.push_back(estimate(trials.good(), priors, {{*run}}, range_prior(file)).point);
     }
     if (answers.size() < 2) return;
-    for (std::size_t k = 0; k < file.searched; ++k) {
-        double mean = 0, square = 0;
-        for (const auto& one : answers) mean += one[Eigen::Index(k)] / double(answers.size());
-        for (const auto& one : answers) square += std::pow(one[Eigen::Index(k)] - mean, 2);
-        out.estimate->parts[k].noise = square / double(answers.size() - 1);
-    }
+    Eigen::VectorXd mean = Eigen::VectorXd::Zero(out.estimate->point.size());
+    for (const auto& one : answers) mean += one / double(answers.size());
+    for (const auto& one : answers) out.noise += (one - mean) * (one - mean).transpose() / double(answers.size() - 1);
+    for (std::size_t k = 0; k < file.searched; ++k) out.estimate->parts[k].noise = out.noise(Eigen::Index(k), Eigen::Index(k));
 }
 
 // What a standard deviation of each measured value does to the answer.
@@ -375,24 +387,23 @@ void vary_measured(const StudyFile& file, const Priors& priors, Trials& trials, 
         const auto run = trials.run({wanted}).front();
         if (!run) throw InputError({parameter.where, "the run with " + parameter.name + " raised by " + format_number(step) + " failed", "its share of the interval is not known",
                                     "see the table for the reason"});
-        const auto shifted = estimate(trials.good(), priors, {{*run}}).point;
-        for (std::size_t k = 0; k < file.searched; ++k) {
-            const double shift = (shifted[Eigen::Index(k)] - point[Eigen::Index(k)]) * deviation / step;
-            out.estimate->parts[k].measured.emplace_back(parameter.name, shift * shift);
-        }
+        const Eigen::VectorXd shift = (estimate(trials.good(), priors, {{*run}}, range_prior(file)).point - point) * deviation / step;
+        for (std::size_t k = 0; k < file.searched; ++k) out.estimate->parts[k].measured.emplace_back(parameter.name, shift[Eigen::Index(k)] * shift[Eigen::Index(k)]);
+        out.covariance += shift * shift.transpose();
     }
 }
 
 void say_answer(const StudyFile& file, Identification& out) {
     const auto& estimate = *out.estimate;
-    out.covariance = estimate.covariance;
+    out.covariance += estimate.covariance + out.noise;
+    const Eigen::VectorXd answer = out.resolved.size() > 0 ? out.resolved : estimate.point;
     for (std::size_t k = 0; k < file.searched; ++k) { // what else there is moves each parameter by itself
         const auto i = Eigen::Index(k);
         out.covariance(i, i) = std::max(out.covariance(i, i), estimate.parts[k].total());
     }
     for (std::size_t k = 0; k < file.searched; ++k) {
         const auto& parameter = file.study.parameters[k];
-        const double x = out.corrections.empty() ? estimate.point[Eigen::Index(k)] : out.corrections[k].value;
+        const double x = answer[Eigen::Index(k)];
         const double half = ninety_percent(estimate.parts[k], estimate.freedom[k]) * std::sqrt(estimate.parts[k].total());
         const bool log = parameter.scale == study::Scale::log;
         const auto at = [&](double y) { return log ? std::exp(y) : y; };
@@ -408,7 +419,7 @@ Wanted expected_runs(const StudyFile& file, const Priors& priors, const Trials& 
     if (!trials.speculates()) return out;
     for (const auto& point : search.speculate()) out.push_back({point, {}});
     if (trials.good().size() <= file.searched) return out;
-    const auto so_far = estimate(trials.good(), priors);
+    const auto so_far = estimate(trials.good(), priors, {}, range_prior(file));
     for (const auto& one : runs_around(so_far, trials.good(), search.axes())) out.push_back(one);
     for (const auto& one : later_runs(file, point_of(so_far.point))) out.push_back(one);
     return out;
@@ -437,12 +448,12 @@ void search_and_estimate(const StudyFile& file, const Priors& priors, Trials& tr
     }
     out.stop = search->stopped()->text;
     for (int round = 0; round < 2; ++round) {
-        const auto more = runs_around(estimate(trials.good(), priors), trials.good(), search->axes());
+        const auto more = runs_around(estimate(trials.good(), priors, {}, range_prior(file)), trials.good(), search->axes());
         if (more.empty()) break;
         trials.offer(expected_runs(file, priors, trials, *search));
         trials.run(more);
     }
-    out.estimate = estimate(trials.good(), priors);
+    out.estimate = estimate(trials.good(), priors, {}, range_prior(file));
     trials.offer(later_runs(file, point_of(out.estimate->point)));
 }
 } // namespace
@@ -488,6 +499,18 @@ ViewInformation information_of(const ViewUncertainty& uncertainty, const std::op
     return out;
 }
 
+RangePrior range_prior(const StudyFile& file) {
+    RangePrior out;
+    if (file.searched < 2) return out;
+    const auto axes = axes_of(file);
+    out.lower = out.upper = Eigen::VectorXd(Eigen::Index(axes.size()));
+    for (std::size_t k = 0; k < axes.size(); ++k) {
+        out.lower[Eigen::Index(k)] = axes[k].lower;
+        out.upper[Eigen::Index(k)] = axes[k].upper;
+    }
+    return out;
+}
+
 void check_searched(const StudyFile& file, const study::SceneReader& read_scene) {
     search_of(file);
     check_scatter_is_measured(file);
@@ -501,6 +524,7 @@ void check_searched(const StudyFile& file, const study::SceneReader& read_scene)
 
 Identification identify(const StudyFile& file, const Priors& priors, study::StudyRuns& runs, const study::SceneReader& read_scene, Log& log) {
     Identification out;
+    out.noise = out.covariance = Eigen::MatrixXd::Zero(Eigen::Index(file.searched), Eigen::Index(file.searched));
     Trials trials(file, priors, runs, read_scene, log, out);
     try {
         search_and_estimate(file, priors, trials, out);

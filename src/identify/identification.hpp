@@ -28,12 +28,17 @@ struct Identification {
     std::vector<Trial> trials;    // in their order
     std::optional<Estimate> estimate; // nothing when stopped, or without good runs; its point is that of the search's spacing
     std::vector<RungAnswer> rungs;    // the coarsest first
-    std::vector<search::Extrapolation> corrections; // [p] to spacing 0, of the coordinates
+    std::vector<search::Extrapolation> corrections; // [p] to spacing 0, along the principal axes of the coordinates
+    Eigen::VectorXd resolved;      // [p] coordinates at spacing 0; empty without rungs
+    Eigen::MatrixXd noise;         // [p][p] of the coordinates, numerical
     std::vector<double> values;   // [p] identified, in the parameters' units
     std::vector<double> low, high; // ends of the 90 % interval
-    Eigen::MatrixXd covariance;    // [p][p] of the coordinates (the logarithm of a viscosity), its diagonal the sum of all parts
+    Eigen::MatrixXd covariance;    // [p][p] of the coordinates (the logarithm of a viscosity), of all parts
     std::string problem;          // why there is no estimate
 };
+
+// What is known of several parameters by their ranges; nothing of one.
+RangePrior range_prior(const StudyFile& file);
 
 // The trial that looks most like the films; null without one.
 const Trial* best_trial(const Identification& identification);

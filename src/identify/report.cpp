@@ -2,6 +2,7 @@
 
 #include "base/file.hpp"
 #include "base/text.hpp"
+#include "identify/directions.hpp"
 #include "identify/profile.hpp"
 #include "identify/report_fields.hpp"
 #include "identify/report_pictures.hpp"
@@ -104,6 +105,7 @@ std::vector<std::pair<std::string, double>> shares(const VarianceParts& parts, c
     const auto any = [&](ExperimentKind kind) { return std::ranges::any_of(file.experiments, [&](const auto& one) { return one.kind == kind; }); };
     std::vector<std::pair<std::string, double>> out{{only(file, ExperimentKind::contours) ? "pixels" : only(file, ExperimentKind::piv) ? "vectors" : "scatter", parts.pixels},
                                                     {"time zero", parts.time}};
+    if (file.searched > 1) out.emplace_back("range", parts.range);
     if (any(ExperimentKind::contours)) out.insert(out.end(), {{"contour", parts.contour}, {"camera", parts.camera}});
     if (any(ExperimentKind::piv)) out.emplace_back("sheet", parts.sheet);
     if (any(ExperimentKind::series)) out.emplace_back("instrument", parts.instrument);
@@ -178,6 +180,7 @@ std::string html(const StudyFile& file, const Identification& identification, co
     for (std::size_t k = 0; k < identification.values.size(); ++k) {
         out += "<p>" + file.study.parameters[k].name + ": " + identifiability(file, identification, k) + "</p>\n";
     }
+    for (const auto& line : trade_lines(file, identification)) out += "<p>" + line + "</p>\n";
     for (const auto& note : notes(file)) out += "<p>" + note + "</p>\n";
     const auto said = verdict(file, identification);
     if (!said.empty()) out += "<p class=\"warn\">" + said + "</p>\n";
@@ -279,6 +282,13 @@ std::string identifiability(const StudyFile& file, const Identification& identif
     const bool wide = parameter.scale == study::Scale::log ? high / low > 4 : high - low > 0.5 * span;
     if (!wide) return "well determined";
     return prescribed ? "not identifiable: within a factor of " + digits(high / low, 2) + why : "poorly determined: a film of faster flow, of more of it, or from nearer by tells more";
+}
+
+std::vector<std::string> trade_lines(const StudyFile& file, const Identification& identification) {
+    if (!identification.estimate) return {};
+    std::vector<std::string> names;
+    for (std::size_t k = 0; k < file.searched; ++k) names.push_back(file.study.parameters[k].name);
+    return trades(names, identification.covariance);
 }
 
 std::string verdict(const StudyFile& file, const Identification& identification) {

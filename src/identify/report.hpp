@@ -20,6 +20,9 @@ std::vector<std::string> answer_lines(const StudyFile& file, const Identificatio
 // Whether the films tell a parameter: "well determined", or why not, in words.
 std::string identifiability(const StudyFile& file, const Identification& identification, std::size_t parameter);
 
+// Which parameters trade with each other, a sentence a pair. May be empty.
+std::vector<std::string> trade_lines(const StudyFile& file, const Identification& identification);
+
 // What the misfit says of the model, a sentence an experiment: empty when what is left over is noise.
 std::string verdict(const StudyFile& file, const Identification& identification);
 

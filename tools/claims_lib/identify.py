@@ -5,7 +5,7 @@ import random
 import re
 import statistics
 
-from . import identify_container, identify_piv, identify_real, identify_templates, identify_trust
+from . import identify_container, identify_piv, identify_real, identify_rheology, identify_templates, identify_trust
 from .run import built, execute, scratch
 from .table import Figure, Table, Unmeasured
 
@@ -158,4 +158,5 @@ identify_container.add_rows(TABLE)
 identify_piv.add_rows(TABLE)
 identify_templates.add_rows(TABLE)
 identify_real.add_rows(TABLE)
+identify_rheology.add_rows(TABLE)
 identify_trust.add_rows(TABLE)

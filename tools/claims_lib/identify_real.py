@@ -1,6 +1,7 @@
 """Rows of `identify` on real dam breaks between clear walls: silhouettes of lotion and milk, beside their rheometer's curves."""
 
 import math
+import pathlib
 import re
 import shutil
 
@@ -87,22 +88,35 @@ def walls_polygon(text, height, width, depth):
     return " ".join(f"{x:.0f},{y:.0f}" for x, y in hull(corners))
 
 
-def newtonian(context, name):
-    """Viscosity [Pa s] by one parameter, that of the rheometer at the flow's mean shear rate [1/s], the rate, misfit [px]."""
-    data = context.root.parent / "shared" / "data" / "virheometry"
+def dam_breaks():
+    """Folder of the real dam breaks."""
+    data = pathlib.Path(__file__).resolve().parents[2].parent / "shared" / "data" / "virheometry"
     if not data.is_dir():
         raise Unmeasured("needs ../shared/data/virheometry")
-    treacle, experiment = built(context, "treacle"), data / "experiments" / name
+    return data
+
+
+def prepare(context, name, folder):
+    """Camera, masks and scene of a block in a folder; the time [s] of its last mask."""
+    experiment = dam_breaks() / "experiments" / name
     height, width, depth, rungs = BLOCKS[name]
-    text = (experiment / "camera_params.xml").read_text()
-    last = len(list(experiment.glob("config_*.png"))) / 24
-    with scratch(context, name) as folder:
-        shutil.copy(experiment / "camera_params.xml", folder / "camera.xml")
-        polygon = walls_polygon(text, height, width, depth)
-        execute(context, [treacle, "silhouettes", experiment, "--method", "masks", "--rate", 24, "--out", folder / "masks", "--no-overlay", "--set",
+    folder.mkdir(parents=True, exist_ok=True)
+    shutil.copy(experiment / "camera_params.xml", folder / "camera.xml")
+    polygon = walls_polygon((experiment / "camera_params.xml").read_text(), height, width, depth)
+    if not (folder / "masks").is_dir():
+        execute(context, [built(context, "treacle"), "silhouettes", experiment, "--method", "masks", "--rate", 24, "--out", folder / "masks", "--no-overlay", "--set",
                           f'exclusions=[{{polygon: "{polygon}"}}]'])
-        (folder / "scene.yaml").write_text(SCENE.format(spacing=rungs[0], width=width, height=height, depth=depth, behind=-0.013, before=depth + 0.013,
-                                                        x_max=width + 0.17, y_max=height + 0.01, z_min=-0.06, z_max=depth + 0.06, end=last + 0.01))
+    last = len(list(experiment.glob("config_*.png"))) / 24
+    (folder / "scene.yaml").write_text(SCENE.format(spacing=rungs[0], width=width, height=height, depth=depth, behind=-0.013, before=depth + 0.013,
+                                                    x_max=width + 0.17, y_max=height + 0.01, z_min=-0.06, z_max=depth + 0.06, end=last + 0.01))
+    return last
+
+
+def newtonian(context, name):
+    """Viscosity [Pa s] by one parameter, that of the rheometer at the flow's mean shear rate [1/s], the rate, misfit [px]."""
+    data, treacle, rungs = dam_breaks(), built(context, "treacle"), BLOCKS[name][3]
+    with scratch(context, name) as folder:
+        last = prepare(context, name, folder)
         (folder / "study.yaml").write_text(STUDY.format(camera="camera.xml", zero=-1 / 24, last=last + 0.002,
                                                         rungs=", ".join(f"{one} mm" for one in (rungs[:2] if context.quick else rungs))))
         said = execute(context, [treacle, "identify", folder / "study.yaml", "--out", folder / "out", "--compare-curve", data / "rheometer" / CURVES[name.split("_")[0]]],

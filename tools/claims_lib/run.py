@@ -177,6 +177,20 @@ def scratch(context, name):
             shutil.rmtree(folder, ignore_errors=True)
 
 
+@contextlib.contextmanager
+def kept(context, name):
+    """A folder that stays when the row is stopped, so that its commands go on there; gone once it has its figure, or for another build."""
+    program = built(context, "treacle").stat()
+    folder, stamp = context.scratch / name.replace(" ", "_"), f"{program.st_size} {program.st_mtime_ns} {context.quick}"
+    if (folder / "build").is_file() and (folder / "build").read_text() != stamp:
+        shutil.rmtree(folder)
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / "build").write_text(stamp)
+    yield folder
+    if not os.environ.get("TREACLE_KEEP"):
+        shutil.rmtree(folder, ignore_errors=True)
+
+
 def run_scene(context, scene, folder, *, ranks=2, set=None, arguments=(), **options):
     """treacle run SCENE --out FOLDER with overrides {key: value}; returns the RunFolder."""
     overrides = [word for key, value in (set or {}).items() for word in ("--set", f"{key}={value}")]

@@ -1,0 +1,37 @@
+#pragma once
+#include "search/rungs.hpp"
+#include "search/search.hpp"
+
+#include <Eigen/Dense>
+
+#include <string>
+#include <vector>
+
+namespace treacle::identify {
+
+// Points around an answer of several parameters that a local model needs beside those that there are: the answer itself, and a step
+// along each direction in which no points near by lie. Within the bounds of the axes.
+std::vector<search::Point> points_to_span(const Eigen::VectorXd& answer, const std::vector<Eigen::VectorXd>& points, const std::vector<search::Axis>& axes);
+
+// Answers at spacing zero, [p] of the coordinates.
+struct ResolvedAnswer {
+    Eigen::VectorXd value;
+    Eigen::MatrixXd resolution, noise; // covariances
+    std::vector<search::Extrapolation> axes; // [p] along the principal axes
+};
+
+// Extrapolates answers along the principal axes of their covariance, by which they are independent: parameters that trade
+// with each other move together from rung to rung, and apart each would look wild. noise: covariance of the coarsest rung's answer
+// by the numerical noise of one run, measured by `noise_runs`. One parameter is itself.
+struct ResolutionAnswer {
+    double spacing = 0; // [m]
+    int runs = 1;       // that the answer is of
+    Eigen::VectorXd value; // [p]
+};
+ResolvedAnswer extrapolate_answers(const std::vector<ResolutionAnswer>& answers, const Eigen::MatrixXd& covariance, const Eigen::MatrixXd& noise, int noise_runs);
+
+// Which parameters trade with each other, by the covariance of their coordinates: a sentence for each pair that does, with the
+// combination that is known best. Empty for one parameter.
+std::vector<std::string> trades(const std::vector<std::string>& names, const Eigen::MatrixXd& covariance);
+
+} // namespace treacle::identify
