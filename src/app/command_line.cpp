@@ -76,10 +76,10 @@ double read_wall_limit(const std::string& text) {
 
 struct SourceWords {
     std::string scene;
-    Words overrides, data;
+    Words overrides, data, materials;
 
     InputSource source(const Comm& comm) const {
-        return {find_scene(comm, scene), overrides, {data.begin(), data.end()}, {}};
+        return {find_scene(comm, scene), overrides, {data.begin(), data.end()}, {}, materials};
     }
 };
 
@@ -96,6 +96,12 @@ void add_source(CLI::App& app, SourceWords& words) {
     add_repeated(app, "--data", words.data, "Folder in which meshes are looked up.");
 }
 
+void add_materials(CLI::App& app, SourceWords& words) {
+    add_repeated(app, "--material", words.materials,
+                 "Give a liquid of the scene what `treacle identify` found, from its result.yaml: FILE; FILE:NAME where that has several "
+                 "liquids; LIQUID=FILE where the scene has. What --set says counts more.");
+}
+
 void add_petsc(CLI::App& app, Chosen& chosen) {
     app.add_option("--petsc", chosen.petsc, "Options for PETSc, as in \"-pressure_pc_type sor -log_view\"")
         ->type_name("OPTIONS");
@@ -109,6 +115,7 @@ void add_run(CLI::App& program, Chosen& chosen, const Words& arguments) {
     auto words = std::make_shared<RunWords>();
     auto& app = *program.add_subcommand("run", "Run a scene; under mpirun on all its ranks.");
     add_source(app, *words);
+    add_materials(app, *words);
     app.add_option("--out", words->out, "Folder for the results (default: out/NAME)")->type_name("DIR");
     app.add_flag("--overwrite", words->overwrite, "Replace the results of an earlier run in that folder");
     app.add_option("--wall-limit", words->wall_limit,
@@ -166,6 +173,7 @@ void add_check(CLI::App& program, Chosen& chosen) {
         *program.add_subcommand("check", "Everything short of running: keys, files, meshes, overlaps, "
                                          "particles, memory, time step, dimensionless numbers; of a study its runs and their memory.");
     add_source(app, *words);
+    add_materials(app, *words);
     app.add_option("--picture", words->picture, "Draw the particles at the start into this PNG")
         ->type_name("FILE");
     app.callback([words, &chosen] {
@@ -173,6 +181,9 @@ void add_check(CLI::App& program, Chosen& chosen) {
             return [words](const Comm& comm) {
                 const auto file = find_scene(comm, words->scene);
                 if (is_study(file)) {
+                    if (!words->materials.empty()) {
+                        throw InputError({"--material", "has no effect on a study", "its scenes have liquids of their own, which it searches", "give a scene, or leave it out"});
+                    }
                     comm.guard_root([&] { check_study(file, words->overrides); });
                     return ExitCode::ok;
                 }
