@@ -10,13 +10,13 @@
 #include "app/info.hpp"
 #include "app/liquid_picture.hpp"
 #include "app/manual.hpp"
+#include "app/option_values.hpp"
 #include "app/render.hpp"
 #include "app/run.hpp"
 #include "app/study_check.hpp"
 #include "app/study_commands.hpp"
 #include "app/video_commands.hpp"
 #include "base/text.hpp"
-#include "base/units.hpp"
 #include "identify/study_file.hpp"
 #include "scene/materials.hpp"
 
@@ -60,18 +60,6 @@ std::filesystem::path find_scene(const Comm& comm, const std::string& name) {
                           "`treacle schema` describes it"});
     });
     return comm.broadcast(path.string());
-}
-
-double read_wall_limit(const std::string& text) {
-    if (text.empty()) return 0;
-    const auto read = read_quantity(text, unit::time);
-    if (const auto* complaint = std::get_if<Complaint>(&read)) {
-        throw InputError({"--wall-limit " + text, complaint->must, complaint->reason, complaint->cure});
-    }
-    const double seconds = std::get<double>(read);
-    if (seconds > 0) return seconds;
-    throw InputError(
-        {"--wall-limit " + text, "must be > 0", "it is a length of time", "write for instance 2h"});
 }
 
 struct SourceWords {
@@ -287,6 +275,7 @@ struct RenderWords {
     std::string folder, field = "speed", map = "viridis", range, camera, style = "spheres",
                         background = "white";
     std::string frames, size, movie, out, cut;
+    Words colours;
     double frames_per_second = 0;
     bool no_movie = false;
 };
@@ -303,6 +292,7 @@ RenderRequest render_request(const RenderWords& words) {
     if (request.field == no_field && request.style == Style::spheres)
         throw InputError({"--field none", "leaves balls without a colour", "liquids have colours of their own with --style surface only", "add it, or name a field"});
     request.background = words.background == "white" ? video::Background::white : video::Background::dark;
+    request.colours = words.colours;
     request.frames = words.frames;
     request.frames_per_second = words.frames_per_second;
     if (!words.size.empty()) request.size = read_picture_size(words.size);
@@ -331,6 +321,7 @@ void add_render(CLI::App& program, Chosen& chosen) {
     app.add_option("--style", words->style, "spheres (default): every particle; surface: the closed mesh of export --to surface")
         ->check(CLI::IsMember({"spheres", "surface"}))
         ->type_name("STYLE");
+    add_repeated(app, "--colour,--color", words->colours, "With --field none: a liquid's own colour, honey=#d68018.");
     app.add_option("--cut", words->cut,
                    "Leave out what is on the camera's side of a plane and show the section: \"x=5 cm\", or point; normal: \"10 0 5 cm; 1 0 1\"")
         ->type_name("PLANE");
