@@ -131,7 +131,7 @@ BenchCase prepare(const Comm& comm, const BenchRequest& request) {
                               "its liquid grows with the number of ranks",
                               "leave out --scene, or use bench strong"});
         } else {
-            out.input = load_scene({request.scene, request.overrides, {}, {}});
+            out.input = load_scene({request.scene, request.overrides, {}, {}, {}});
         }
         check_supported(out.input);
         out.geometry = build_geometry(out.input);

@@ -44,7 +44,7 @@ LoadedScene load(const CalibrateRequest& request, const std::string& option) {
     LoadedScene out;
     fs::path path = request.scene;
     if (fs::is_directory(path)) path /= "scene.yaml";
-    out.input = load_scene({path, request.overrides, {request.data.begin(), request.data.end()}, {}});
+    out.input = load_scene({path, request.overrides, {request.data.begin(), request.data.end()}, {}, {}});
     out.geometry = build_geometry(out.input);
     return out;
 }

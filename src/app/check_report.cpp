@@ -133,6 +133,10 @@ void Report::liquids() {
         const std::string viscosity = liquid.varies() ? "up to " + short_number(largest_viscosity(liquid))
                                                       : short_number(liquid.viscosity);
         row(liquid.name, short_number(liquid.density) + " kg/m3, " + viscosity + " Pa s");
+        for (const auto& transfer : at_.input.transfers) {
+            if (transfer.index != i) continue;
+            for (const auto& line : describe(transfer)) row("", line);
+        }
         std::uint64_t count = 0;
         for (const int which : at_.preview.liquid.liquids) count += which == static_cast<int>(i);
         const double d = at_.preview.lattice.spacing;

@@ -10,13 +10,13 @@
 #include "app/info.hpp"
 #include "app/liquid_picture.hpp"
 #include "app/manual.hpp"
+#include "app/option_values.hpp"
 #include "app/render.hpp"
 #include "app/run.hpp"
 #include "app/study_check.hpp"
 #include "app/study_commands.hpp"
 #include "app/video_commands.hpp"
 #include "base/text.hpp"
-#include "base/units.hpp"
 #include "identify/study_file.hpp"
 #include "scene/materials.hpp"
 
@@ -62,24 +62,12 @@ std::filesystem::path find_scene(const Comm& comm, const std::string& name) {
     return comm.broadcast(path.string());
 }
 
-double read_wall_limit(const std::string& text) {
-    if (text.empty()) return 0;
-    const auto read = read_quantity(text, unit::time);
-    if (const auto* complaint = std::get_if<Complaint>(&read)) {
-        throw InputError({"--wall-limit " + text, complaint->must, complaint->reason, complaint->cure});
-    }
-    const double seconds = std::get<double>(read);
-    if (seconds > 0) return seconds;
-    throw InputError(
-        {"--wall-limit " + text, "must be > 0", "it is a length of time", "write for instance 2h"});
-}
-
 struct SourceWords {
     std::string scene;
-    Words overrides, data;
+    Words overrides, data, materials;
 
     InputSource source(const Comm& comm) const {
-        return {find_scene(comm, scene), overrides, {data.begin(), data.end()}, {}};
+        return {find_scene(comm, scene), overrides, {data.begin(), data.end()}, {}, materials};
     }
 };
 
@@ -96,6 +84,12 @@ void add_source(CLI::App& app, SourceWords& words) {
     add_repeated(app, "--data", words.data, "Folder in which meshes are looked up.");
 }
 
+void add_materials(CLI::App& app, SourceWords& words) {
+    add_repeated(app, "--material", words.materials,
+                 "Give a liquid of the scene what `treacle identify` found, from its result.yaml: FILE; FILE:NAME where that has several "
+                 "liquids; LIQUID=FILE where the scene has. What --set says counts more.");
+}
+
 void add_petsc(CLI::App& app, Chosen& chosen) {
     app.add_option("--petsc", chosen.petsc, "Options for PETSc, as in \"-pressure_pc_type sor -log_view\"")
         ->type_name("OPTIONS");
@@ -109,6 +103,7 @@ void add_run(CLI::App& program, Chosen& chosen, const Words& arguments) {
     auto words = std::make_shared<RunWords>();
     auto& app = *program.add_subcommand("run", "Run a scene; under mpirun on all its ranks.");
     add_source(app, *words);
+    add_materials(app, *words);
     app.add_option("--out", words->out, "Folder for the results (default: out/NAME)")->type_name("DIR");
     app.add_flag("--overwrite", words->overwrite, "Replace the results of an earlier run in that folder");
     app.add_option("--wall-limit", words->wall_limit,
@@ -166,6 +161,7 @@ void add_check(CLI::App& program, Chosen& chosen) {
         *program.add_subcommand("check", "Everything short of running: keys, files, meshes, overlaps, "
                                          "particles, memory, time step, dimensionless numbers; of a study its runs and their memory.");
     add_source(app, *words);
+    add_materials(app, *words);
     app.add_option("--picture", words->picture, "Draw the particles at the start into this PNG")
         ->type_name("FILE");
     app.callback([words, &chosen] {
@@ -173,6 +169,9 @@ void add_check(CLI::App& program, Chosen& chosen) {
             return [words](const Comm& comm) {
                 const auto file = find_scene(comm, words->scene);
                 if (is_study(file)) {
+                    if (!words->materials.empty()) {
+                        throw InputError({"--material", "has no effect on a study", "its scenes have liquids of their own, which it searches", "give a scene, or leave it out"});
+                    }
                     comm.guard_root([&] { check_study(file, words->overrides); });
                     return ExitCode::ok;
                 }
@@ -276,6 +275,7 @@ struct RenderWords {
     std::string folder, field = "speed", map = "viridis", range, camera, style = "spheres",
                         background = "white";
     std::string frames, size, movie, out, cut;
+    Words colours;
     double frames_per_second = 0;
     bool no_movie = false;
 };
@@ -292,6 +292,7 @@ RenderRequest render_request(const RenderWords& words) {
     if (request.field == no_field && request.style == Style::spheres)
         throw InputError({"--field none", "leaves balls without a colour", "liquids have colours of their own with --style surface only", "add it, or name a field"});
     request.background = words.background == "white" ? video::Background::white : video::Background::dark;
+    request.colours = words.colours;
     request.frames = words.frames;
     request.frames_per_second = words.frames_per_second;
     if (!words.size.empty()) request.size = read_picture_size(words.size);
@@ -320,6 +321,7 @@ void add_render(CLI::App& program, Chosen& chosen) {
     app.add_option("--style", words->style, "spheres (default): every particle; surface: the closed mesh of export --to surface")
         ->check(CLI::IsMember({"spheres", "surface"}))
         ->type_name("STYLE");
+    add_repeated(app, "--colour,--color", words->colours, "With --field none: a liquid's own colour, honey=#d68018.");
     app.add_option("--cut", words->cut,
                    "Leave out what is on the camera's side of a plane and show the section: \"x=5 cm\", or point; normal: \"10 0 5 cm; 1 0 1\"")
         ->type_name("PLANE");

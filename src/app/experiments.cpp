@@ -31,7 +31,7 @@ std::vector<std::string> numbers_apart(std::vector<double> times) {
     return out;
 }
 
-Input input_of(const StudyFile& file, const study::StudyScene& scene) { return load_scene({file.study.scene_file(scene), scene.set, {}, {}}); }
+Input input_of(const StudyFile& file, const study::StudyScene& scene) { return load_scene({file.study.scene_file(scene), scene.set, {}, {}, {}}); }
 
 std::vector<const Experiment*> experiments_of(const StudyFile& file, const study::StudyScene& scene) {
     std::vector<const Experiment*> out;

@@ -1,7 +1,6 @@
 #include "app/flow_curve_bands.hpp"
 
-#include "app/study_scenes.hpp"
-#include "base/split.hpp"
+#include "app/identified_liquids.hpp"
 #include "flow/flow_curve.hpp"
 
 #include <algorithm>
@@ -13,31 +12,11 @@ namespace {
 constexpr double least_rate = 0.01, most_rate = 1000; // [1/s]
 constexpr int points = 31;
 
-// Names of the liquids of which a key is searched.
-std::vector<std::string> searched_liquids(const identify::StudyFile& file) {
-    std::vector<std::string> out;
-    for (std::size_t k = 0; k < file.searched; ++k) {
-        const auto parts = split(file.study.parameters[k].key, '.');
-        if (parts.size() < 3 || parts[0] != "liquids") continue;
-        if (std::ranges::find(out, parts[1]) == out.end()) out.push_back(parts[1]);
-    }
-    return out;
-}
-
 // The curve of a liquid at given values of the searched parameters; nothing where no scene has the liquid.
 std::optional<flow::FlowCurve> curve_at(const identify::StudyFile& file, const std::string& liquid, const std::vector<double>& searched) {
-    study::Point words;
-    for (std::size_t k = 0; k < file.study.parameters.size(); ++k) {
-        const auto& parameter = file.study.parameters[k];
-        words.push_back(k < searched.size() ? parameter.word(searched[k]) : parameter.values.front());
-    }
-    for (const auto& scene : file.study.scenes) {
-        const auto input = load_scene(source_of(file.study.scene_file(scene), study::assignments_of(file.study, scene, words)));
-        const auto& liquids = input.scene.liquids;
-        const auto found = std::ranges::find(liquids, liquid, &scene::Liquid::name);
-        if (found != liquids.end()) return flow::make_flow_curve(*found);
-    }
-    return {};
+    const auto found = liquid_at(file, liquid, searched);
+    if (!found) return {};
+    return flow::make_flow_curve(*found);
 }
 
 // Values a little away along one coordinate, inside its range, and how far.

@@ -76,7 +76,7 @@ RunView open_run(const Comm& comm, const std::filesystem::path& path) {
     RunView run;
     run.folder = io::open_run_folder(comm, path);
     comm.guard([&] {
-        run.input = load_input({run.folder.effective_scene(), {}, {}, {}});
+        run.input = load_input({run.folder.effective_scene(), {}, {}, {}, {}});
         const auto series = run.folder.frames() / (run.input.scene.output.name + ".hdf.series");
         if (std::filesystem::exists(series)) run.frames = io::read_series(series);
         const auto solids = run.folder.frames() / "solid.hdf.series";

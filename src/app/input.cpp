@@ -26,19 +26,34 @@ void MethodOptions::declare(Declaration& d) {
     d.block("grid", grid, "Options of kind: grid.");
 }
 
-Input load_input(const InputSource& source) {
-    auto document = Document::load(source.scene);
+namespace {
+Input read(Document document, const InputSource& source) {
     for (const auto& assignment : source.overrides) document.set(assignment);
     for (const auto& change : source.changes) document.set(change.assignment, change.origin);
     Input input;
     parse(document, input);
     return input;
 }
+} // namespace
+
+Input load_input(const InputSource& source) {
+    auto document = Document::load(source.scene);
+    if (source.materials.empty()) return read(document, source);
+    // Materials go into liquids, whose names and number the scene itself tells; overrides may be of keys that come with a material.
+    auto transfers = find_transfers(source.materials, read(document, InputSource{}).scene, source.scene);
+    for (const auto& one : transfers) put_material(one, document);
+    auto input = read(document, source);
+    for (const auto& one : transfers) {
+        for (auto& note : doubts(one, input.scene.liquids[one.index])) input.notes.push_back(std::move(note));
+    }
+    input.transfers = std::move(transfers);
+    return input;
+}
 
 Input load_scene(const InputSource& source) {
     auto input = load_input(source);
     const auto search_path = scene::data_search_path(source.scene, source.data_folders);
-    input.notes = scene::resolve_data_files(input.scene, search_path);
+    for (auto& note : scene::resolve_data_files(input.scene, search_path)) input.notes.push_back(std::move(note));
     read_camera_files(input.scene, search_path);
     return input;
 }

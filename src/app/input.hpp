@@ -1,5 +1,6 @@
 #pragma once
 #include "app/method.hpp"
+#include "app/transfer.hpp"
 #include "scene/scene.hpp"
 
 #include <filesystem>
@@ -12,7 +13,8 @@ namespace treacle::app {
 struct Input {
     scene::Scene scene;
     MethodOptions method;
-    std::vector<std::string> notes; // fallbacks taken, by load_scene()
+    std::vector<std::string> notes; // fallbacks taken, by load_scene(), and doubts about transferred materials
+    std::vector<Transfer> transfers;
     bool on_grid() const { return method.kind == MethodKind::grid; }
 
     void declare(Declaration& d);
@@ -29,6 +31,7 @@ struct InputSource {
     std::vector<std::string> overrides;               // "a.b.c=value", of --set
     std::vector<std::filesystem::path> data_folders;  // of --data; TREACLE_DATA is added
     std::vector<Change> changes;                      // after the overrides
+    std::vector<std::string> materials;               // of --material, before the overrides
 };
 
 // Reads and validates; throws InputError with all problems.

@@ -16,6 +16,18 @@ double read_length(const std::string& option, const std::string& text) {
     return length;
 }
 
+double read_wall_limit(const std::string& text) {
+    if (text.empty()) return 0;
+    const auto read = read_quantity(text, unit::time);
+    if (const auto* complaint = std::get_if<Complaint>(&read)) {
+        throw InputError({"--wall-limit " + text, complaint->must, complaint->reason, complaint->cure});
+    }
+    const double seconds = std::get<double>(read);
+    if (seconds > 0) return seconds;
+    throw InputError(
+        {"--wall-limit " + text, "must be > 0", "it is a length of time", "write for instance 2h"});
+}
+
 Vec3 read_vector(const std::string& text, const Unit& unit, const std::string& option) {
     std::istringstream words(text);
     std::array<std::string, 3> parts;

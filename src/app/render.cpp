@@ -12,6 +12,7 @@
 #include "video/movie.hpp"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 
 namespace treacle::app {
@@ -27,6 +28,7 @@ struct Job {
     scene::Camera camera;
     video::View view;
     video::ValueRange range;
+    std::vector<video::Rgb8> colours; // of the liquids, where no field colours them
     std::string stem; // of the files' names
 };
 
@@ -67,6 +69,35 @@ video::ValueRange find_range(const Comm& comm, const RenderRequest& request, con
     auto range = video::robust_range(all, request.map);
     if (comm.any(magnitude) && request.map == video::ColourMap::viridis) range.low = 0;
     return range;
+}
+
+std::optional<video::Rgb8> read_colour(const std::string& text) {
+    unsigned number = 0;
+    if (text.size() != 7 || text[0] != '#') return {};
+    const auto [end, error] = std::from_chars(text.data() + 1, text.data() + 7, number, 16);
+    if (end != text.data() + 7 || error != std::errc{}) return {};
+    return video::Rgb8{std::uint8_t(number >> 16), std::uint8_t(number >> 8), std::uint8_t(number)};
+}
+
+// Colours of all liquids, those that are not given as they are without.
+std::vector<video::Rgb8> own_colours(const RenderRequest& request, const scene::Scene& scene) {
+    std::vector<video::Rgb8> out;
+    std::vector<std::string> names;
+    for (const auto& liquid : scene.liquids) {
+        out.push_back(video::colour_of_liquid(int(out.size())));
+        names.push_back(liquid.name);
+    }
+    for (const auto& assignment : request.colours) {
+        const std::string where = "--colour " + assignment;
+        if (request.field != no_field) throw InputError({where, "has no effect", "the field colours the liquid", "add --field none, or leave it out"});
+        const auto equals = assignment.find('=');
+        const auto colour = equals == std::string::npos ? std::nullopt : read_colour(assignment.substr(equals + 1));
+        if (!colour) throw InputError({where, "is no colour of a liquid", "it takes a name, and red, green and blue as hexadecimal digits", "write for instance honey=#d68018"});
+        const auto found = std::ranges::find(names, assignment.substr(0, equals));
+        if (found == names.end()) throw InputError({where, "the run has no such liquid", "it has " + join(names, ", "), ""});
+        out[std::size_t(found - names.begin())] = *colour;
+    }
+    return out;
 }
 
 // Draws the pictures of one rank.
@@ -142,7 +173,7 @@ private:
         auto picture = scenery();
         picture.caption = video::caption_of(scene.title, liquid.time, static_cast<std::size_t>(liquid.total));
         picture.liquid = video::LiquidLayer{&liquid.view,     request_.field != no_field, liquid.title,      request_.map,
-                                            job_.range, liquid.has_lower,           liquid.has_higher, scene.domain.spacing};
+                                            job_.range, liquid.has_lower,           liquid.has_higher, scene.domain.spacing, job_.colours};
         const auto solids = read_solids(job_.run, frame_index);
         add_solid_layers(solids, scene.domain.spacing, picture.layers);
         picture.solid_distance = distance(liquid.solids);
@@ -164,6 +195,7 @@ Job plan(const Comm& comm, const RenderRequest& request) {
     job.camera = find_camera(scene, request.camera);
     job.view = view_of(job.camera, scene.domain, request.size);
     job.stem = job.camera.name + "_" + (request.field == no_field ? "liquid" : request.field);
+    job.colours = own_colours(request, scene);
     job.range = request.range ? *request.range : find_range(comm, request, job);
     return job;
 }

@@ -24,6 +24,7 @@ struct RenderRequest {
     std::string camera; // see find_camera
     Style style = Style::spheres;
     std::optional<video::CutPlane> cut;
+    std::vector<std::string> colours; // "LIQUID=#rrggbb" of liquids that are drawn in their own colours
     video::Background background = video::Background::white;
     std::string frames;           // see FrameRange
     double frames_per_second = 0; // 0: real time, within 10 and 60

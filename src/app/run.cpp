@@ -28,7 +28,7 @@ std::string read_text(const Comm& comm, const std::filesystem::path& path) {
     return comm.broadcast(text);
 }
 
-void write_description(const Comm& comm, const io::RunFolder& folder, const RunRequest& request,
+void write_description(const Comm& comm, const io::RunFolder& folder, const RunRequest& request, const Input& input,
                        const std::string& scene) {
     comm.guard_root([&] { write_file_atomically(folder.effective_scene(), scene); });
     io::Manifest manifest;
@@ -39,6 +39,7 @@ void write_description(const Comm& comm, const io::RunFolder& folder, const RunR
                           {"HYPRE", solve::hypre_version()},
                           {"Kokkos", std::to_string(kokkos_version())},
                           {"execution space", execution_space_name()}};
+    if (!input.transfers.empty()) manifest.extra = io::Value::object({{"materials", record(input.transfers)}});
     io::write_manifest(comm, folder.manifest(), manifest);
 }
 
@@ -82,13 +83,14 @@ ExitCode run_scene(const Comm& comm, const RunRequest& request) {
         io::prepare_run_folder(comm, request.out.empty() ? default_folder(request.source.scene) : request.out,
                                request.existing);
     const auto scene = effective(input);
-    write_description(comm, folder, request, scene);
+    write_description(comm, folder, request, input, scene);
 
     Progress progress;
     progress.reference_speed = reference_speed(input, geometry);
     auto solver = make_simulation(comm, input, progress.reference_speed, geometry);
     const auto notes = solver->fill(geometry);
     TimeLoop loop({comm, folder, input, state_hash(input), request.wall_limit, request.company}, std::move(solver), progress);
+    for (const auto& one : input.transfers) loop.log().line(one.liquid + ": " + join(describe(one), "; "));
     for (const auto& note : notes) loop.log().warn(note);
     return loop.run(Opening::fresh);
 }

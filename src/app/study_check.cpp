@@ -74,7 +74,7 @@ void print_flow_lengths(const identify::StudyFile& file) {
             set.insert(set.end(), given.begin(), given.end());
             if (!spacing.empty()) set.push_back("domain.spacing=" + spacing);
             std::printf("flow of %s%s\n", scene.name.c_str(), spacing.empty() ? "" : (", spacing " + spacing).c_str());
-            print_lines(flow_length_lines(load_scene({file.study.scene_file(scene), set, {}, {}})));
+            print_lines(flow_length_lines(load_scene({file.study.scene_file(scene), set, {}, {}, {}})));
         }
     }
 }

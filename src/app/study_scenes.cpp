@@ -56,7 +56,7 @@ StudyScenes::StudyScenes(const identify::StudyFile& file) {
 }
 
 InputSource source_of(const std::filesystem::path& scene, const std::vector<study::Assignment>& assignments) {
-    InputSource out{scene, {}, {}, {}};
+    InputSource out{scene, {}, {}, {}, {}};
     for (const auto& one : assignments) out.changes.push_back({one.text, one.origin});
     return out;
 }
@@ -95,7 +95,7 @@ identify::StudyFile load_checked_study(const std::filesystem::path& path, const 
             continue;
         }
         try {
-            check_readings(study, one, load_scene({scene, one.set, {}, {}}), problems);
+            check_readings(study, one, load_scene({scene, one.set, {}, {}, {}}), problems);
         } catch (const InputError& error) {
             problems.insert(problems.end(), error.diagnostics().begin(), error.diagnostics().end());
         }

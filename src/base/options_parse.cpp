@@ -1,5 +1,6 @@
 #include "base/document_tree.hpp"
 #include "base/options.hpp"
+#include "base/parse_some.hpp"
 #include "base/text.hpp"
 
 #include <algorithm>
@@ -328,16 +329,16 @@ private:
     std::set<std::string> lacking_;           // absent blocks of which it was said what they lack
 };
 
-} // namespace
+enum class OtherKeys { refused, left_alone };
 
-void parse_document(const Document& document, const Declaration::Members& root) {
+void parse_root(const Document& document, const Declaration::Members& root, OtherKeys others) {
     const auto& tree = document.tree();
     Session session;
     session.problems = tree.problems;
     if (tree.root.kind == Node::Kind::block) {
         BlockParser parser(session, tree.root, "", "");
         root(parser);
-        parser.reject_unknown_keys();
+        if (others == OtherKeys::refused) parser.reject_unknown_keys();
     } else {
         const bool empty = tree.root.kind == Node::Kind::null;
         session.problems.push_back({tree.root.place, empty ? "the file is empty" : "is not a block of keys",
@@ -346,5 +347,10 @@ void parse_document(const Document& document, const Declaration::Members& root) 
     }
     if (!session.problems.empty()) throw InputError(std::move(session.problems));
 }
+
+} // namespace
+
+void parse_document(const Document& document, const Declaration::Members& root) { parse_root(document, root, OtherKeys::refused); }
+void parse_some(const Document& document, const Declaration::Members& root) { parse_root(document, root, OtherKeys::left_alone); }
 
 } // namespace treacle

@@ -280,7 +280,7 @@ std::string identifiability(const StudyFile& file, const Identification& identif
     if (low <= parameter.lower) return unknown + "an upper limit alone: everything down to the lower end of the range looks alike" + why;
     if (high >= parameter.upper) return unknown + "a lower limit alone: everything up to the upper end of the range looks alike" + why;
     const bool wide = parameter.scale == study::Scale::log ? high / low > 4 : high - low > 0.5 * span;
-    if (!wide) return "well determined";
+    if (!wide) return well_determined;
     return prescribed ? "not identifiable: within a factor of " + digits(high / low, 2) + why : "poorly determined: a film of faster flow, of more of it, or from nearer by tells more";
 }
 
@@ -318,10 +318,10 @@ std::vector<std::string> notes(const StudyFile& file) {
 }
 
 void write_report(const std::filesystem::path& folder, const StudyFile& file, const Identification& identification,
-                  const std::function<std::filesystem::path(std::int64_t)>& folder_of, const std::vector<FlowCurveBand>& curves) {
+                  const std::function<std::filesystem::path(std::int64_t)>& folder_of, const std::vector<FlowCurveBand>& curves, const std::vector<Material>& materials) {
     std::filesystem::create_directories(folder);
     const auto pictures = pictures_text(folder, file, identification, folder_of);
-    write_file_atomically(folder / "result.yaml", yaml(file, identification) + curves_yaml(curves));
+    write_file_atomically(folder / "result.yaml", yaml(file, identification) + curves_yaml(curves) + yaml(materials));
     write_file_atomically(folder / "index.html", html(file, identification, curves_text(curves) + pictures));
 }
 

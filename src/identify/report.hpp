@@ -1,6 +1,7 @@
 #pragma once
 #include "identify/flow_curve_band.hpp"
 #include "identify/identification.hpp"
+#include "identify/material.hpp"
 
 #include <filesystem>
 #include <functional>
@@ -8,16 +9,17 @@
 namespace treacle::identify {
 
 // Writes into `folder`, each file as a whole:
-//   result.yaml   the identified values with their intervals, for programs
+//   result.yaml   the identified values with their intervals, and the liquids that have them, for programs
 //   index.html    the same for people, with plots, and pictures of observation and run at the best trial; opens from disk
 // `folder_of` says where a run's files are. Throws SimulationError.
 void write_report(const std::filesystem::path& folder, const StudyFile& file, const Identification& identification,
-                  const std::function<std::filesystem::path(std::int64_t)>& folder_of, const std::vector<FlowCurveBand>& curves);
+                  const std::function<std::filesystem::path(std::int64_t)>& folder_of, const std::vector<FlowCurveBand>& curves, const std::vector<Material>& materials);
 
 // Lines for a terminal: "viscosity = 10.1 Pa.s, 90 % interval 9.7 to 10.5".
 std::vector<std::string> answer_lines(const StudyFile& file, const Identification& identification);
 
-// Whether the films tell a parameter: "well determined", or why not, in words.
+inline constexpr const char* well_determined = "well determined";
+// Whether the films tell a parameter: that it is well determined, or why not, in words.
 std::string identifiability(const StudyFile& file, const Identification& identification, std::size_t parameter);
 
 // Which parameters trade with each other, a sentence a pair. May be empty.

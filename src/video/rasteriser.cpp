@@ -221,6 +221,11 @@ void composite_section(const Scene& scene, std::vector<float>& depth, Canvas& ca
         }
 }
 
+Vec3f own_colour(const LiquidLayer& layer, int liquid) {
+    const auto number = std::size_t(std::max(liquid, 0));
+    return to_linear(number < layer.colours.size() ? layer.colours[number] : colour_of_liquid(liquid));
+}
+
 void composite_liquid(const Scene& scene, std::vector<float>& depth, Canvas& canvas) {
     const auto& layer = *scene.request.liquid;
     std::array<Vec3f, 256> map{};
@@ -245,7 +250,7 @@ void composite_liquid(const Scene& scene, std::vector<float>& depth, Canvas& can
             const Ray ray = ray_through(scene.fine, column + 0.5f, row + 0.5f);
             Fragment f{ray.origin + depth[i] * ray.direction, seen.normal,
                        layer.has_values ? map[std::size_t(std::lround(255 * seen.value))]
-                                        : to_linear(colour_of_liquid(seen.liquid))};
+                                        : own_colour(layer, seen.liquid)};
             // Sections are there to read values from.
             if (scene.is_flat() || seen.section) {
                 canvas.light[i] = f.albedo;

@@ -52,6 +52,7 @@ struct LiquidLayer {
     ValueRange range = {};
     bool has_lower = false, has_higher = false; // values beyond the range
     double spacing = 0;                         // of the particles [m]
+    std::vector<Rgb8> colours = {};             // by the liquid's number, without values; colour_of_liquid beyond
 };
 
 // One picture.

@@ -3,6 +3,7 @@
 
 usage: identify_test.py PROGRAM MPIEXEC
 """
+import json
 import os
 import re
 import signal
@@ -64,6 +65,58 @@ experiments:
     piv: {files: ["fields/field_*.csv"], times: fields/times.csv, origin: [4 mm, 4 mm, 0], right: [1, 0, 0], up: [0, 1, 0], y: up, window: 4 mm, noise: 0.3 mm/s}
 search: {tolerance: 0.03, evaluations: 8}
 """
+
+OTHER = """schema_version: 1
+title: Honey and whatever else
+domain: {dimensions: 2, max: [0.2, 0.1], spacing: 1 cm}
+liquids:
+  - {name: honey, material: honey, shapes: [{box: {min: [0, 0], max: [0.06, 0.08]}}]}
+method: grid
+time: {end: 40 ms}
+"""
+RESULT = """schema_version: 1
+trials: 12
+materials:
+  - {name: lotion, density: 990, viscosity: 31, rheology: {law: herschel_bulkley, exponent: 0.4, yield_stress: 20}, temperature: 22 C +- 1 C, found: [consistency = 31 Pa.s]}
+  - {name: milk, density: 1010, viscosity: 12, found: ["viscosity = 12 Pa.s, a lower limit alone"], well_determined: false}
+"""
+
+
+class Materials(Workplace):
+    """What was identified goes into a liquid of another scene."""
+
+    def setUp(self):
+        super().setUp()
+        os.mkdir(self.path("report"))
+        for name, text in (("scene.yaml", OTHER), ("report/result.yaml", RESULT)):
+            with open(self.path(name), "w") as file:
+                file.write(text)
+
+    def test_the_whole_rheology_goes_into_the_liquid_and_set_counts_more(self):
+        self.treacle("run", "scene.yaml", "--material", ".:lotion", "--set", "liquids.honey.rheology.exponent=0.5", "--out", "out")
+        with open(self.path("out", "effective.yaml")) as file:
+            text = file.read()
+        for line in ("density: 990 kg/m3", "viscosity: 31 Pa s", "law: herschel_bulkley", "exponent: 0.5", "yield_stress: 20 Pa"):
+            self.assertRegex(text, rf"(?m)^ +{line}$")
+        told = self.treacle("check", "scene.yaml", "--material", "honey=report/result.yaml:milk", "--set", "liquids.0.density=1000").stdout
+        for sentence in ("milk of ", "does not tell it well", "is not as ", "temperature not stated"):
+            self.assertIn(sentence, told)
+
+    def test_what_does_not_fit_is_told_before_anything_is_run(self):
+        two = OTHER.replace("method: grid", "  - {name: water, viscosity_profile: {points: [{at: 0, viscosity: 1}]}, shapes: [{box: {min: [0.1, 0], max: [0.2, 0.05]}}]}\nmethod: grid")
+        with open(self.path("two.yaml"), "w") as file:
+            file.write(two)
+        for scene, arguments, text in (("scene.yaml", ["."], "result.yaml:5: it is not said which of its liquids is meant; it has lotion, milk; write --material .:lotion"),
+                                       ("scene.yaml", [".:lution"], "result.yaml:4: there is no material lution; did you mean lotion?"),
+                                       ("scene.yaml", ["hony=.:milk"], "scene.yaml:5: there is no liquid hony; did you mean honey?"),
+                                       ("scene.yaml", [".:milk", ".:lotion"], "has a material already"),
+                                       ("scene.yaml", ["nothing:milk"], "there is no file nothing"),
+                                       ("scene.yaml", ["scene.yaml"], "scene.yaml: has no materials"),
+                                       ("two.yaml", [".:milk"], "two.yaml:6: it is not said into which liquid the material goes"),
+                                       ("two.yaml", ["water=.:milk"], "two.yaml:6: liquids.water.viscosity_profile would count")):
+            words = [word for one in arguments for word in ("--material", one)]
+            self.assertIn(text, self.treacle("run", scene, *words, "--out", "out", code=2).stderr)
+            self.assertFalse(os.path.exists(self.path("out")))
 
 
 class Fields(Workplace):
@@ -156,6 +209,15 @@ class Identify(Workplace):
         report = os.listdir(self.path("one", "report"))
         self.assertIn("index.html", report)
         self.assertEqual(sum(name.endswith(".png") for name in report), 6)
+        # Its result makes another scene's liquid the same.
+        self.write("other.yaml", OTHER)
+        self.treacle("run", "other.yaml", "--material", "one/report/result.yaml:syrup", "--set", "time.end=20 ms", "--out", "other")
+        with open(self.path("other", "effective.yaml")) as file:
+            self.assertEqual(re.search(r"^    viscosity: ([0-9.e+-]+) Pa s", file.read(), re.M).group(1), re.search(r"value: ([0-9.e+-]+)", text).group(1))
+        with open(self.path("other", "manifest.json")) as file:
+            told = json.load(file)["materials"][0]
+        self.assertEqual((told["liquid"], told["material"], told["density [kg/m3]"]), ("honey", "syrup", 1400))
+        self.assertIn("90 % interval", told["found"][0])
         # Killed when some runs are done, on four lanes, one of which speculates; the rest on two.
         process = self.start("identify", "study.yaml", "--out", "two", "--set", "runs.lanes=4")
         journal = self.path("two", "journal.jsonl")
