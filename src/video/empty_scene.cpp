@@ -3,6 +3,7 @@
 #include "base/error.hpp"
 #include "base/text.hpp"
 #include "video/brightness.hpp"
+#include "video/codecs.hpp"
 #include "video/pixels.hpp"
 #include "video/picture_sequence.hpp"
 
@@ -21,7 +22,7 @@ constexpr float block_difference = 7; // [grey levels]
 
 Image load_picture(const std::filesystem::path& path) {
     if (is_heif(path)) throw heif_refused(path);
-    const cv::Mat read = cv::imread(path.string(), cv::IMREAD_COLOR);
+    const cv::Mat read = codecs().read(path.string(), cv::IMREAD_COLOR);
     if (read.empty()) throw InputError({path.string(), "is no picture that can be read", "empty.picture names it", "PNG and JPEG are usual"});
     cv::Mat rgb;
     cv::cvtColor(read, rgb, cv::COLOR_BGR2RGB);

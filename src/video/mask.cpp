@@ -2,6 +2,7 @@
 
 #include "base/error.hpp"
 #include "base/file.hpp"
+#include "video/codecs.hpp"
 #include "video/pixels.hpp"
 #include "video/picture_sequence.hpp"
 
@@ -22,14 +23,14 @@ std::string mask_name(std::int64_t frame) {
 
 void write_mask(const std::filesystem::path& path, const Mask& mask) {
     std::vector<std::uint8_t> bytes;
-    if (!cv::imencode(".png", pixels_of(mask), bytes))
+    if (!codecs().encode_png(pixels_of(mask), bytes))
         throw SimulationError({path.string(), "cannot encode a PNG", "OpenCV lacks it", "install its image codecs"});
     write_file_atomically(path, std::string(bytes.begin(), bytes.end()));
 }
 
 Mask read_mask(const std::filesystem::path& path) {
     if (is_heif(path)) throw heif_refused(path);
-    const cv::Mat grey = cv::imread(path.string(), cv::IMREAD_GRAYSCALE);
+    const cv::Mat grey = codecs().read(path.string(), cv::IMREAD_GRAYSCALE);
     if (grey.empty()) throw InputError({path.string(), "is no picture that can be read", "", "PNG is usual"});
     return mask_of(grey);
 }

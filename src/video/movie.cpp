@@ -3,6 +3,7 @@
 #include "base/error.hpp"
 #include "base/file.hpp"
 #include "base/text.hpp"
+#include "video/codecs.hpp"
 #include "video/matrix_image.hpp"
 
 #include <cmath>
@@ -49,7 +50,7 @@ void check_folder(const std::filesystem::path& temporary) {
 
 void write_png(const std::filesystem::path& path, const Image& image) {
     std::vector<std::uint8_t> bytes;
-    if (!cv::imencode(".png", matrix_of(image), bytes))
+    if (!codecs().encode_png(matrix_of(image), bytes))
         throw SimulationError(
             {path.string(), "cannot encode a PNG", "OpenCV lacks it", "install its image codecs"});
     write_file_atomically(path, std::string(bytes.begin(), bytes.end()));
@@ -62,7 +63,7 @@ struct MovieWriter::State {
     MovieOptions options;
     Codec codec = Codec::h264;
     std::string message;
-    cv::VideoWriter writer;
+    std::unique_ptr<MovieEncoder> encoder;
     std::size_t frames = 0;
     bool finished = false;
 
@@ -74,11 +75,11 @@ struct MovieWriter::State {
         // The encoder picks the container by the extension, so the mark of a temporary file goes before it.
         temporary = name.replace_extension(std::string(".tmp") + entry.extension);
         check_folder(temporary);
-        const int tag = cv::VideoWriter::fourcc(entry.tag[0], entry.tag[1], entry.tag[2], entry.tag[3]);
         const cv::Size size(options.width, options.height);
         const int backend = wanted == Codec::motion_jpeg ? cv::CAP_OPENCV_MJPEG : cv::CAP_FFMPEG;
         codec = wanted;
-        return writer.open(temporary.string(), backend, tag, options.frames_per_second, size);
+        encoder = codecs().encode(temporary.string(), {backend, entry.tag, options.frames_per_second, size});
+        return encoder != nullptr;
     }
 
     void remove_temporary() {
@@ -112,7 +113,7 @@ MovieWriter::MovieWriter(const std::filesystem::path& path, const MovieOptions& 
 
 MovieWriter::~MovieWriter() {
     if (!state_ || state_->finished) return;
-    state_->writer.release();
+    state_->encoder.reset();
     state_->remove_temporary();
 }
 
@@ -126,7 +127,7 @@ void MovieWriter::add(const Image& image) {
                               std::to_string(image.height) + " pixels in a movie of " +
                               std::to_string(options.width) + " x " + std::to_string(options.height),
                           "", "draw all frames with one size"});
-    state_->writer.write(matrix_of(image));
+    state_->encoder->add(matrix_of(image));
     ++state_->frames;
 }
 
@@ -134,10 +135,9 @@ std::filesystem::path MovieWriter::finish() {
     if (state_->frames == 0)
         throw SimulationError(
             {state_->path.string(), "a movie without frames", "", "add at least one picture"});
-    state_->writer.release();
+    state_->encoder.reset();
     // The writer reports no failure of the disk: count what can be read back.
-    cv::VideoCapture back(state_->temporary.string(), cv::CAP_ANY);
-    const auto found = back.isOpened() ? back.get(cv::CAP_PROP_FRAME_COUNT) : 0;
+    const auto found = codecs().count_frames(state_->temporary.string());
     if (std::llround(found) != static_cast<long long>(state_->frames))
         throw SimulationError({state_->path.string(),
                                "the movie has " + std::to_string(std::llround(found)) + " frames of " +

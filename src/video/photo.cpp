@@ -1,6 +1,7 @@
 #include "video/photo.hpp"
 
 #include "base/error.hpp"
+#include "video/codecs.hpp"
 
 #include <algorithm>
 #include <cctype>
@@ -70,7 +71,7 @@ std::variant<Photo, Unreadable> read_photo(const fs::path& path) {
     if (is_cut_off(bytes)) return Unreadable{"the file is cut off"};
     cv::Mat grey;
     try {
-        grey = cv::imdecode(cv::Mat(1, int(bytes.size()), CV_8U, const_cast<char*>(bytes.data())), cv::IMREAD_GRAYSCALE);
+        grey = codecs().decode(cv::Mat(1, int(bytes.size()), CV_8U, const_cast<char*>(bytes.data())), cv::IMREAD_GRAYSCALE);
     } catch (const cv::Exception&) {
     }
     if (grey.empty()) return Unreadable{"not a picture that can be decoded"};

@@ -1,6 +1,7 @@
 #include "video/picture_sequence.hpp"
 
 #include "base/text.hpp"
+#include "video/codecs.hpp"
 #include "video/number_table.hpp"
 
 #include <algorithm>
@@ -122,7 +123,7 @@ std::vector<double> times_of(const SourceRequest& request, std::size_t count) {
 
 Image load(const fs::path& path, int& bits) {
     if (is_heif(path)) throw heif_refused(path);
-    cv::Mat read = cv::imread(path.string(), cv::IMREAD_ANYDEPTH | cv::IMREAD_COLOR);
+    cv::Mat read = codecs().read(path.string(), cv::IMREAD_ANYDEPTH | cv::IMREAD_COLOR);
     if (read.empty())
         throw InputError({path.string(), "is no picture that can be read", "", "PNG, JPEG and TIFF are usual"});
     bits = read.depth() == CV_8U ? 8 : 16;

@@ -2,6 +2,7 @@
 
 #include "base/error.hpp"
 #include "video/camera_matrix.hpp"
+#include "video/codecs.hpp"
 #include "video/colour.hpp"
 #include "video/matrix_image.hpp"
 #include "video/overlay.hpp"
@@ -23,7 +24,7 @@ const cv::Scalar liquid_colour(255, 140, 30), body_colour(30, 140, 255), box_col
 
 cv::Mat read_colour(const std::filesystem::path& path) {
     cv::setNumThreads(1);
-    cv::Mat out = cv::imread(path.string(), cv::IMREAD_COLOR);
+    cv::Mat out = codecs().read(path.string(), cv::IMREAD_COLOR);
     if (out.empty()) {
         const auto read = read_photo(path); // says what is wrong with it
         const auto* unreadable = std::get_if<Unreadable>(&read);
