@@ -22,6 +22,14 @@ double numerical_scatter(const Identification& identification) {
     for (const double one : objectives) square += (one - mean) * (one - mean);
     return 1.645 * std::sqrt(2 * square / double(objectives.size() - 1));
 }
+
+// What a value at the search's spacing stands for: moved as the rungs have moved the answer.
+double at_answer(const study::Parameter& parameter, std::size_t k, double value, const Identification& identification) {
+    if (identification.rungs.empty()) return value;
+    const double coarse = identification.rungs.front().values[k], answer = identification.values[k];
+    const double moved = parameter.scale == study::Scale::log ? value * answer / coarse : value + answer - coarse;
+    return std::clamp(moved, parameter.lower, parameter.upper);
+}
 } // namespace
 
 bool prescribes(const Experiment& experiment) {
@@ -47,8 +55,9 @@ void widen_to_alike_trials(const StudyFile& file, Identification& identification
     for (const auto& trial : identification.trials) {
         if (!of_search(trial) || trial.objective > best + chance) continue;
         for (std::size_t k = 0; k < file.searched; ++k) {
-            identification.low[k] = std::min(identification.low[k], trial.values[k]);
-            identification.high[k] = std::max(identification.high[k], trial.values[k]);
+            const double value = at_answer(file.study.parameters[k], k, trial.values[k], identification);
+            identification.low[k] = std::min(identification.low[k], value);
+            identification.high[k] = std::max(identification.high[k], value);
         }
     }
 }

@@ -13,7 +13,7 @@ void check_scatter_is_measured(const StudyFile& file);
 // Widens the interval to the values of the search's trials that are not worse than the best one by more than chance: by what a
 // likelihood ratio of 90 % allows, and, where all experiments prescribe their flow, by what the objective differs between runs of
 // equal parameters and slightly different spacings. The interval of the local model misses them where the residuals hardly depend
-// on a parameter, and their derivatives are those of the numerical noise.
+// on a parameter, and their derivatives are those of the numerical noise. Values are moved as the rungs have moved the answer.
 void widen_to_alike_trials(const StudyFile& file, Identification& identification);
 
 } // namespace treacle::identify
