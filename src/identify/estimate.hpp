@@ -53,6 +53,7 @@ struct Estimate {
     std::vector<double> freedom; // [p] degrees of freedom of the part of the pixels: few where few blocks tell it
     std::vector<Eigen::VectorXd> view; // per experiment [view_count]: what the fit takes them for, less what was stated
     std::vector<double> noise;  // per experiment: standard deviation of a segment's residual in its unit, robust
+    std::vector<double> dilution; // per experiment: how many segments count as one
     double curvature = 0;       // share of the local model's square term in a standard deviation: small where it is linear
     std::vector<double> misfit; // by frame of all experiments in turn: root mean square residual left over, in its unit
     std::vector<double> times;  // [s] of those frames
