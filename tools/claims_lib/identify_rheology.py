@@ -151,7 +151,7 @@ def add_rows(table):
                asked="within 20 % over the flow's 5 to 95 % of shear rates (root mean square of logarithms), printed over 1 to 30 1/s (public peers: 20 to 22 %, 76 to 128 %)")
     def materials(context):
         texts, worst = [], 0
-        for material, rungs in {"Lotion": context.pick((5, 3.6, 2.6), (7, 5), (7, 5)), "MoisturizingMilk": context.pick((4, 3, 2.2), (5, 4), (5, 4))}.items():
+        for material, rungs in {"Lotion": context.pick((5, 3.6, 2.6), (5, 4), (5, 4)), "MoisturizingMilk": context.pick((4, 3, 2.2), (5, 4), (5, 4))}.items():
             if context.quick and texts:
                 break
             error, text = real(context, material, rungs)
