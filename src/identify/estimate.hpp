@@ -71,7 +71,8 @@ struct Estimate {
 // own noise, and diluted by how many of its segments count as one. Throws InputError where the runs do not determine it.
 // finer: runs at one or more other resolutions, or with another change, in order. Then r is that of the last of them; g of the runs
 // before is corrected along the directions in which each resolution has several runs (a multisecant update, Fang & Saad 2009).
-// range: what else is known of several parameters; the point stays within it.
+// range: what else is known of several parameters; the point stays within it. Of several, the view is free within its priors, and all
+// experiments have one scale and dilution, which widens the covariance alone.
 Estimate estimate(const std::vector<EvaluatedRun>& runs, const std::vector<ViewInformation>& priors,
                   const std::vector<std::vector<EvaluatedRun>>& finer = {}, const RangePrior& range = {});
 
