@@ -153,7 +153,10 @@ ExitCode propose_next(const NextRequest& request) {
     const auto slopes = flow_curve_slopes(file, found.answer.values, liquids.front(), rates);
     std::vector<identify::ExperimentKind> kinds;
     for (const auto& one : file.experiments) kinds.push_back(one.kind);
-    const double variance = identify::segment_variance(*found.answer.estimate, kinds);
+    // A film to come is burdened by resolution, numerical noise and measured values as those so far are.
+    const auto& told_by_films = found.answer.estimate->covariance;
+    const double burden = told_by_films.ldlt().solve(found.answer.covariance).trace() / double(file.searched);
+    const double variance = std::max(1.0, burden) * identify::segment_variance(*found.answer.estimate, kinds);
     const double now = identify::band_half_width(found.answer.covariance, slopes);
     Log log(Voice::speaks);
     for (const auto& line : identify::trade_lines(file, found.answer)) log.line(line);
