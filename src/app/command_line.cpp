@@ -590,7 +590,7 @@ CommandLine read_command_line(const Words& arguments) {
 }
 
 bool may_go_alone(const Words& arguments) {
-    constexpr std::array names{"new", "sweep", "identify", "study"};
+    constexpr std::array names{"new", "sweep", "identify", "next", "study"};
     return arguments.size() > 1 && std::ranges::find(names, arguments[1]) != names.end();
 }
 

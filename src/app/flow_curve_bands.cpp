@@ -19,34 +19,17 @@ std::optional<flow::FlowCurve> curve_at(const identify::StudyFile& file, const s
     return flow::make_flow_curve(*found);
 }
 
-// Values a little away along one coordinate, inside its range, and how far.
-std::pair<std::vector<double>, double> moved(const identify::StudyFile& file, std::vector<double> values, std::size_t k) {
-    const auto& parameter = file.study.parameters[k];
-    const bool log = parameter.scale == study::Scale::log;
-    const auto coordinate = [&](double value) { return log ? std::log(value) : value; };
-    const double x = coordinate(values[k]), lower = coordinate(parameter.lower), upper = coordinate(parameter.upper);
-    const double step = 0.01 * (upper - lower) * (x + 0.01 * (upper - lower) <= upper ? 1 : -1);
-    values[k] = log ? std::exp(x + step) : x + step;
-    return {std::move(values), step};
-}
-
 identify::FlowCurveBand band_of(const identify::StudyFile& file, const identify::Identification& found, const std::string& liquid, const flow::FlowCurve& curve) {
     constexpr double ninety = 1.6449;
     identify::FlowCurveBand out;
     out.liquid = liquid;
-    std::vector<flow::FlowCurve> others;
-    std::vector<double> steps;
-    for (std::size_t k = 0; k < file.searched; ++k) {
-        const auto [values, step] = moved(file, found.values, k);
-        others.push_back(*curve_at(file, liquid, values));
-        steps.push_back(step);
-    }
+    for (int i = 0; i < points; ++i) out.value.rates.push_back(least_rate * std::pow(most_rate / least_rate, double(i) / (points - 1)));
+    out.low.rates = out.high.rates = out.value.rates;
+    const auto slopes = flow_curve_slopes(file, found.values, liquid, out.value.rates);
     for (int i = 0; i < points; ++i) {
-        const double rate = least_rate * std::pow(most_rate / least_rate, double(i) / (points - 1)), value = curve(rate);
-        Eigen::VectorXd slope{Eigen::Index(others.size())};
-        for (std::size_t k = 0; k < others.size(); ++k) slope[Eigen::Index(k)] = std::log(others[k](rate) / value) / steps[k];
+        const double value = curve(out.value.rates[std::size_t(i)]);
+        const Eigen::VectorXd slope = slopes.row(i).transpose();
         const double half = ninety * std::sqrt(std::max(0.0, slope.dot(found.covariance * slope)));
-        for (auto* one : {&out.value, &out.low, &out.high}) one->rates.push_back(rate);
         out.value.viscosities.push_back(value);
         out.low.viscosities.push_back(value * std::exp(-half));
         out.high.viscosities.push_back(value * std::exp(half));
@@ -55,6 +38,29 @@ identify::FlowCurveBand band_of(const identify::StudyFile& file, const identify:
 }
 
 } // namespace
+
+std::vector<std::string> searched_liquids(const identify::StudyFile& file) {
+    std::vector<std::string> out;
+    for (std::size_t k = 0; k < file.searched; ++k) {
+        const auto parts = split(file.study.parameters[k].key, '.');
+        if (parts.size() < 3 || parts[0] != "liquids") continue;
+        if (std::ranges::find(out, parts[1]) == out.end()) out.push_back(parts[1]);
+    }
+    return out;
+}
+
+Eigen::MatrixXd flow_curve_slopes(const identify::StudyFile& file, const std::vector<double>& answer, const std::string& liquid, const std::vector<double>& rates) {
+    constexpr double share = 0.01; // of the range: linear, far above round-off
+    const auto here = *curve_at(file, liquid, answer);
+    Eigen::MatrixXd out(Eigen::Index(rates.size()), Eigen::Index(file.searched));
+    for (std::size_t k = 0; k < file.searched; ++k) {
+        auto values = answer;
+        const double step = identify::move_along(file.study.parameters[k], share, values[k]);
+        const auto there = *curve_at(file, liquid, values);
+        for (std::size_t i = 0; i < rates.size(); ++i) out(Eigen::Index(i), Eigen::Index(k)) = std::log(there(rates[i]) / here(rates[i])) / step;
+    }
+    return out;
+}
 
 std::vector<identify::FlowCurveBand> flow_curve_bands(const identify::StudyFile& file, const identify::Identification& identification,
                                                       const std::function<std::filesystem::path(std::int64_t)>& folder_of, const std::optional<identify::ViscositiesByRate>& measured) {

@@ -6,6 +6,7 @@
 #include "base/log.hpp"
 #include "identify/report.hpp"
 
+#include <map>
 #include <numeric>
 
 namespace treacle::app {
@@ -18,28 +19,38 @@ void require_experiments(const identify::StudyFile& file) {
 }
 } // namespace
 
-ExitCode identify_study(const IdentifyRequest& request) {
-    auto file = load_checked_study(request.study, request.overrides);
+IdentifiedStudy identified_study(const IdentifyRequest& request) {
+    IdentifiedStudy out;
+    out.file = load_checked_study(request.study, request.overrides);
+    auto& file = out.file;
     if (request.quick) file.make_quick();
     require_experiments(file);
-    std::optional<identify::ViscositiesByRate> measured; // read first: bad tables are told before any run
-    if (!request.compared_curve.empty()) measured = identify::read_flow_curve(request.compared_curve);
     const StudyScenes scenes(file);
     identify::check_searched(file, scenes.reader());
     const auto priors = experiment_priors(file);
-    const auto folder = study_folder(file.study.path, request.out);
+    out.folder = study_folder(file.study.path, request.out);
     Log log(Voice::speaks);
     study::check_launcher(file.study);
-    study::StudyRuns runs(file.study, {folder, this_program(), {}}, log);
-    const auto found = identify::identify(file, priors, runs, scenes.reader(), log);
+    study::StudyRuns runs(file.study, {out.folder, this_program(), {}}, log);
+    out.answer = identify::identify(file, priors, runs, scenes.reader(), log);
     std::vector<std::int64_t> all(runs.journal().runs().size());
     std::iota(all.begin(), all.end(), std::int64_t{1});
-    write_tables(folder, study::table_of(file.study, runs.journal(), all));
-    if (found.end == study::StudyEnd::stopped) return ExitCode::stopped;
-    const auto folder_of = [&](std::int64_t number) {
+    write_tables(out.folder, study::table_of(file.study, runs.journal(), all));
+    std::map<std::int64_t, std::filesystem::path> folders;
+    for (const auto number : all) {
         const auto* outcome = runs.journal().outcome(number);
-        return outcome && !outcome->folder.empty() ? std::filesystem::path(outcome->folder) : runs.run_folder(number);
-    };
+        folders[number] = outcome && !outcome->folder.empty() ? std::filesystem::path(outcome->folder) : runs.run_folder(number);
+    }
+    out.folder_of = [folders](std::int64_t number) { return folders.at(number); };
+    return out;
+}
+
+ExitCode identify_study(const IdentifyRequest& request) {
+    std::optional<identify::ViscositiesByRate> measured; // read first: bad tables are told before any run
+    if (!request.compared_curve.empty()) measured = identify::read_flow_curve(request.compared_curve);
+    const auto [file, found, folder, folder_of] = identified_study(request);
+    if (found.end == study::StudyEnd::stopped) return ExitCode::stopped;
+    Log log(Voice::speaks);
     const auto curves = flow_curve_bands(file, found, folder_of, measured);
     identify::write_report(folder / "report", file, found, folder_of, curves, identified_materials(file, found, curves));
     for (const auto& line : identify::answer_lines(file, found)) log.line(line);

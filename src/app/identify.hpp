@@ -1,5 +1,6 @@
 #pragma once
 #include "app/sweep.hpp"
+#include "identify/identification.hpp"
 
 namespace treacle::app {
 
@@ -7,6 +8,16 @@ struct IdentifyRequest : SweepRequest {
     std::filesystem::path compared_curve; // a rheometer's table; empty: none
     bool quick = false; // see StudyFile::make_quick
 };
+
+// A study's answer, and where its runs are.
+struct IdentifiedStudy {
+    identify::StudyFile file;
+    identify::Identification answer;
+    std::filesystem::path folder; // of the study's results
+    std::function<std::filesystem::path(std::int64_t)> folder_of; // of a run
+};
+// Does the runs that are lacking and writes their table. Throws InputError.
+IdentifiedStudy identified_study(const IdentifyRequest& request);
 
 // `treacle identify` in a process without MPI: searches the parameters with which the study's scenes look like its films,
 // and writes the table of the runs and a report. Exit code 0 with an answer, 3 without, 5 when stopped.

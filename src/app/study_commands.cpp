@@ -3,6 +3,7 @@
 #include "app/handed_study.hpp"
 #include "app/identify.hpp"
 #include "app/new_study.hpp"
+#include "app/next.hpp"
 #include "app/split_sweep.hpp"
 #include "app/study_history.hpp"
 #include "app/study_plan.hpp"
@@ -87,6 +88,33 @@ void add_identify(CLI::App& program, const ChooseStudyCommand& choose) {
             return identify_study(found);
         });
         choose.on_ranks([]() -> Command { return refuse_ranks("treacle identify"); });
+    });
+}
+
+void add_next(CLI::App& program, const ChooseStudyCommand& choose) {
+    struct NextWords {
+        NextRequest request;
+        std::vector<double> rates{1, 30};
+    };
+    auto words = std::make_shared<NextWords>();
+    auto& request = words->request;
+    auto& app = *program.add_subcommand("next", "Which of a study's candidates to film next: how narrow the band of the flow curve would be with each, by what is "
+                                                "identified so far and a few coarse runs of each. The same command goes on where it was stopped.");
+    app.add_option("study", request.study, "YAML file, or a folder with study.yaml, with candidates")->required()->type_name("STUDY");
+    app.add_option("--rates", words->rates, "Shear rates [1/s] from and to which the curve is asked for (default 1 30)")->expected(2)->check(CLI::PositiveNumber)->type_name("LOW HIGH");
+    app.add_option("--out", request.out, "Folder of the study's results (default: out/NAME)")->type_name("DIR");
+    app.add_option("--set", request.overrides, "Override a key of the study: runs.lanes=2. May be given several times.")->allow_extra_args(false);
+    app.add_flag("--quick", request.quick, "Start from the answer of `treacle identify --quick`");
+    app.callback([words, choose] {
+        choose.alone([words] {
+            auto found = words->request;
+            found.study = find_study(found.study);
+            found.low = words->rates.front();
+            found.high = words->rates.back();
+            if (!(found.low < found.high)) throw InputError({"treacle next", "--rates: the first must be the lower one", "they are the ends of a range", "write --rates 1 30"});
+            return propose_next(found);
+        });
+        choose.on_ranks([]() -> Command { return refuse_ranks("treacle next"); });
     });
 }
 
@@ -176,6 +204,7 @@ void add_study_commands(CLI::App& program, const ChooseStudyCommand& choose) {
     add_new(program, choose);
     add_sweep(program, choose);
     add_identify(program, choose);
+    add_next(program, choose);
     add_study(program, choose);
     add_forward(program, choose);
 }

@@ -483,29 +483,38 @@ Estimate estimate(const std::vector<EvaluatedRun>& runs, const std::vector<ViewI
     out.blocks = std::size_t(*std::ranges::max_element(blocks)) + 1;
     // Segments that share their noise must not outvote what is known of the view.
     auto dilution = inflation(result, g, block_changes(result, g, information, blocks), blocks, layout, p);
-    // Several parameters are told by the difference of experiments: with a noise of its own the one that the model explains worse would be
-    // given up for the others, step by step.
-    const auto alike = [&](double most) { if (p > 1) std::ranges::fill(dilution, most); };
-    alike(std::ranges::max(dilution));
-    settle(dilution);
-    for (int round = 0; round < rounds; ++round) {
-        const auto excess = excesses(result.x.tail(result.x.size() - p), information.bottomRightCorner(views.cols(), views.cols()), *best);
-        if (std::ranges::max(excess) <= 1) break;
+    const auto far = [&] { return excesses(result.x.tail(result.x.size() - p), information.bottomRightCorner(views.cols(), views.cols()), *best); };
+    const auto dilute = [&](const std::vector<double>& excess) {
         for (std::size_t e = 0; e < excess.size(); ++e) dilution[e] *= std::max(1.0, std::min(10.0, excess[e]));
-        alike(std::ranges::max(dilution));
+    };
+    Fit spread;
+    if (p == 1) {
         settle(dilution);
+        for (int round = 0; round < rounds && std::ranges::max(far()) > 1; ++round) {
+            dilute(far());
+            settle(dilution);
+        }
+        spread = result;
+    } else {
+        // Several parameters can do what the resolution does to the view, if this is held: they leave by the valley in which they trade with
+        // each other. So the view is free within its priors, and dilution widens the region alone, by the same for all experiments: with
+        // one of its own the one that the model explains worse would be given up for the others.
+        dilute(far());
+        std::ranges::fill(dilution, std::ranges::max(dilution));
+        spread = fit(model.value, g, size, information, layout, {false, 3, dilution, p, {}});
     }
 
-    const Matrix changes = block_changes(result, g, information, blocks);
-    out.covariance = covariance_of(changes, result, information, p);
+    const Matrix changes = block_changes(spread, g, information, blocks);
+    out.covariance = covariance_of(changes, spread, information, p);
     for (Eigen::Index k = 0; k < p; ++k) {
-        out.parts.push_back(parts_of(k, p, changes, result, g, information, *best));
+        out.parts.push_back(parts_of(k, p, changes, spread, g, information, *best));
         const auto squares = changes.col(k).array().square();
         out.freedom.push_back(std::max(1.0, squares.sum() * squares.sum() / std::max(1e-300, squares.square().sum()) - 1));
     }
     for (std::size_t e = 0; e < priors.size(); ++e) out.view.push_back(result.x.segment(p + Eigen::Index(e) * view_count, view_count));
     for (std::size_t e = 0; e < layout.experiments; ++e) out.noise.push_back(result.noise[e] * usual_noise(best->experiments[e].kind));
     out.runs = model.runs;
+    out.dilution = dilution;
     for (std::size_t e = 0; e < layout.experiments; ++e) {
         constexpr double half_quantile = 1.353; // of chi square of one degree of freedom, 90 %
         out.alike = std::max(out.alike, half_quantile * dilution[e] * result.noise[e] * result.noise[e] / double(layout.rows.size()));

@@ -53,6 +53,7 @@ struct Estimate {
     std::vector<double> freedom; // [p] degrees of freedom of the part of the pixels: few where few blocks tell it
     std::vector<Eigen::VectorXd> view; // per experiment [view_count]: what the fit takes them for, less what was stated
     std::vector<double> noise;  // per experiment: standard deviation of a segment's residual in its unit, robust
+    std::vector<double> dilution; // per experiment: how many segments count as one
     double curvature = 0;       // share of the local model's square term in a standard deviation: small where it is linear
     std::vector<double> misfit; // by frame of all experiments in turn: root mean square residual left over, in its unit
     std::vector<double> times;  // [s] of those frames
@@ -70,7 +71,8 @@ struct Estimate {
 // own noise, and diluted by how many of its segments count as one. Throws InputError where the runs do not determine it.
 // finer: runs at one or more other resolutions, or with another change, in order. Then r is that of the last of them; g of the runs
 // before is corrected along the directions in which each resolution has several runs (a multisecant update, Fang & Saad 2009).
-// range: what else is known of several parameters; the point stays within it.
+// range: what else is known of several parameters; the point stays within it. Of several, the view is free within its priors, and all
+// experiments have one scale and dilution, which widens the covariance alone.
 Estimate estimate(const std::vector<EvaluatedRun>& runs, const std::vector<ViewInformation>& priors,
                   const std::vector<std::vector<EvaluatedRun>>& finer = {}, const RangePrior& range = {});
 

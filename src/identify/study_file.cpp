@@ -6,12 +6,14 @@
 #include "base/text.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace treacle::identify {
 
 void StudyFile::declare(Declaration& d) {
     study.declare(d);
     d.list("experiments", experiments, "Films that the runs are compared with, for `treacle identify`.");
+    d.list("candidates", candidates, "Experiments that could be filmed next, among which `treacle next` chooses.");
     d.block("search", search, "How `treacle identify` looks for the parameters.", "method");
     d.block("temperature", temperature, "Temperature of the liquid during the experiments.");
     if (!d.parsing()) return;
@@ -26,6 +28,14 @@ void StudyFile::declare(Declaration& d) {
                     {"must have names that differ", one.where + ": " + one.name + " stands at " + experiments[k].where + " too", "give one of them another name"});
         }
     }
+}
+
+double move_along(const study::Parameter& parameter, double share, double& value) {
+    const bool log = parameter.scale == study::Scale::log;
+    const auto coordinate = [&](double one) { return log ? std::log(one) : one; };
+    const double x = coordinate(value), upper = coordinate(parameter.upper), step = share * (upper - coordinate(parameter.lower)) * (x + share * (upper - coordinate(parameter.lower)) <= upper ? 1 : -1);
+    value = log ? std::exp(x + step) : x + step;
+    return step;
 }
 
 // Runs differ in the measured values and the spacing as in the parameters: the journal and the requests know them as such.

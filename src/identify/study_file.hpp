@@ -1,5 +1,6 @@
 #pragma once
 #include "identify/experiment.hpp"
+#include "identify/set_up.hpp"
 #include "identify/temperature.hpp"
 #include "study/study.hpp"
 
@@ -9,6 +10,7 @@ namespace treacle::identify {
 struct StudyFile {
     study::Study study; // behind the parameters that are searched stand, with experiments, the measured values and the spacing
     std::vector<Experiment> experiments;
+    std::vector<SetUp> candidates; // to be filmed next
     SearchSettings search;
     Temperature temperature;
     std::size_t searched = 0; // parameters, the first of the study's
@@ -29,6 +31,10 @@ struct StudyFile {
 private:
     void add_measured_and_rungs(Declaration& d);
 };
+
+// Moves a value of a searched parameter by a share of its range, to where there is room; how far its coordinate (the logarithm of a
+// viscosity) went.
+double move_along(const study::Parameter& parameter, double share, double& value);
 
 // Throws InputError with all that is wrong in the file itself.
 StudyFile load_study_file(const std::filesystem::path& path, const std::vector<std::string>& overrides = {});

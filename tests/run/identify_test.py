@@ -119,6 +119,50 @@ class Materials(Workplace):
             self.assertFalse(os.path.exists(self.path("out")))
 
 
+TWO = """schema_version: 1
+title: A power law of a slumping block
+scenes: [{name: slump, file: scene.yaml, set: ["liquids.syrup.rheology={law: power_law, exponent: 0.7}"]}]
+parameters:
+  - {name: consistency, key: liquids.syrup.viscosity, range: [2 Pa.s, 50 Pa.s], scale: log}
+  - {name: exponent, key: liquids.syrup.rheology.exponent, range: [0.3, 1]}
+experiments:
+  - {name: block, masks: film, camera: front, from: 40 ms}
+candidates:
+  - {name: same}
+  - {name: low, set: ["liquids.syrup.shapes.0.box.max=[0.03, 0.04]"]}
+search: {evaluations: 8}
+"""
+
+
+class Next(Workplace):
+    """Candidates of a study of two parameters."""
+
+    def setUp(self):
+        super().setUp()
+        for name, text in (("scene.yaml", SCENE), ("study.yaml", TWO)):
+            with open(self.path(name), "w") as file:
+                file.write(text)
+        self.treacle("run", "scene.yaml", "--set", "liquids.syrup.rheology={law: power_law, exponent: 0.6}", "--set", "output.interval=10 ms", "--out", "truth")
+        self.treacle("film", "truth", "--out", "film", "--lead", 0, "--noise", 0)
+
+    def test_candidates_are_ranked_by_the_band_and_any_film_narrows_it(self):
+        done = self.treacle("next", "study.yaml", "--out", "out", "--rates", 1, 30)
+        now = float(re.search(r"now ([0-9.]+) %", done.stdout).group(1))
+        rows = [(name, float(width)) for name, width in re.findall(r"with (\S+) +([0-9.]+) %", done.stdout)]
+        self.assertEqual({name for name, _ in rows}, {"same", "low"}, done.stdout)
+        self.assertLess(rows[0][1], now)
+        self.assertLessEqual(rows[0][1], rows[1][1])
+        self.assertIn(f"film next: {rows[0][0]}", done.stdout)
+        # All runs are there already: the same answer, and at once.
+        again = self.treacle("next", "study.yaml", "--out", "out", "--rates", 1, 30)
+        self.assertEqual(re.findall(r"with .*", again.stdout), re.findall(r"with .*", done.stdout))
+
+    def test_a_study_without_candidates_is_told_how_to_list_them(self):
+        with open(self.path("study.yaml"), "w") as file:
+            file.write(TWO.replace(TWO[TWO.index("candidates:"):TWO.index("search:")], ""))
+        self.assertIn("candidates: [{name:", self.treacle("next", "study.yaml", "--out", "out", code=2).stderr)
+
+
 class Fields(Workplace):
     """Velocity fields of PIV, of a rod that falls in a plane."""
 

@@ -90,7 +90,8 @@ def walls_polygon(text, height, width, depth):
 
 def dam_breaks():
     """Folder of the real dam breaks."""
-    data = pathlib.Path(__file__).resolve().parents[2].parent / "shared" / "data" / "virheometry"
+    root = pathlib.Path(__file__).resolve().parents[2]
+    data = root.parent / "shared" / "data" / "virheometry"
     if not data.is_dir():
         raise Unmeasured("needs ../shared/data/virheometry")
     return data
