@@ -39,16 +39,6 @@ identify::FlowCurveBand band_of(const identify::StudyFile& file, const identify:
 
 } // namespace
 
-std::vector<std::string> searched_liquids(const identify::StudyFile& file) {
-    std::vector<std::string> out;
-    for (std::size_t k = 0; k < file.searched; ++k) {
-        const auto parts = split(file.study.parameters[k].key, '.');
-        if (parts.size() < 3 || parts[0] != "liquids") continue;
-        if (std::ranges::find(out, parts[1]) == out.end()) out.push_back(parts[1]);
-    }
-    return out;
-}
-
 Eigen::MatrixXd flow_curve_slopes(const identify::StudyFile& file, const std::vector<double>& answer, const std::string& liquid, const std::vector<double>& rates) {
     constexpr double share = 0.01; // of the range: linear, far above round-off
     const auto here = *curve_at(file, liquid, answer);

@@ -6,9 +6,6 @@
 
 namespace treacle::app {
 
-// Names of the liquids of which a key is searched.
-std::vector<std::string> searched_liquids(const identify::StudyFile& file);
-
 // Derivatives of ln eta at shear rates [1/s] by the coordinates of the searched parameters, [rates][p], at an answer in the parameters'
 // units. Throws InputError.
 Eigen::MatrixXd flow_curve_slopes(const identify::StudyFile& file, const std::vector<double>& answer, const std::string& liquid, const std::vector<double>& rates);

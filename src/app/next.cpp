@@ -2,6 +2,7 @@
 
 #include "app/experiments.hpp"
 #include "app/flow_curve_bands.hpp"
+#include "app/identified_liquids.hpp"
 #include "base/file.hpp"
 #include "base/options.hpp"
 #include "base/text.hpp"
