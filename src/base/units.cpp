@@ -1,6 +1,7 @@
 #include "base/units.hpp"
 
 #include "base/text.hpp"
+#include "base/unit_conversion.hpp"
 
 #include <algorithm>
 #include <cctype>
@@ -281,6 +282,17 @@ std::variant<double, Complaint> read_quantity(std::string_view text, const Unit&
     }
     const double value = apply(scale, *number);
     if (!std::isfinite(value)) return Complaint{"must be finite", "the number is too large for a double", ""};
+    return value;
+}
+
+std::optional<double> in_unit(std::string_view text, std::string_view unit) {
+    text = trim(text);
+    const auto length = number_length(text);
+    const auto number = read_number(text.substr(0, length));
+    const auto from = UnitReader(trim(text.substr(length))).read(), to = UnitReader(trim(unit)).read();
+    if (!number || !from || !to || from->dimension != to->dimension) return {};
+    const double value = apply(*from, *number) / apply(*to, 1);
+    if (!std::isfinite(value)) return {};
     return value;
 }
 

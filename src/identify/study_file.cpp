@@ -61,12 +61,13 @@ void StudyFile::add_measured_and_rungs(Declaration& d) {
     spacing.where = study.path.string() + ": search.rungs";
     spacing.values = search.rungs;
     spacing.settle();
+    search.rungs = spacing.values; // in the unit of the first
     bool falls = spacing.numeric;
     for (std::size_t i = 1; falls && i < search.rungs.size(); ++i) {
         const auto coarse = spacing.number(search.rungs[i - 1]), fine = spacing.number(search.rungs[i]);
         falls = coarse && fine && *fine < *coarse;
     }
-    d.check(falls, "search", {"must have rungs of one unit, the coarsest first", "they are " + join(search.rungs, ", "), "write for instance rungs: [8 mm, 5.6 mm, 4 mm]"});
+    d.check(falls, "search", {"must have spacings as rungs, the coarsest first", "they are " + join(search.rungs, ", "), "write for instance rungs: [8 mm, 5.6 mm, 4 mm]"});
     for (const auto& parameter : study.parameters) {
         d.check(parameter.key != spacing.key, "search", {"must not have rungs beside a parameter of the spacing", parameter.where + " sets it too", "leave one of them out"});
     }

@@ -2,6 +2,7 @@
 
 #include "base/options.hpp"
 #include "base/text.hpp"
+#include "base/unit_conversion.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -10,7 +11,7 @@
 namespace treacle::study {
 
 namespace {
-constexpr const char* unit_cure = "write all of them in the same unit, as in [0.1 Pa.s, 100 Pa.s]";
+constexpr const char* unit_cure = "write all of them in units of one dimension, as in [100 mPa.s, 100 Pa.s]";
 
 // To 12 digits: 10 in the place of 10.000000000000002.
 double plain_number(double value) {
@@ -60,13 +61,17 @@ void Parameter::declare(Declaration& d) {
 
 void Parameter::settle() {
     numeric = false;
-    for (const auto& text : range.empty() ? values : range) {
-        const auto quantity = read_number_and_unit(text);
+    for (auto& text : range.empty() ? values : range) {
+        auto quantity = read_number_and_unit(text);
         if (!quantity) {
             numeric = false;
             return;
         }
         if (!numeric) unit = quantity->unit;
+        if (const auto converted = quantity->unit == unit ? std::nullopt : in_unit(text, unit)) {
+            quantity->value = plain_number(*converted);
+            text = word(quantity->value);
+        }
         lower = numeric ? std::min(lower, quantity->value) : quantity->value;
         upper = numeric ? std::max(upper, quantity->value) : quantity->value;
         numeric = true;
@@ -82,7 +87,7 @@ void Parameter::check(Declaration& d) const {
     if (!numeric) return;
     for (const auto& text : ranged ? range : values) {
         const auto other = read_number_and_unit(text)->unit;
-        d.check(other == unit, given, {"must have one unit", unit + " and " + other + " stand in it", unit_cure});
+        d.check(other == unit, given, {"must have units of one dimension", unit + " and " + other + " stand in it", unit_cure});
     }
     if (ranged && range.size() == 2) {
         d.check(read_number_and_unit(range[1])->value > read_number_and_unit(range[0])->value, "range",

@@ -36,7 +36,7 @@ struct Parameter {
     std::string unit;
 
     void declare(Declaration& d);
-    // Finds the numbers and the unit in what was given.
+    // Finds the numbers and the unit in what was given. The first has the unit; others of its dimension are rewritten in it.
     void settle();
 
     bool has_range() const { return numeric && range.size() == 2; }

@@ -54,9 +54,15 @@ TEST_F(StudyFileTest, WhatDoesNotFitIsRefused) {
     EXPECT_NE(refusal("experiments:\n  - {masks: m}\n  - {masks: n/m/}\n").find("m stands at"), std::string::npos);
     EXPECT_NE(refusal("experiments:\n  - {camera: c}\n").find("masks"), std::string::npos);
     EXPECT_NE(refusal(experiment + "search: {rungs: [4 mm, 8 mm]}\n").find("the coarsest first"), std::string::npos);
-    EXPECT_NE(refusal(experiment + "search: {rungs: [8 mm, 0.4 cm]}\n").find("of one unit"), std::string::npos);
+    EXPECT_NE(refusal(experiment + "search: {rungs: [8 mm, 0.4 kg]}\n").find("spacings as rungs"), std::string::npos);
     EXPECT_NE(refusal("parameters:\n  - {key: domain.spacing, range: [1 mm, 2 mm]}\n" + experiment + "search: {rungs: [8 mm, 4 mm]}\n").find("sets it too"),
               std::string::npos);
+}
+
+TEST_F(StudyFileTest, RungsTakeTheUnitOfTheFirst) {
+    const auto file = load("experiments:\n  - {masks: m}\nsearch: {rungs: [8 mm, 0.4 cm]}\n");
+    EXPECT_EQ(file.search.rungs, (std::vector<std::string>{"8 mm", "4 mm"}));
+    EXPECT_EQ(file.study.parameters.back().values, file.search.rungs);
 }
 
 TEST_F(StudyFileTest, ATemperatureEntersByWhatAKelvinDoes) {

@@ -44,7 +44,8 @@ TEST(StudyFile, WhatCannotBeMeantIsRefusedAtItsLine) {
     for (const auto& [text, told] : std::vector<Refusal>{
              {"parameters:\n  - {key: a.b, range: [1 Pa.s]}\n", "must be a lower and an upper end"},
              {"parameters:\n  - {key: a.b, range: [2, 1]}\n", "must have its lower end first"},
-             {"parameters:\n  - {key: a.b, range: [1 mm, 2 cm]}\n", "must have one unit"},
+             {"parameters:\n  - {key: a.b, range: [1 mm, 2 kg]}\n", "must have units of one dimension"},
+             {"parameters:\n  - {key: a.b, values: [1, 2 cm]}\n", "must have units of one dimension"},
              {"parameters:\n  - {key: a.b, range: [0, 2], scale: log}\n", "must be above 0"},
              {"parameters:\n  - {key: a.b, range: [1, 2], start: 3}\n", "must lie in the range"},
              {"parameters:\n  - {name: p, key: a.b, range: [1, 2]}\n  - {name: q, key: a.b, range: [1, 2]}\n", "is set at study.yaml:5 too"},
@@ -60,6 +61,17 @@ TEST(StudyFile, WhatCannotBeMeantIsRefusedAtItsLine) {
         EXPECT_NE(complaint.find("study.yaml:"), std::string::npos) << text << complaint;
         EXPECT_NE(complaint.find(told), std::string::npos) << text << complaint;
     }
+}
+
+TEST(StudyFile, ValuesOfOneDimensionTakeTheUnitOfTheFirst) {
+    const auto study = study_of(header + "parameters:\n  - {key: a.b, values: [5 mm, 1 cm, 1.5e-2 m]}\n  - {key: a.c, range: [100 cP, 2 Pa.s]}\n");
+    const auto& values = study.parameters[0];
+    EXPECT_EQ(values.values, (std::vector<std::string>{"5 mm", "10 mm", "15 mm"}));
+    EXPECT_EQ(values.column(), "b [mm]");
+    EXPECT_EQ(values.number(values.values[1]), 10);
+    EXPECT_EQ(study.parameters[1].lower, 100);
+    EXPECT_EQ(study.parameters[1].upper, 2000);
+    EXPECT_EQ(study.parameters[1].range[1], "2000 cP");
 }
 
 TEST(Readings, StatisticsOverTimeLeaveEmptyRowsOut) {
