@@ -183,10 +183,10 @@ Vec3 rotation_vector(const Matrix3& m) {
     return (dot(axis, s) < 0 ? -angle : angle) * axis;
 }
 
-Vec3 CameraPose::position() const { return -apply(transposed(rotation), translation); }
+Vec3 CameraPose::position() const { return -scene::apply(transposed(rotation), translation); }
 
 CameraPose in_moved_world(const CameraPose& pose, const Matrix3& rotation, const Vec3& translation) {
-    return {product(pose.rotation, rotation), apply(pose.rotation, translation) + pose.translation};
+    return {product(pose.rotation, rotation), scene::apply(pose.rotation, translation) + pose.translation};
 }
 
 CameraModel::CameraModel(std::string name, const Lens& lens, const CameraPose& pose, Folds folds)
@@ -212,10 +212,10 @@ CameraModel CameraModel::for_size(int width, int height) const {
     return {name_, resized(lens_, width, height), pose_};
 }
 
-Vec3 CameraModel::to_camera(const Vec3& world) const { return apply(pose_.rotation, world) + pose_.translation; }
+Vec3 CameraModel::to_camera(const Vec3& world) const { return scene::apply(pose_.rotation, world) + pose_.translation; }
 
 Vec3 CameraModel::to_world(const Vec3& camera) const {
-    return apply(transposed(pose_.rotation), camera - pose_.translation);
+    return scene::apply(transposed(pose_.rotation), camera - pose_.translation);
 }
 
 PixelPoint CameraModel::project(const Vec3& world) const { return project_camera(to_camera(world)); }
