@@ -11,7 +11,7 @@
 namespace treacle::app {
 
 namespace {
-constexpr std::size_t pictures = 4; // of each field
+constexpr std::size_t pictures = 4; // of each field, at most
 
 // Whether a command of this program succeeds; what it prints goes into `output`.
 bool succeeds(std::vector<std::string> command, const std::filesystem::path& output, Log& log) {
@@ -46,7 +46,7 @@ std::vector<identify::ReportPicture> draw(const std::filesystem::path& run, cons
     const auto frames = count_frames(run);
     if (frames < 2) return {};
     const auto name = "hidden_" + scene + "_" + field;
-    const auto stride = std::max<std::size_t>(1, (frames - 1) / pictures);
+    const auto stride = std::max<std::size_t>(1, (frames - 1 + pictures - 1) / pictures);
     std::vector<std::string> command{"render", run.string(), "--style", "surface", "--field", field, "--no-movie", "--size", "480x360", "--frames",
                                      std::to_string(std::min(stride, frames - 1)) + ":-1:" + std::to_string(stride), "--out", (folder / name).string()};
     command.insert(command.end(), camera.begin(), camera.end());

@@ -47,10 +47,10 @@ SHORTENED = {
     "rotating_drum": {"domain.spacing": "0.05", "time.end": "0.2"},
     "pouring": {"domain.spacing": "0.006", "time.end": "0.4"},
     "smoothie_glass": {"domain.spacing": "0.04", "time.end": "0.06"},
-    "cake": {"domain.spacing": "0.005", "time.end": "0.03"},
-    "dipper": {"domain.spacing": "0.006", "time.end": "0.08"},
+    "cake": {"domain.spacing": "0.01", "time.end": "0.05", "bodies.plate.shape.cylinder.height": "0.024"},
+    "dipper": {"domain.spacing": "0.006", "time.end": "0.05"},
     "doughnuts": {"domain.spacing": "0.004", "time.end": "0.02"},
-    "hand": {"domain.spacing": "0.008", "time.end": "0.08"},
+    "hand": {"domain.spacing": "0.008", "time.end": "0.05"},
     "toothpaste": {"domain.spacing": "0.004", "time.end": "0.45"},  # once it has landed, differences grow tenfold in 0.1 s
 }
 ON_GRID = {"bunny_pool", "cake", "dipper", "doughnuts", "dragon_ball", "falling_ball", "gears", "gravity_current", "hand", "honey_dipper",
