@@ -27,6 +27,7 @@ public:
         : run_(run), surface_(Comm::self(), run, {surface_options(run.input)}), model_(experiment_camera(file, experiment, run.input).model),
           frames_(identify::observed_frames(experiment, file.beside(experiment.masks))) {
         through_ = experiment.see_through;
+        readout_ = experiment.readout;
         step_ = 0.25 * std::max(least_interval(frames_), 1e-3);
     }
     const std::vector<identify::ObservedFrame>& frames() const { return frames_; }
@@ -38,6 +39,7 @@ public:
         video::FilmShot shot;
         shot.samples = 1;
         shot.offset = frame.time - surface_.time();
+        shot.readout = readout_;
         const video::FilmMesh drawn{mesh.dimensions, mesh.vertices, mesh.normals, mesh.velocity, mesh.triangles};
         identify::SimulatedFrame simulated;
         simulated.step = step_;
@@ -55,7 +57,7 @@ private:
     std::vector<identify::ObservedFrame> frames_;
     video::FilmScenery scenery_;
     std::vector<std::string> through_;
-    double step_ = 0; // [s]
+    double step_ = 0, readout_ = 0; // [s]
 };
 
 // A comparison as numbers, to be sent.
@@ -159,6 +161,7 @@ ObservationNeeds film_needs(const StudyFile& file, const Experiment& experiment,
     const auto& pose = camera.pose();
     const auto& lens = camera.lens();
     out.content = "film " + experiment.name;
+    if (experiment.readout > 0) out.content += " readout " + format_number(experiment.readout);
     for (const auto& name : experiment.see_through) out.content += " through " + name;
     for (const double v : {lens.fx, lens.fy, lens.cx, lens.cy}) out.content += " " + format_number(v);
     for (const double v : lens.distortion) out.content += " " + format_number(v);

@@ -82,7 +82,10 @@ void compare_with_experiments(const Comm& comm, const StudyFile& file, const stu
     }
     if (run.frames.empty()) return;
     const auto rates = run_shear_rates(comm, run);
-    comm.guard_root([&] { identify::write_shear_rates(folder, rates); });
+    comm.guard_root([&] {
+        identify::write_shear_rates(folder, rates.all);
+        identify::write_frame_shear_rates(folder, rates.frames);
+    });
 }
 
 ObservationNeeds scene_needs(const StudyFile& file, const study::StudyScene& scene) {

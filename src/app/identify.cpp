@@ -2,6 +2,7 @@
 
 #include "app/experiments.hpp"
 #include "app/flow_curve_bands.hpp"
+#include "app/hidden_fields.hpp"
 #include "app/identified_liquids.hpp"
 #include "base/log.hpp"
 #include "identify/report.hpp"
@@ -52,7 +53,9 @@ ExitCode identify_study(const IdentifyRequest& request) {
     if (found.end == study::StudyEnd::stopped) return ExitCode::stopped;
     Log log(Voice::speaks);
     const auto curves = flow_curve_bands(file, found, folder_of, measured);
-    identify::write_report(folder / "report", file, found, folder_of, curves, identified_materials(file, found, curves));
+    identify::ReportParts parts{curves, identified_materials(file, found, curves), {}};
+    if (request.hidden) parts.hidden = draw_hidden_fields(folder / "report", file, found, folder_of, log);
+    identify::write_report(folder / "report", file, found, folder_of, parts);
     for (const auto& line : identify::answer_lines(file, found)) log.line(line);
     for (std::size_t k = 0; k < found.values.size(); ++k) {
         log.line(file.study.parameters[k].name + ": " + identify::identifiability(file, found, k));

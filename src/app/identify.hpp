@@ -6,6 +6,7 @@ namespace treacle::app {
 
 struct IdentifyRequest : SweepRequest {
     std::filesystem::path compared_curve; // a rheometer's table; empty: none
+    bool hidden = false; // draws pressure and speed, see hidden_fields.hpp
     bool quick = false; // see StudyFile::make_quick
 };
 

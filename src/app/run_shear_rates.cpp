@@ -40,20 +40,29 @@ void add_frame(const Input& input, const std::vector<flow::FlowCurve>& curves, c
 }
 } // namespace
 
-identify::ShearRates run_shear_rates(const Comm& comm, const RunView& run) {
-    identify::ShearRates mine, out;
+RunShearRates run_shear_rates(const Comm& comm, const RunView& run) {
+    constexpr std::size_t size = identify::ShearRates::bins + 1; // numbers of a frame: its place, its weights
+    std::vector<double> mine;
     comm.guard([&] {
         const auto curves = flow_curves(run.input);
         for (std::size_t k = 1 + std::size_t(comm.rank()); k < run.frames.size(); k += std::size_t(comm.size())) {
-            add_frame(run.input, curves, io::read_frame(run.frame(k)), mine);
+            identify::ShearRates frame;
+            add_frame(run.input, curves, io::read_frame(run.frame(k)), frame);
+            mine.push_back(double(k));
+            mine.insert(mine.end(), frame.weights().begin(), frame.weights().end());
         }
     });
-    const auto all = comm.all_gather(std::span<const double>(mine.weights()));
-    for (std::size_t rank = 0; rank < std::size_t(comm.size()); ++rank) {
+    const auto all = comm.all_gather(std::span<const double>(mine));
+    RunShearRates out;
+    for (std::size_t first = 0; first < all.size(); first += size) {
         std::array<double, identify::ShearRates::bins> weights;
-        std::copy_n(all.begin() + std::ptrdiff_t(rank * weights.size()), weights.size(), weights.begin());
-        out.add(weights);
+        std::copy_n(all.begin() + std::ptrdiff_t(first + 1), weights.size(), weights.begin());
+        out.all.add(weights);
+        identify::ShearRates frame;
+        frame.add(weights);
+        if (!frame.empty()) out.frames.push_back(identify::frame_shear_rates(run.frames[std::size_t(all[first])].time, frame));
     }
+    std::ranges::sort(out.frames, {}, &identify::FrameShearRates::time);
     return out;
 }
 

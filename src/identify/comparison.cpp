@@ -70,10 +70,11 @@ FrameComparison compare_frame(const ObservedFrame& observed, const video::Mask& 
             residual.y += weight * point.pixel[1];
             residual.normal_x += weight * point.normal[0];
             residual.normal_y += weight * point.normal[1];
-            const double d = now(point);
+            const double d = now(point), speed = (later(point) - d) / simulated.step;
             residual.displacement += weight * d;
-            // A later time zero shows the run earlier.
-            residual.by_view[view_time] -= weight * (later(point) - d) / simulated.step;
+            // A later time zero shows the run earlier. A longer readout shows rows above the middle earlier, those below later.
+            residual.by_view[view_time] -= weight * speed;
+            residual.by_view[view_readout] += weight * speed * (point.pixel[1] / (mask.height - 1) - 0.5);
             residual.by_view[view_contour] += weight;
             const scene::Vec2 inside{point.pixel[0] + (d - 1) * point.normal[0], point.pixel[1] + (d - 1) * point.normal[1]};
             const double depth = depth_near(simulated.now, inside[0], inside[1]);

@@ -343,7 +343,9 @@ std::vector<double> excesses(const Vector& view, const Matrix& information, cons
         const auto first = Eigen::Index(e) * view_count;
         const auto count = Eigen::Index(view_parameters(run.experiments[e].kind).size());
         const Vector v = view.segment(first, count);
-        out.push_back(v.dot(information.block(first, first, count, count) * v) / double(count));
+        constexpr double exact = 1e20; // information on what is held to be known
+        const auto free = (information.diagonal().segment(first, count).array() < exact).count();
+        out.push_back(v.dot(information.block(first, first, count, count) * v) / double(std::max<Eigen::Index>(1, free)));
     }
     return out;
 }
@@ -424,7 +426,7 @@ std::vector<double> search_residuals(const EvaluatedRun& run, const std::vector<
 }
 
 double VarianceParts::total() const {
-    double sum = pixels + time + contour + camera + sheet + instrument + range + resolution + noise;
+    double sum = pixels + time + contour + camera + sheet + instrument + range + resolution + noise + clips;
     for (const auto& [name, part] : measured) sum += part;
     return sum;
 }
@@ -432,8 +434,11 @@ double VarianceParts::total() const {
 double ninety_percent(const VarianceParts& parts, double freedom) {
     constexpr double z = 1.6449;
     const double total = parts.total();
-    if (!(parts.pixels > 0)) return z;
-    const double n = freedom * (total / parts.pixels) * (total / parts.pixels);
+    double inverse = 0; // of the sum's degrees of freedom
+    if (parts.pixels > 0) inverse += parts.pixels * parts.pixels / (total * total * freedom);
+    if (parts.clips > 0) inverse += parts.clips * parts.clips / (total * total * parts.clip_freedom);
+    if (!(inverse > 0)) return z;
+    const double n = 1 / inverse;
     // Expansion of the quantile in 1 / n (Abramowitz & Stegun 26.7.5).
     const double z3 = z * z * z, z5 = z3 * z * z, z7 = z5 * z * z;
     return z + (z3 + z) / (4 * n) + (5 * z5 + 16 * z3 + 3 * z) / (96 * n * n) + (3 * z7 + 19 * z5 + 17 * z3 - 15 * z) / (384 * n * n * n);

@@ -38,6 +38,7 @@ struct VarianceParts {
     double time = 0, contour = 0, camera = 0, sheet = 0, instrument = 0;
     double range = 0; // what is known by the ranges of the parameters alone
     double resolution = 0, noise = 0; // numerical; see Identification
+    double clips = 0, clip_freedom = 0; // between clips of one set-up, and its degrees of freedom; see repeats.hpp
     std::vector<std::pair<std::string, double>> measured; // by the measured values' names
     double total() const;
 };

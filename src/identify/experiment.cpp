@@ -10,6 +10,7 @@ void ViewUncertainty::declare(Declaration& d) {
     d.number("focal", focal, unit::none, range_at_least(0), "Relative, of the focal length, where the camera's file has no covariance.");
     d.number("turn", turn, unit::angle, range_at_least(0), "Of the camera about each of its axes, likewise.");
     d.number("place", place, unit::length, range_at_least(0), "Of the camera along each of its axes, likewise.");
+    d.number("readout", readout, unit::time, range_at_least(0), "Of the experiment's readout; 0: it is known.");
     d.number("scale", scale, unit::none, range_at_least(0), "Relative, of the lengths in a sheet of PIV, and with them of its velocities; of the values of a series.");
     d.number("shift", shift, unit::length, range_at_least(0), "Of a sheet of PIV along each of its axes; `turn` is that in its plane.");
 }
@@ -32,7 +33,13 @@ void Experiment::declare(Declaration& d) {
     d.number("from", from, unit::time, range_at_least(0), "Scene's time from which masks or fields are compared.");
     d.number("to", to, unit::time, range_at_least(0), "Scene's time up to which they are; 0: as long as observation and run last.");
     d.integer("every", every, range_at_least(1), "Masks or fields from one that is compared to the next.");
+    d.number("readout", readout, unit::time, range_at_least(0),
+             "Time from the first to the last row of a rolling shutter, 10 to 30 ms of a phone; rows are compared at their own time, the middle one at that of "
+             "the mask. Film a light that blinks at a known rate, and count its bands.");
+    d.text("repeats", repeats, "Name of the experiment of which this is another clip: the same set-up, filled and filmed anew. How much clips differ enters the interval.");
+    d.check(readout == 0 || kind == ExperimentKind::contours, "readout", {"has no effect", "it belongs to masks", "leave it out"});
     d.block("plus_minus", plus_minus, "Standard deviations of what the comparison does not know exactly.");
+    d.check(plus_minus.readout == 0 || kind == ExperimentKind::contours, "plus_minus", {"must not have a readout", "it belongs to masks", "leave it out"});
     if (d.parsing() && name.empty() && (sheet || numbers)) name = sheet ? "piv" : "series";
     if (d.parsing() && name.empty()) {
         const auto end = masks.find_last_not_of('/');

@@ -21,6 +21,7 @@ struct ViewUncertainty {
     double focal = 1e-3;     // relative; without the covariance of a camera file
     double turn = 1e-3;      // [rad] of the camera about each axis, likewise
     double place = 1e-3;     // [m] of the camera along each axis, likewise
+    double readout = 0;      // [s] of the rolling shutter's readout; 0: it is known
     double scale = 2e-3;     // relative, of a sheet of PIV or the instrument of a series
     double shift = 2e-4;     // [m] of a sheet of PIV along each of its axes; its turn in its plane is `turn`
 
@@ -41,6 +42,8 @@ struct Experiment {
     double from = 0;      // [s] of the scene's time
     double to = 0;        // [s]; 0: as long as both last
     int every = 1;        // masks from one that is compared to the next
+    double readout = 0;   // [s] from the first to the last row of a rolling shutter; a mask's time is that of its middle row
+    std::string repeats;  // name of the experiment of whose set-up this is another clip; empty: a set-up of its own
     ViewUncertainty plus_minus;
     std::string where;
 

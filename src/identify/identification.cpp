@@ -4,6 +4,7 @@
 #include "base/text.hpp"
 #include "identify/directions.hpp"
 #include "identify/profile.hpp"
+#include "identify/repeats.hpp"
 #include "search/bracketing.hpp"
 #include "search/cma_es.hpp"
 #include "search/gauss_newton.hpp"
@@ -393,6 +394,18 @@ void vary_measured(const StudyFile& file, const Priors& priors, Trials& trials, 
     }
 }
 
+// With several clips of one set-up the answer is the mean of theirs; what they differ by beyond their own noise enters the interval.
+void add_clips(const StudyFile& file, const Priors& priors, Trials& trials, Identification& out) {
+    const auto scatter = between_clips(trials.good(), priors, set_ups(file.experiments));
+    if (!scatter) return;
+    out.estimate->point += scatter->shift;
+    for (std::size_t k = 0; k < out.corrections.size(); ++k) out.corrections[k].value += scatter->shift[Eigen::Index(k)];
+    for (std::size_t k = 0; k < file.searched; ++k) {
+        out.estimate->parts[k].clips = scatter->variance[Eigen::Index(k)];
+        out.estimate->parts[k].clip_freedom = scatter->freedom;
+    }
+}
+
 void say_answer(const StudyFile& file, Identification& out) {
     const auto& estimate = *out.estimate;
     out.covariance += estimate.covariance + out.noise;
@@ -487,6 +500,7 @@ ViewInformation information_of(const ViewUncertainty& uncertainty, const std::op
     ViewInformation out = ViewInformation::Zero();
     out(view_time, view_time) = information(uncertainty.time_zero);
     out(view_contour, view_contour) = information(uncertainty.contour);
+    out(view_readout, view_readout) = information(uncertainty.readout);
     out(view_focal, view_focal) = information(focal_deviation > 0 ? focal_deviation : uncertainty.focal);
     if (pose) {
         out.block<6, 6>(view_turn, view_turn) = (*pose + 1e-24 * Eigen::Matrix<double, 6, 6>::Identity()).inverse();
@@ -533,6 +547,7 @@ Identification identify(const StudyFile& file, const Priors& priors, study::Stud
             climb_rungs(file, priors, trials, out);
         }
         vary_measured(file, priors, trials, out);
+        add_clips(file, priors, trials, out);
         if (file.temperature.deviation() > 0) {
             for (auto& parts : out.estimate->parts) parts.measured.emplace_back("temperature", std::pow(file.temperature.deviation(), 2));
         }

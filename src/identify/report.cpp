@@ -5,6 +5,7 @@
 #include "identify/directions.hpp"
 #include "identify/profile.hpp"
 #include "identify/report_fields.hpp"
+#include "identify/report_film.hpp"
 #include "identify/report_pictures.hpp"
 #include "study/chart.hpp"
 
@@ -110,6 +111,8 @@ std::vector<std::pair<std::string, double>> shares(const VarianceParts& parts, c
     if (any(ExperimentKind::piv)) out.emplace_back("sheet", parts.sheet);
     if (any(ExperimentKind::series)) out.emplace_back("instrument", parts.instrument);
     if (file.has_rungs()) out.insert(out.end(), {{"resolution", parts.resolution}, {"noise", parts.noise}});
+    const bool repeated = std::ranges::any_of(file.experiments, [](const auto& one) { return !one.repeats.empty(); });
+    if (repeated) out.emplace_back("clips", parts.clips);
     out.insert(out.end(), parts.measured.begin(), parts.measured.end());
     out.emplace_back("all", parts.total());
     return out;
@@ -133,6 +136,14 @@ std::string rungs_text(const StudyFile& file, const Identification& identificati
     return out;
 }
 
+std::string film_text(const std::filesystem::path& folder, const StudyFile& file, const Experiment& experiment, const std::filesystem::path& run) {
+    const auto film = write_film(folder, file, experiment, run);
+    if (!film) return "";
+    return "<p>Below each other: " + std::string(film->has_film ? "the film" : "its masks, since the film is no more where it was") +
+           ", the run, the contours of the film (blue) and of the run (red), and where they differ.</p>\n<img class=\"wide\" src=\"" + film->rows + "\" alt=\"" + experiment.name +
+           ": film, run, contours, differences\">\n<p><video class=\"wide\" controls src=\"" + film->overlay + "\"></video></p>\n";
+}
+
 std::string pictures_text(const std::filesystem::path& folder, const StudyFile& file, const Identification& identification,
                           const std::function<std::filesystem::path(std::int64_t)>& folder_of) {
     const auto* best = best_trial(identification);
@@ -143,7 +154,7 @@ std::string pictures_text(const std::filesystem::path& folder, const StudyFile& 
         const auto run = folder_of(best->runs[scene]);
         const bool film = experiment.kind == ExperimentKind::contours;
         if (film) {
-            out += "<h2>Film and run: " + experiment.name + "</h2>\n<p>At the trial that is most alike: grey where both have liquid, blue where only the film has, red where only the run.</p>\n";
+            out += "<h2>Film and run: " + experiment.name + "</h2>\n" + film_text(folder, file, experiment, run) + "<p>At the trial that is most alike: grey where both have liquid, blue where only the film has, red where only the run.</p>\n";
         } else if (experiment.kind == ExperimentKind::piv) {
             out += "<h2>Fields: " + experiment.name + "</h2>\n<p>At the trial that is most alike: measured, simulated, and the difference, five times as long.</p>\n";
         }
@@ -151,6 +162,39 @@ std::string pictures_text(const std::filesystem::path& folder, const StudyFile& 
             out += "<figure><img src=\"" + picture.file + "\" alt=\"" + picture.caption + "\"><figcaption>" + picture.caption + "</figcaption></figure>\n";
         }
     }
+    return out;
+}
+
+// The middle half and 90 % of the shear rates of the best trial's runs, over time.
+std::string rates_text(const StudyFile& file, const Identification& identification, const std::function<std::filesystem::path(std::int64_t)>& folder_of) {
+    const auto* best = best_trial(identification);
+    if (!best) return "";
+    std::string out;
+    for (std::size_t i = 0; i < best->runs.size(); ++i) {
+        const auto frames = read_frame_shear_rates(folder_of(best->runs[i]));
+        if (frames.empty()) continue;
+        study::Chart chart;
+        chart.title = "Shear rates: " + file.study.scenes[i].name;
+        chart.x.label = "time [s]";
+        chart.y = {"shear rate [1/s]", study::AxisScale::log};
+        for (std::size_t k = 0; k < FrameShearRates::shares.size(); ++k) {
+            auto& line = chart.series.emplace_back();
+            line.name = percent(FrameShearRates::shares[k]);
+            line.line = true;
+            for (const auto& frame : frames) {
+                line.x.push_back(frame.time);
+                line.y.push_back(frame.quantiles[k]);
+            }
+        }
+        out += "<p>Shear rates of " + file.study.scenes[i].name + " by frame: those below which 5, 25, 50, 75 and 95 % of what it dissipates lie.</p>\n" + svg(chart);
+    }
+    return out;
+}
+
+std::string hidden_text(const std::vector<ReportPicture>& hidden) {
+    if (hidden.empty()) return "";
+    std::string out = "<h2>What the film does not show</h2>\n<p>Pressure and speed at the trial that is most alike.</p>\n";
+    for (const auto& one : hidden) out += "<figure><img src=\"" + one.file + "\" alt=\"" + one.caption + "\"><figcaption>" + one.caption + "</figcaption></figure>\n";
     return out;
 }
 
@@ -174,7 +218,7 @@ std::string html(const StudyFile& file, const Identification& identification, co
     const auto title = file.study.title.empty() ? std::string("Identification") : file.study.title;
     std::string out = "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>" + title +
                       "</title><style>body{font-family:sans-serif;max-width:60em;margin:2em auto;color:#222}table{border-collapse:collapse}"
-                      "td,th{padding:.25em .8em;border-bottom:1px solid #ddd;text-align:left}figure{display:inline-block;margin:.3em}img{max-width:18em;border:1px solid #ddd}.big{font-size:150%}.warn{background:#fff3d6;padding:.6em}</style></head><body>\n<h1>" +
+                      "td,th{padding:.25em .8em;border-bottom:1px solid #ddd;text-align:left}figure{display:inline-block;margin:.3em}img{max-width:18em;border:1px solid #ddd}.wide{max-width:100%}.big{font-size:150%}.warn{background:#fff3d6;padding:.6em}</style></head><body>\n<h1>" +
                       title + "</h1>\n";
     for (const auto& line : answer_lines(file, identification)) out += "<p class=\"big\">" + line + "</p>\n";
     for (std::size_t k = 0; k < identification.values.size(); ++k) {
@@ -291,6 +335,18 @@ std::vector<std::string> trade_lines(const StudyFile& file, const Identification
     return trades(names, identification.covariance);
 }
 
+namespace {
+// Experiments of set-ups that have no other clip, where no set-up has several: else these are taken to scatter alike.
+std::vector<std::string> observed_once(const StudyFile& file) {
+    std::vector<std::string> out;
+    for (const auto& one : file.experiments) {
+        if (!one.repeats.empty()) return {};
+        out.push_back(one.name);
+    }
+    return out;
+}
+} // namespace
+
 std::string verdict(const StudyFile& file, const Identification& identification) {
     if (!identification.estimate) return "";
     std::string out;
@@ -308,6 +364,10 @@ std::string verdict(const StudyFile& file, const Identification& identification)
 
 std::vector<std::string> notes(const StudyFile& file) {
     std::vector<std::string> out;
+    if (const auto once = observed_once(file); !once.empty()) {
+        out.push_back("Observed once: " + join(once, ", ") + ". Filled and filmed anew, the answer would be another by what differs from one time to the next (how the liquid "
+                      "is let go, what it did before, its temperature), which one clip does not tell: the interval lacks it. Three clips tell it; name the first of them under `repeats`.");
+    }
     const bool falls = std::ranges::any_of(file.experiments, [](const auto& one) { return one.kind == ExperimentKind::piv && !prescribes(one); });
     if (!falls) return out;
     std::string note = "Where a body falls freely, the viscosity that is found is proportional to its density less that of the liquid, and to the square of its size";
@@ -318,11 +378,11 @@ std::vector<std::string> notes(const StudyFile& file) {
 }
 
 void write_report(const std::filesystem::path& folder, const StudyFile& file, const Identification& identification,
-                  const std::function<std::filesystem::path(std::int64_t)>& folder_of, const std::vector<FlowCurveBand>& curves, const std::vector<Material>& materials) {
+                  const std::function<std::filesystem::path(std::int64_t)>& folder_of, const ReportParts& parts) {
     std::filesystem::create_directories(folder);
     const auto pictures = pictures_text(folder, file, identification, folder_of);
-    write_file_atomically(folder / "result.yaml", yaml(file, identification) + curves_yaml(curves) + yaml(materials));
-    write_file_atomically(folder / "index.html", html(file, identification, curves_text(curves) + pictures));
+    write_file_atomically(folder / "result.yaml", yaml(file, identification) + curves_yaml(parts.curves) + yaml(parts.materials));
+    write_file_atomically(folder / "index.html", html(file, identification, curves_text(parts.curves) + rates_text(file, identification, folder_of) + pictures + hidden_text(parts.hidden)));
 }
 
 } // namespace treacle::identify

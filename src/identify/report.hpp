@@ -2,18 +2,26 @@
 #include "identify/flow_curve_band.hpp"
 #include "identify/identification.hpp"
 #include "identify/material.hpp"
+#include "identify/report_pictures.hpp"
 
 #include <filesystem>
 #include <functional>
 
 namespace treacle::identify {
 
+// What a report shows that is made elsewhere.
+struct ReportParts {
+    std::vector<FlowCurveBand> curves;
+    std::vector<Material> materials;
+    std::vector<ReportPicture> hidden; // pressure and speed; may be none
+};
+
 // Writes into `folder`, each file as a whole:
 //   result.yaml   the identified values with their intervals, and the liquids that have them, for programs
 //   index.html    the same for people, with plots, and pictures of observation and run at the best trial; opens from disk
 // `folder_of` says where a run's files are. Throws SimulationError.
 void write_report(const std::filesystem::path& folder, const StudyFile& file, const Identification& identification,
-                  const std::function<std::filesystem::path(std::int64_t)>& folder_of, const std::vector<FlowCurveBand>& curves, const std::vector<Material>& materials);
+                  const std::function<std::filesystem::path(std::int64_t)>& folder_of, const ReportParts& parts);
 
 // Lines for a terminal: "viscosity = 10.1 Pa.s, 90 % interval 9.7 to 10.5".
 std::vector<std::string> answer_lines(const StudyFile& file, const Identification& identification);

@@ -13,7 +13,9 @@ constexpr std::size_t most_pictures = 6;
 using Colour = std::array<std::uint8_t, 3>;
 constexpr Colour background{255, 255, 255}, both{150, 150, 150}, film_alone{40, 90, 200}, run_alone{210, 60, 40}, excluded{235, 225, 190};
 
-video::Image compared(const video::Mask& film, const video::Mask& run) {
+} // namespace
+
+video::Image draw_differences(const video::Mask& film, const video::Mask& run) {
     video::Image out{film.width, film.height, {}};
     out.pixels.reserve(3 * film.pixels.size());
     for (std::size_t i = 0; i < film.pixels.size(); ++i) {
@@ -23,7 +25,6 @@ video::Image compared(const video::Mask& film, const video::Mask& run) {
     }
     return out;
 }
-} // namespace
 
 std::vector<ReportPicture> write_pictures(const std::filesystem::path& folder, const StudyFile& file, const Experiment& experiment,
                                           const std::filesystem::path& run) {
@@ -38,7 +39,7 @@ std::vector<ReportPicture> write_pictures(const std::filesystem::path& folder, c
         std::snprintf(name, sizeof name, "_%06d.png", frame.number);
         std::snprintf(caption, sizeof caption, ", %.3f s", frame.time);
         out.push_back({experiment.name + name, experiment.name + caption});
-        video::write_png(folder / out.back().file, compared(video::read_mask(frame.mask), video::read_mask(masks / frame.mask.filename())));
+        video::write_png(folder / out.back().file, draw_differences(video::read_mask(frame.mask), video::read_mask(masks / frame.mask.filename())));
     }
     return out;
 }

@@ -1,9 +1,14 @@
 #pragma once
 #include "identify/study_file.hpp"
+#include "video/image.hpp"
+#include "video/mask.hpp"
 
 #include <filesystem>
 
 namespace treacle::identify {
+
+// Two masks of one size: grey where both have liquid, blue where only the film has, red where only the run.
+video::Image draw_differences(const video::Mask& film, const video::Mask& run);
 
 // Pictures of masks side by side, as the film and the run show them, of up to six frames of each experiment: grey where both
 // have liquid, blue where only the film has, red where only the run. NAME_000012.png in `folder`; returns their names with a

@@ -3,6 +3,7 @@
 #include "base/csv.hpp"
 #include "base/csv_reader.hpp"
 #include "base/error.hpp"
+#include "base/text.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -14,6 +15,9 @@ namespace {
 constexpr double least_decade = -5, per_decade = 10;
 
 double edge(double bin) { return std::pow(10.0, least_decade + bin / per_decade); } // [1/s] lower
+
+std::filesystem::path frame_file(const std::filesystem::path& folder) { return folder / "shear_rates_by_frame.csv"; }
+std::string quantile_name(double share) { return "below " + format_number(100 * share) + " %"; }
 
 std::filesystem::path file_of(const std::filesystem::path& folder) { return folder / "shear_rates.csv"; }
 } // namespace
@@ -47,6 +51,38 @@ double ShearRates::mean() const {
         weight += weights_[i];
     }
     return weight > 0 ? sum / weight : 0;
+}
+
+FrameShearRates frame_shear_rates(double time, const ShearRates& rates) {
+    FrameShearRates out{time, {}, rates.mean()};
+    for (std::size_t i = 0; i < out.quantiles.size(); ++i) out.quantiles[i] = rates.quantile(FrameShearRates::shares[i]);
+    return out;
+}
+
+void write_frame_shear_rates(const std::filesystem::path& folder, const std::vector<FrameShearRates>& frames) {
+    std::vector<std::string> names{"time [s]"};
+    for (const double share : FrameShearRates::shares) names.push_back(quantile_name(share) + " [1/s]");
+    names.push_back("mean [1/s]");
+    auto table = CsvTable::create(frame_file(folder), names);
+    for (const auto& frame : frames) {
+        std::vector<double> row{frame.time};
+        row.insert(row.end(), frame.quantiles.begin(), frame.quantiles.end());
+        row.push_back(frame.mean);
+        table.append(row);
+    }
+    table.sync();
+}
+
+std::vector<FrameShearRates> read_frame_shear_rates(const std::filesystem::path& folder) {
+    std::vector<FrameShearRates> out;
+    if (!std::filesystem::exists(frame_file(folder))) return out;
+    const auto table = read_csv(frame_file(folder));
+    for (std::size_t i = 0; i < table.rows(); ++i) {
+        FrameShearRates frame{table.column("time")[i], {}, table.column("mean")[i]};
+        for (std::size_t k = 0; k < frame.quantiles.size(); ++k) frame.quantiles[k] = table.column(quantile_name(FrameShearRates::shares[k]))[i];
+        out.push_back(frame);
+    }
+    return out;
 }
 
 void write_shear_rates(const std::filesystem::path& folder, const ShearRates& rates) {

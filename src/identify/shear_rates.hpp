@@ -2,6 +2,7 @@
 #include <array>
 #include <cstddef>
 #include <filesystem>
+#include <vector>
 
 namespace treacle::identify {
 
@@ -24,6 +25,20 @@ public:
 private:
     std::array<double, bins> weights_{};
 };
+
+// Shear rates of a frame of a run: those below which these shares of the dissipation lie, and their mean [1/s].
+struct FrameShearRates {
+    static constexpr std::array<double, 5> shares{0.05, 0.25, 0.5, 0.75, 0.95};
+    double time = 0; // [s]
+    std::array<double, 5> quantiles{};
+    double mean = 0;
+};
+FrameShearRates frame_shear_rates(double time, const ShearRates& rates);
+
+// shear_rates_by_frame.csv in a run's folder. Throws SimulationError.
+void write_frame_shear_rates(const std::filesystem::path& folder, const std::vector<FrameShearRates>& frames);
+// Empty where there is no such file. Throws InputError for a damaged one.
+std::vector<FrameShearRates> read_frame_shear_rates(const std::filesystem::path& folder);
 
 // shear_rates.csv in a run's folder, by the middles of the bins. Throws SimulationError.
 void write_shear_rates(const std::filesystem::path& folder, const ShearRates& rates);

@@ -23,6 +23,11 @@ void StudyFile::declare(Declaration& d) {
         const auto& one = experiments[i];
         const bool known = one.scene.empty() || std::ranges::find(study.scenes, one.scene, &study::StudyScene::name) != study.scenes.end();
         d.check(known, "experiments", {"must name scenes of the study", one.where + ": there is no scene " + one.scene, "give the name of one under `scenes`"});
+        const auto original = std::ranges::find(experiments.begin(), experiments.begin() + std::ptrdiff_t(i), one.repeats, &Experiment::name);
+        const bool repeats_one = original != experiments.begin() + std::ptrdiff_t(i) && original->repeats.empty() && original->scene == one.scene && original->kind == one.kind;
+        d.check(one.repeats.empty() || repeats_one, "experiments",
+                {"must repeat an experiment above of the same scene and kind", one.where + ": repeats = " + one.repeats + " is none, or repeats another one itself",
+                 "give the name of the set-up's first clip"});
         for (std::size_t k = 0; k < i; ++k) {
             d.check(experiments[k].name != one.name, "experiments",
                     {"must have names that differ", one.where + ": " + one.name + " stands at " + experiments[k].where + " too", "give one of them another name"});

@@ -9,7 +9,7 @@ enum class ExperimentKind { contours, piv, series };
 
 // Parameters of the view: they need no run, and are nuisances with priors. In this order in every list of derivatives.
 // Contours:
-enum ViewParameter { view_time, view_contour, view_focal, view_turn, view_place = view_turn + 3, view_count = view_place + 3 };
+enum ViewParameter { view_time, view_contour, view_focal, view_turn, view_place = view_turn + 3, view_readout = view_place + 3, view_count };
 // A sheet of PIV: time zero, relative scale, shifts and turn in its plane. The first is the time of every kind.
 enum SheetParameter { sheet_time, sheet_scale, sheet_right, sheet_up, sheet_turn, sheet_count };
 // A series of numbers: time zero, offset and relative scale of the instrument.

@@ -252,7 +252,9 @@ class Identify(Workplace):
         self.assertTrue(low < value < high)
         report = os.listdir(self.path("one", "report"))
         self.assertIn("index.html", report)
-        self.assertEqual(sum(name.endswith(".png") for name in report), 6)
+        self.assertEqual(sum(name.endswith(".png") for name in report), 7)
+        self.assertIn("block_contours.mp4", report)
+        self.assertIn("block_rows.png", report)
         # Its result makes another scene's liquid the same.
         self.write("other.yaml", OTHER)
         self.treacle("run", "other.yaml", "--material", "one/report/result.yaml:syrup", "--set", "time.end=20 ms", "--out", "other")

@@ -47,10 +47,14 @@ SHORTENED = {
     "rotating_drum": {"domain.spacing": "0.05", "time.end": "0.12"},
     "pouring": {"domain.spacing": "0.006", "time.end": "0.4"},
     "smoothie_glass": {"domain.spacing": "0.04", "time.end": "0.06"},
+    "cake": {"domain.spacing": "0.01", "time.end": "0.05", "bodies.plate.shape.cylinder.height": "0.024"},
+    "dipper": {"domain.spacing": "0.006", "time.end": "0.05"},
+    "doughnuts": {"domain.spacing": "0.004", "time.end": "0.02"},
+    "hand": {"domain.spacing": "0.008", "time.end": "0.05"},
     "toothpaste": {"domain.spacing": "0.004", "time.end": "0.45"},  # once it has landed, differences grow tenfold in 0.1 s
 }
-ON_GRID = {"bunny_pool", "dragon_ball", "falling_ball", "gears", "gravity_current", "honey_dipper", "perforated_plates", "pile_up",
-           "pouring", "rotating_drum", "smoothie_glass", "toothpaste"}
+ON_GRID = {"bunny_pool", "cake", "dipper", "doughnuts", "dragon_ball", "falling_ball", "gears", "gravity_current", "hand", "honey_dipper",
+           "perforated_plates", "pile_up", "pouring", "rotating_drum", "smoothie_glass", "toothpaste"}
 
 # Of the spacing, after at most 50 steps: the solver's 1e-10, amplified by the motion.
 TOLERANCE = 1e-6

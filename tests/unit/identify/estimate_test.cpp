@@ -105,6 +105,30 @@ TEST(Estimate, AnotherResolutionsRunMovesTheAnswer) {
     EXPECT_NEAR(found.point[0], 2.25, 1e-3);
 }
 
+// Runs against a film of which each row is later than that above: fronts run by 60 px/s, in the lower half of the picture.
+std::vector<EvaluatedRun> with_readout(std::vector<EvaluatedRun> runs, double readout) {
+    for (auto& run : runs) {
+        for (auto& one : run.experiments[0].segments) {
+            const double later = 0.4 * std::sin(2 * std::numbers::pi * (one.y - 40) / 480), speed = 60 * std::max(0.0, (one.x - 100) / 50);
+            one.by_view[view_readout] = later * speed;
+            one.displacement -= readout * later * speed;
+        }
+    }
+    return runs;
+}
+
+TEST(Estimate, ARollingShutterThatIsIgnoredBiasesTheAnswerAndOneThatIsFreeDoesNot) {
+    const auto runs = with_readout(Film(1, 0.05, 1, 1, 0).runs(), 0.02);
+    const auto ignored = estimate(runs, prior(0.3));
+    auto priors = prior(0.3);
+    priors[0](view_readout, view_readout) = 1 / (0.03 * 0.03);
+    const auto free = estimate(runs, priors);
+    EXPECT_GT(std::abs(ignored.point[0] - truth), 0.015);
+    EXPECT_LT(std::abs(free.point[0] - truth), 0.004);
+    EXPECT_LT(std::abs(free.point[0] - truth), ninety_percent(free.parts[0], free.freedom[0]) * std::sqrt(free.parts[0].total()));
+    EXPECT_NEAR(free.view[0][view_readout], 0.02, 0.002);
+}
+
 // A sheet of PIV beside a film: vectors in units of their noise. `odd` is what they say the logarithm of the viscosity is.
 EvaluatedRun with_vectors(EvaluatedRun run, double odd, double noise, int seed) {
     std::mt19937 generator{std::uint32_t(seed)};

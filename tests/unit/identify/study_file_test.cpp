@@ -48,6 +48,18 @@ TEST_F(StudyFileTest, WithoutExperimentsMeasuredValuesStayAsTheyAre) {
     EXPECT_TRUE(file.study.parameters.empty());
 }
 
+TEST_F(StudyFileTest, ClipsOfOneSetUpAreRepeatsAndOneAloneIsSaidToBe) {
+    const auto once = load("experiments:\n  - {masks: one, readout: 20 ms, plus_minus: {readout: 5 ms}}\n");
+    EXPECT_DOUBLE_EQ(once.experiments[0].readout, 0.02);
+    ASSERT_EQ(notes(once).size(), 1u);
+    EXPECT_NE(notes(once)[0].find("Observed once: one."), std::string::npos);
+    const auto thrice = load("experiments:\n  - {masks: one}\n  - {masks: two, repeats: one}\n  - {masks: three, repeats: one}\n");
+    EXPECT_TRUE(notes(thrice).empty());
+    EXPECT_NE(refusal("experiments:\n  - {masks: one}\n  - {masks: two, repeats: three}\n").find("must repeat an experiment above"), std::string::npos);
+    EXPECT_NE(refusal("experiments:\n  - {masks: one}\n  - {masks: two, repeats: one}\n  - {masks: three, repeats: two}\n").find("repeats another one itself"), std::string::npos);
+    EXPECT_NE(refusal("experiments:\n  - {series: {file: front.csv, measurement: front}, readout: 20 ms}\n").find("belongs to masks"), std::string::npos);
+}
+
 TEST_F(StudyFileTest, WhatDoesNotFitIsRefused) {
     const std::string experiment = "experiments:\n  - {masks: m}\n";
     EXPECT_NE(refusal("experiments:\n  - {masks: m, scene: other}\n").find("there is no scene other"), std::string::npos);
