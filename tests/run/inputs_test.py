@@ -49,7 +49,7 @@ SHORTENED = {
     "smoothie_glass": {"domain.spacing": "0.04", "time.end": "0.06"},
     "cake": {"domain.spacing": "0.01", "time.end": "0.05", "bodies.plate.shape.cylinder.height": "0.024"},
     "dipper": {"domain.spacing": "0.006", "time.end": "0.05"},
-    "doughnuts": {"domain.spacing": "0.004", "time.end": "0.02"},
+    "doughnuts": {"domain.spacing": "0.004", "time.end": "0.06", "time.cfl": "1"},
     "hand": {"domain.spacing": "0.008", "time.end": "0.05"},
     "toothpaste": {"domain.spacing": "0.004", "time.end": "0.45"},  # once it has landed, differences grow tenfold in 0.1 s
 }
