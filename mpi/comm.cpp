@@ -3,6 +3,7 @@
 #include "base/error.hpp"
 #include "mpi/native.hpp"
 
+#include <cstdlib>
 #include <exception>
 #include <new>
 
@@ -151,6 +152,9 @@ void Comm::abort(int code) const {
 }
 
 MpiRuntime::MpiRuntime(int& argc, char**& argv) {
+    // Open MPI 4's `sm` guards a pointer that nobody here shares by a semaphore of the machine named after the file alone: one that a killed run
+    // has left closed stops every later run, of any user, that opens a file of that name.
+    setenv("OMPI_MCA_sharedfp", "^sm", 0);
     int provided = 0;
     MPI_Init_thread(&argc, &argv, MPI_THREAD_FUNNELED, &provided);
 }

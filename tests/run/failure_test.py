@@ -56,6 +56,20 @@ class Failure(Workplace):
                     self.run_scene(DAM, kind + name, RANKS, {**leaving, **values, "method.kind": kind, "bodies": "[]"})
                     self.assertGreater(self.steps(kind + name)["flowed out"][-1], 100)
 
+    @unittest.skipUnless(os.path.isdir("/dev/shm"), "semaphores have no names here")
+    def test_semaphores_that_killed_runs_have_left_closed_stop_nobody(self):
+        # Open MPI's: 32 bytes, value 0, named after a file.
+        left = "/dev/shm/sem.OMPIO_frame_000000.hdf.tmp"
+        there = os.path.exists(left)
+        try:
+            if not there:
+                with open(left, "xb") as file:
+                    file.write(bytes(32))
+            self.run_scene(DAM, "run", RANKS, {"time.end": "0.01"})
+        finally:
+            if not there:
+                os.unlink(left)
+
     def test_an_unconverged_solve_is_named(self):
         self.fail_with("pressure solve", "after 1 iterations", "method.pressure.preconditioner",
                        values={"method.pressure.stop": "residual", "method.pressure.residual": "1e-14",
