@@ -153,8 +153,9 @@ void Comm::abort(int code) const {
 
 MpiRuntime::MpiRuntime(int& argc, char**& argv) {
     // Open MPI 4's `sm` guards a pointer that nobody here shares by a semaphore of the machine named after the file alone: one that a killed run
-    // has left closed stops every later run, of any user, that opens a file of that name.
-    setenv("OMPI_MCA_sharedfp", "^sm", 0);
+    // has left closed stops every later run, of any user, that opens a file of that name. `individual` asks for nothing of the kind, also where the
+    // disk is full or for reading only.
+    setenv("OMPI_MCA_sharedfp", "individual", 0);
     int provided = 0;
     MPI_Init_thread(&argc, &argv, MPI_THREAD_FUNNELED, &provided);
 }
