@@ -3,7 +3,6 @@
 #include "base/error.hpp"
 #include "mpi/native.hpp"
 
-#include <cstdlib>
 #include <exception>
 #include <new>
 
@@ -152,10 +151,6 @@ void Comm::abort(int code) const {
 }
 
 MpiRuntime::MpiRuntime(int& argc, char**& argv) {
-    // Open MPI 4's `sm` guards a pointer that nobody here shares by a semaphore of the machine named after the file alone: one that a killed run
-    // has left closed stops every later run, of any user, that opens a file of that name. `individual` asks for nothing of the kind, also where the
-    // disk is full or for reading only.
-    setenv("OMPI_MCA_sharedfp", "individual", 0);
     int provided = 0;
     MPI_Init_thread(&argc, &argv, MPI_THREAD_FUNNELED, &provided);
 }

@@ -3,6 +3,8 @@
 #include "mpi/native.hpp"
 
 #include <algorithm>
+#include <filesystem>
+#include <semaphore.h>
 
 namespace treacle::io {
 
@@ -64,10 +66,18 @@ Handle file_access(const Comm& comm, Access access) {
     return list;
 }
 
+namespace {
+// Open MPI 4 guards a pointer into the file, which nobody here shares, by a semaphore of the machine named after the file alone: one that a killed
+// run has left closed stops every later run that opens a file of that name, for ever. Without its name it stops nobody; those that
+// have it open keep it. (Its other ways of sharing put files beside the file.)
+void forget_semaphore_of(const std::string& path) { sem_unlink(("/OMPIO_" + std::filesystem::path(path).filename().string()).c_str()); }
+} // namespace
+
 Handle open_collective(const Comm& comm, const std::string& path, unsigned flags) {
     Handle file;
     comm.guard([&] {
         const auto list = file_access(comm, Access::collective);
+        forget_semaphore_of(path);
         file = Handle(H5Fopen(path.c_str(), flags, list), H5Fclose, "open " + path);
     });
     return file;
