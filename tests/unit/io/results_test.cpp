@@ -137,6 +137,7 @@ TEST(RunFolder, WhileOneIsWrittenOthersAreRefusedOnEveryRankAndChangeNothing) {
     }
     world().barrier();
     EXPECT_FALSE(std::filesystem::exists(folder.path() / FolderLock::file_name));
+    world().barrier(); // before another is there
     EXPECT_NO_THROW(open_run_folder(world(), folder, Access::write));
 }
 
