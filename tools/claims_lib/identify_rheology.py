@@ -2,6 +2,7 @@
 
 import math
 import re
+import shutil
 
 from . import identify_real
 from .run import built, execute, kept
@@ -70,6 +71,8 @@ def film(context, folder, name, spacing, block, truth):
     (here / "scene.yaml").write_text(SCENE.format(width=block[0], height=block[1], **truth))
     if (here / "masks").is_dir():
         return
+    for part in ("truth", "film"):  # of a row that was stopped
+        shutil.rmtree(here / part, ignore_errors=True)
     execute(context, [treacle, "run", here / "scene.yaml", "--out", here / "truth", "--set", f"domain.spacing={spacing} mm", "--set", "output.interval=4 ms"])
     execute(context, [treacle, "film", here / "truth", "--out", here / "film", "--lead", 0.5, "--still", 0.2, "--phase", 0.5, "--blur", 0.8, "--noise", 1.5, "--seed", 1])
     execute(context, [treacle, "silhouettes", here / "film/film.mp4", "--out", here / "masks", "--no-overlay"])
