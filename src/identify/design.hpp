@@ -3,7 +3,7 @@
 
 namespace treacle::identify {
 
-// What an experiment would tell of the parameters: (D1) information [p][p] of their coordinates, from a run at the answer and one a
+// (D1) Information [p][p] that an experiment would give of the parameters' coordinates, from a run at the answer and one a
 // parameter, all compared with the same contours, beside a view that is known by its prior alone. variance: of a segment that counts as
 // one, in units of the usual noise squared. Throws InputError where the runs have nothing in common to compare.
 Eigen::MatrixXd information_of_runs(const RunResiduals& base, const std::vector<RunResiduals>& moved, const std::vector<double>& steps, const ViewInformation& prior, double variance);

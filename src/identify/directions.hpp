@@ -13,6 +13,13 @@ namespace treacle::identify {
 // along each direction in which no points near by lie. Within the bounds of the axes.
 std::vector<search::Point> points_to_span(const Eigen::VectorXd& answer, const std::vector<Eigen::VectorXd>& points, const std::vector<search::Axis>& axes);
 
+// An answer at one spacing.
+struct ResolutionAnswer {
+    double spacing = 0; // [m]
+    int runs = 1;       // that the answer is of
+    Eigen::VectorXd value; // [p]
+};
+
 // Answers at spacing zero, [p] of the coordinates.
 struct ResolvedAnswer {
     Eigen::VectorXd value;
@@ -23,15 +30,9 @@ struct ResolvedAnswer {
 // Extrapolates answers along the principal axes of their covariance, by which they are independent: parameters that trade
 // with each other move together from rung to rung, and apart each would look wild. noise: covariance of the coarsest rung's answer
 // by the numerical noise of one run, measured by `noise_runs`. One parameter is itself.
-struct ResolutionAnswer {
-    double spacing = 0; // [m]
-    int runs = 1;       // that the answer is of
-    Eigen::VectorXd value; // [p]
-};
 ResolvedAnswer extrapolate_answers(const std::vector<ResolutionAnswer>& answers, const Eigen::MatrixXd& covariance, const Eigen::MatrixXd& noise, int noise_runs);
 
-// Which parameters trade with each other, by the covariance of their coordinates: a sentence for each pair that does, with the
-// combination that is known best. Empty for one parameter.
+// Parameters that trade with each other, by the covariance of their coordinates: a sentence for each pair that does. Empty for one parameter.
 std::vector<std::string> trades(const std::vector<std::string>& names, const Eigen::MatrixXd& covariance);
 
 } // namespace treacle::identify

@@ -1,6 +1,7 @@
 #include "search/gauss_newton.hpp"
 
 #include "search/bounded_move.hpp"
+#include "search/huber.hpp"
 
 #include <algorithm>
 #include <cassert>
@@ -142,8 +143,7 @@ double GaussNewton::worth(double value) const { return options_.flat * std::max(
 double GaussNewton::loss(std::span<const double> d) const {
     double sum = 0;
     for (std::size_t i = 0; i < r_.size(); ++i) {
-        const double u = std::abs(r_[i] + dot(j_.row(i), d)), bend = options_.bend;
-        sum += u <= bend ? 0.5 * u * u : bend * u - 0.5 * bend * bend;
+        sum += huber_loss(r_[i] + dot(j_.row(i), d), options_.bend);
     }
     return sum;
 }

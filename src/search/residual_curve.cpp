@@ -1,5 +1,7 @@
 #include "search/residual_curve.hpp"
 
+#include "search/huber.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -9,11 +11,6 @@ namespace treacle::search {
 
 namespace {
 constexpr double bend = 3; // noises beyond which residuals count linearly
-
-double loss(double residual) {
-    const double u = std::abs(residual);
-    return u <= bend ? 0.5 * u * u : bend * u - 0.5 * bend * bend;
-}
 } // namespace
 
 void ResidualCurve::add(double x, std::vector<double> residuals) {
@@ -29,7 +26,7 @@ std::vector<const ResidualCurve::Point*> ResidualCurve::three(double best) const
     return out;
 }
 
-bool ResidualCurve::is_known(double best) const { return points_.size() >= 3 && nearest(best) < std::numeric_limits<double>::infinity() && three(best).front()->x == best; }
+bool ResidualCurve::is_known(double best) const { return points_.size() >= 3 && three(best).front()->x == best; }
 
 double ResidualCurve::nearest(double best) const {
     double out = std::numeric_limits<double>::infinity();
@@ -52,7 +49,7 @@ double ResidualCurve::least(double best, double lower, double upper, double step
         double sum = 0;
         for (std::size_t row = 0; row < at[0]->residuals.size(); ++row) {
             const double r = share[0] * at[0]->residuals[row] + share[1] * at[1]->residuals[row] + share[2] * at[2]->residuals[row];
-            if (std::isfinite(r)) sum += loss(r);
+            if (std::isfinite(r)) sum += huber_loss(r, bend);
         }
         if (sum < least) {
             least = sum;
