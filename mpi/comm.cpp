@@ -3,8 +3,11 @@
 #include "base/error.hpp"
 #include "mpi/native.hpp"
 
+#include <cstdlib>
 #include <exception>
 #include <new>
+#include <sys/stat.h>
+#include <unistd.h>
 
 namespace treacle {
 
@@ -150,11 +153,35 @@ void Comm::abort(int code) const {
     std::terminate();
 }
 
-MpiRuntime::MpiRuntime(int& argc, char**& argv) {
+namespace {
+// Processes of Open MPI 4 that start alone and without its daemon take one name, and the first to end removes the folder in which
+// the others have their files: opening a file fails. Each gets a folder of its own, named after its number so that those which
+// killed processes have left are taken again. Empty where that is not so, and where no folder can be made.
+std::filesystem::path folder_of_lone_process() {
+    const char* alone = std::getenv("OMPI_MCA_ess_singleton_isolated");
+    if (alone == nullptr || std::string(alone) == "0" || std::getenv("OMPI_COMM_WORLD_SIZE") != nullptr) return {};
+    const char* variable = "OMPI_MCA_orte_tmpdir_base";
+    const char* base = std::getenv(variable);
+    std::error_code failed;
+    std::filesystem::path out = base != nullptr ? std::filesystem::path(base) : std::filesystem::temp_directory_path(failed);
+    if (failed) return {};
+    out /= "treacle_mpi." + std::to_string(::geteuid()) + "." + std::to_string(::getpid());
+    struct stat found {};
+    if (::mkdir(out.c_str(), 0700) != 0 && (::lstat(out.c_str(), &found) != 0 || !S_ISDIR(found.st_mode) || found.st_uid != ::geteuid())) return {};
+    ::setenv(variable, out.c_str(), 1);
+    return out;
+}
+} // namespace
+
+MpiRuntime::MpiRuntime(int& argc, char**& argv) : folder_(folder_of_lone_process()) {
     int provided = 0;
     MPI_Init_thread(&argc, &argv, MPI_THREAD_FUNNELED, &provided);
 }
 
-MpiRuntime::~MpiRuntime() { MPI_Finalize(); }
+MpiRuntime::~MpiRuntime() {
+    MPI_Finalize();
+    std::error_code ignored;
+    if (!folder_.empty()) std::filesystem::remove_all(folder_, ignored);
+}
 
 } // namespace treacle

@@ -1,6 +1,7 @@
 #pragma once
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <span>
 #include <string>
@@ -74,6 +75,9 @@ public:
     ~MpiRuntime();
     MpiRuntime(const MpiRuntime&) = delete;
     MpiRuntime& operator=(const MpiRuntime&) = delete;
+
+private:
+    std::filesystem::path folder_;
 };
 
 } // namespace treacle

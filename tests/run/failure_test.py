@@ -10,7 +10,7 @@ import sys
 import unittest
 
 import harness
-from harness import SCENES, Workplace
+from harness import Program, SCENES, Workplace
 
 DAM = os.path.join(SCENES, "dam.yaml")
 RANKS = 1
@@ -63,6 +63,20 @@ class Failure(Workplace):
         with open(left, "wb") as file:
             file.write(bytes(32))
         self.run_scene(DAM, "run", RANKS, {"time.end": "0.01"})
+
+    def test_lone_runs_end_without_files_of_others(self):
+        # Open MPI gives all processes that start alone one name, and with the first that ends goes the folder of that name.
+        os.mkdir(self.path("temporary"))
+        alone = {**os.environ, "OMPI_MCA_ess_singleton_isolated": "1", "TMPDIR": self.path("temporary")}
+        words = [Program.path, "run", DAM, "--set", "output.interval=2 ms", "--set"]
+        longer = subprocess.Popen([*words, "time.end=0.2 s", "--out", self.path("longer")], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, env=alone)
+        self.wait_for_frames(longer, "longer")
+        done = subprocess.run([*words, "time.end=2 ms", "--out", self.path("shorter")], capture_output=True, text=True, env=alone)
+        self.assertIsNone(longer.poll(), "the first run ended too soon to see the other's end")
+        told = longer.communicate(timeout=200)[0]
+        self.assertEqual((done.returncode, longer.returncode), (0, 0), done.stderr + told)
+        self.assertNotIn("unable to open", told)
+        self.assertEqual(os.listdir(self.path("temporary")), [])
 
     def test_an_unconverged_solve_is_named(self):
         self.fail_with("pressure solve", "after 1 iterations", "method.pressure.preconditioner",
