@@ -24,7 +24,7 @@ using identify::StudyFile;
 class FilmComparison {
 public:
     FilmComparison(const StudyFile& file, const Experiment& experiment, const RunView& run)
-        : run_(run), surface_(Comm::self(), run, {surface_options(run.input)}), model_(experiment_camera(file, experiment, run.input).model),
+        : run_(run), surface_(Comm::self(), run, {.options = surface_options(run.input), .images = true}), model_(experiment_camera(file, experiment, run.input).model),
           frames_(identify::observed_frames(experiment, file.beside(experiment.masks))) {
         through_ = experiment.see_through;
         readout_ = experiment.readout;

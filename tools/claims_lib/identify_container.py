@@ -48,7 +48,7 @@ IN_PLANE = {
 }
 STUDY = """schema_version: 1
 title: Viscosity from a container with a hole
-scenes: [{{name: container, file: scene.yaml}}]
+scenes: [{{name: container, file: part.yaml}}]
 parameters:
   - {{name: viscosity, key: liquids.liquid.viscosity, range: [0.3 Pa.s, 1000 Pa.s], scale: log}}
 experiments:
@@ -96,7 +96,10 @@ def recovered(context, viscosity):
     end = frames / rate
     facts = {**(IN_PLANE if plane else IN_SPACE), "end": end, "interval": 1 / rate, "width": 640, "height": 360}
     with scratch(context, f"container_{viscosity:g}") as folder:
-        (folder / "scene.yaml").write_text(SCENE.format(spacing=f"{HOLE / cells[0]} m", **facts))
+        scene = SCENE.format(spacing=f"{HOLE / cells[0]} m", **facts)
+        (folder / "scene.yaml").write_text(scene)
+        # The film is of the whole, and the search runs the part that symmetry leaves.
+        (folder / "part.yaml").write_text(scene.replace("  boundaries:", f"  symmetry: {'[x]' if plane else '[x, y]'}\n  boundaries:"))
         fine = ["--set", f"domain.spacing={finest} m", "--set", f"liquids.liquid.viscosity={viscosity} Pa.s"]
         side = (0.25 if plane else 0.15) + finest / 2  # cells, and with them particles, lie half a spacing elsewhere
         shifted = f"[{-side}, 0]" if plane else f"[{-side}, {-side}, 0]"
