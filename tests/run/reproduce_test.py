@@ -23,12 +23,13 @@ class Entries(unittest.TestCase):
     def test_run_at_their_smallest_size(self):
         names = sorted(entries.known(), key=lambda name: (entries.known()[name].quick, name))[PART::PARTS]
         self.assertTrue(names)
-        for name in names:
-            with self.subTest(name), tempfile.TemporaryDirectory(prefix="treacle_reproduce_") as folder:
-                self.run_entry(name, pathlib.Path(folder))
+        with tempfile.TemporaryDirectory(prefix="treacle_studies_") as studies:
+            for name in names:
+                with self.subTest(name), tempfile.TemporaryDirectory(prefix="treacle_reproduce_") as folder:
+                    self.run_entry(name, pathlib.Path(folder), studies)
 
-    def run_entry(self, name, folder):
-        done = subprocess.run([TOOLS / "reproduce", name, "--smallest", "--ranks", "1", "--build", BUILD, "--out", folder],
+    def run_entry(self, name, folder, studies):
+        done = subprocess.run([TOOLS / "reproduce", name, "--smallest", "--ranks", "1", "--build", BUILD, "--out", folder, "--studies", studies],
                               capture_output=True, text=True, timeout=240)
         self.assertEqual(done.returncode, 0, f"{done.stdout}\n{done.stderr}")
         record = json.loads((folder / "commands.json").read_text())
