@@ -76,4 +76,4 @@ def overview(results, name, study):
 
 
 def grid_of(results, name, rows):
-    results.pictures(name, rows, size=(2.9, 1.6))
+    results.pictures(name, rows, size=(2.4, 1.65))

@@ -25,17 +25,18 @@ class Entry:
     title: str
     run: object  # function of a Context and Results
     quick: int   # what it takes with --quick on two cores [s]
+    shares: str = ""  # name of the studies that it looks at with others: the second of them takes seconds
 
 
 _entries = {}
 
 
-def entry(name, title, quick):
+def entry(name, title, quick, shares=""):
     if name in _entries:
         raise ValueError(f"two entries named {name!r}")
 
     def declare(run):
-        _entries[name] = Entry(name, title, run, quick)
+        _entries[name] = Entry(name, title, run, quick, shares)
         return run
 
     return declare

@@ -10,6 +10,7 @@ from .objectives import draw_objectives, objective_table
 DENSITY = 1000  # [kg/m3]
 RANGE = (0.3, 1000)  # of the search [Pa s]
 IN_PLANE = "in the plane with --quick"
+STUDIES = "synthetic videos"  # what the entries are of
 
 
 def container(context):
@@ -31,7 +32,7 @@ def reynolds(one):
     return one.liquid.density * one.found["speed"] * one.container.hole / one.liquid.viscosity
 
 
-@entry("table-6.1", f"Viscosities found in synthetic videos of a container with a hole ({IN_PLANE})", quick=420)
+@entry("table-6.1", f"Viscosities found in synthetic videos of a container with a hole ({IN_PLANE})", quick=420, shares=STUDIES)
 def table_6_1(context, results):
     rows = []
     for one in studies(context, results):
@@ -51,14 +52,14 @@ def table_6_1(context, results):
         panels[0].legend(fontsize=8)
 
 
-@entry("figure-6.5", f"Objective over viscosity for the synthetic videos of table 6.1 ({IN_PLANE})", quick=420)
+@entry("figure-6.5", f"Objective over viscosity for the synthetic videos of table 6.1 ({IN_PLANE})", quick=420, shares=STUDIES)
 def figure_6_5(context, results):
     done = studies(context, results)
     objective_table(results, "figure-6.5", done, "least close to the true viscosity")
     draw_objectives(results, "figure-6.5", done, "true")
 
 
-@entry("figure-6.12", f"Surfaces, pressures and speeds of the films' runs and of those with the found viscosities ({IN_PLANE})", quick=420)
+@entry("figure-6.12", f"Surfaces, pressures and speeds of the films' runs and of those with the found viscosities ({IN_PLANE})", quick=420, shares=STUDIES)
 def figure_6_12(context, results):
     done = studies(context, results)
     results.table("figure-6.12", ["viscosity [Pa s]", "found [Pa s]", "error [%]", "theirs [%]"],
@@ -69,7 +70,7 @@ def figure_6_12(context, results):
                                        one.picture(run, field)) for one in done] for field in ("liquid", "pressure", "speed") for run in names])
 
 
-@entry("figure-6.4", f"A synthetic film, its simulation, both silhouettes and where they differ ({IN_PLANE})", quick=75)
+@entry("figure-6.4", f"A synthetic film, its simulation, both silhouettes and where they differ ({IN_PLANE})", quick=75, shares=STUDIES)
 def figure_6_4(context, results):
     one = study(context, results, 10)
     share = compared_frame(results, "figure-6.4", one)
@@ -77,7 +78,7 @@ def figure_6_4(context, results):
                   [[one.liquid.viscosity, one.found["value"], 100 * share, "thin lines along the contour"]])
 
 
-@entry("figure-6.2", f"From a synthetic film to a viscosity: the stages of the identification ({IN_PLANE})", quick=75)
+@entry("figure-6.2", f"From a synthetic film to a viscosity: the stages of the identification ({IN_PLANE})", quick=75, shares=STUDIES)
 def figure_6_2(context, results):
     one = study(context, results, 10)
     overview(results, "figure-6.2", one)

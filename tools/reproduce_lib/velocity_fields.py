@@ -14,6 +14,7 @@ BALLS = {"plastic": piv.PLASTIC, "steel": piv.STEEL}
 THEIRS = {"plastic": (0.04, 0.47, 0.96, 6.80), "steel": (0.12, 1.07, 1.12, 8.73)}
 FIELD_SHOWN = 8  # place among the fields
 FIELDS = "synthetic fields of PIV around a ball that falls"
+STUDIES = "velocity fields"  # what the entries are of
 
 
 def study(context, results, name):
@@ -50,7 +51,7 @@ def names(context):
     return list(BALLS)[:context.pick(2, 2, 1)]
 
 
-@entry("table-E.1", f"Viscosities from {FIELDS}", quick=300)
+@entry("table-E.1", f"Viscosities from {FIELDS}", quick=300, shares=STUDIES)
 def table_e_1(context, results):
     rows = []
     for name in names(context):
@@ -64,7 +65,7 @@ def table_e_1(context, results):
     results.say("fields of runs in a box of 6 x 6 x 12 radii, whose walls slow the ball: the dissertation's container has no stated size")
 
 
-@entry("figure-E.2", f"Velocities measured, those that are valid, simulated ones and the differences: {FIELDS}", quick=180)
+@entry("figure-E.2", f"Velocities measured, those that are valid, simulated ones and the differences: {FIELDS}", quick=180, shares=STUDIES)
 def figure_e_2(context, results):
     import numpy
 
@@ -98,7 +99,7 @@ def mean_square(table):
     return float(numpy.nanmean((table["measured u"] - table["simulated u"]) ** 2 + (table["measured v"] - table["simulated v"]) ** 2))
 
 
-@entry("figure-E.3", f"A ball that falls: the run of the fields, and with the found viscosity ({FIELDS})", quick=180)
+@entry("figure-E.3", f"A ball that falls: the run of the fields, and with the found viscosity ({FIELDS})", quick=180, shares=STUDIES)
 def figure_e_3(context, results):
     import numpy
 
