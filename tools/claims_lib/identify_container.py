@@ -59,7 +59,7 @@ class Container:
     density: float = 1000.0    # [kg/m3]
     frames: int = 100
     rate: int = 30             # [1/s]
-    phase: float = 0.0         # of the film's frames against those of the run, in intervals
+    phase: float = 0.0         # of the film's frames against the run's start, in intervals: 0 or 0.5
     film_cells: float = 10     # spacings a hole of the run that is filmed
     cells: tuple = (5, 7, 10)  # those of the search's rungs
     answer: str = "finest"     # key of the study
@@ -69,6 +69,11 @@ class Container:
     @property
     def end(self):
         return self.frames / self.rate
+
+    @property
+    def interval(self):
+        """Of the run's frames [s], among which are the film's: where these lie halfway, falling liquid would gain 2 mm from the one before."""
+        return (0.5 if self.phase else 1) / self.rate
 
     @property
     def hole(self):
@@ -141,7 +146,7 @@ def differences(truth, other, spacing):
 
 def write_scene(folder, container):
     shape = (geometry_in_plane if container.plane else geometry_in_space)(container.scale)
-    text = SCENE.format(spacing=f"{container.spacing(container.cells[0])} m", density=container.density, end=container.end, interval=1 / container.rate,
+    text = SCENE.format(spacing=f"{container.spacing(container.cells[0])} m", density=container.density, end=container.end, interval=container.interval,
                         width=PICTURE[0], height=PICTURE[1], view=VIEW, **shape)
     (folder / "scene.yaml").write_text(text)
 

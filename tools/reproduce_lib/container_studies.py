@@ -167,7 +167,7 @@ def front_speeds(folder, container):
 
 
 def drawn_frame(container):
-    return round(AT * container.frames)
+    return round(AT * container.end / container.interval)
 
 
 def draw(context, results, folder, container):
