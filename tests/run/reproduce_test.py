@@ -19,16 +19,25 @@ from reproduce_lib import entries  # noqa: E402
 BUILD, PART, PARTS = "", 0, 1
 
 
+def part_of(known):
+    """Names of this part; those that share studies stand in one part."""
+    groups = {}
+    for name in sorted(known, key=lambda name: (known[name].quick, name)):
+        groups.setdefault(known[name].shares or name, []).append(name)
+    return [name for group in list(groups.values())[PART::PARTS] for name in group]
+
+
 class Entries(unittest.TestCase):
     def test_run_at_their_smallest_size(self):
-        names = sorted(entries.known(), key=lambda name: (entries.known()[name].quick, name))[PART::PARTS]
+        names = part_of(entries.known())
         self.assertTrue(names)
-        for name in names:
-            with self.subTest(name), tempfile.TemporaryDirectory(prefix="treacle_reproduce_") as folder:
-                self.run_entry(name, pathlib.Path(folder))
+        with tempfile.TemporaryDirectory(prefix="treacle_studies_") as studies:
+            for name in names:
+                with self.subTest(name), tempfile.TemporaryDirectory(prefix="treacle_reproduce_") as folder:
+                    self.run_entry(name, pathlib.Path(folder), studies)
 
-    def run_entry(self, name, folder):
-        done = subprocess.run([TOOLS / "reproduce", name, "--smallest", "--ranks", "1", "--build", BUILD, "--out", folder],
+    def run_entry(self, name, folder, studies):
+        done = subprocess.run([TOOLS / "reproduce", name, "--smallest", "--ranks", "1", "--build", BUILD, "--out", folder, "--studies", studies],
                               capture_output=True, text=True, timeout=240)
         self.assertEqual(done.returncode, 0, f"{done.stdout}\n{done.stderr}")
         record = json.loads((folder / "commands.json").read_text())

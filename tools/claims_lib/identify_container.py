@@ -1,5 +1,6 @@
 """Rows of `identify` on a container with a hole: the six viscosities of Table 6.1 of the dissertation."""
 
+import dataclasses
 import json
 import re
 import shutil
@@ -17,7 +18,7 @@ domain:
   spacing: {spacing}
   boundaries: {{{sides}: {{slip: no_slip}}}}
 liquids:
-  - {{name: liquid, density: 1000, viscosity: 10 Pa.s, around_bodies: true, shapes: [{liquid}]}}
+  - {{name: liquid, density: {density:g}, viscosity: 10 Pa.s, around_bodies: true, shapes: [{liquid}]}}
 bodies:
   - name: container
     slip: no_slip
@@ -26,39 +27,96 @@ method: grid
 time: {{end: {end}}}
 output: {{interval: {interval}}}
 cameras:
-  - {{name: phone, {camera}, width: {width}, height: {height}, field_of_view: 24 deg}}
+  - {{name: phone, {camera}, width: {width}, height: {height}, field_of_view: {view:g} deg}}
 """
-IN_SPACE = {
-    "space": "min: [-0.15, -0.15, 0]\n  max: [0.15, 0.15, 0.2]",
-    "sides": "x_min: open, x_max: open, y_min: open, y_max: open, z_max: open, z_min",
-    "liquid": "{box: {min: [-0.06, -0.06, 0.085], max: [0.06, 0.06, 0.18]}}",
-    "outside": "{box: {min: [-0.06, -0.06, 0.08], max: [0.06, 0.06, 0.25]}}",
-    "inside": "{box: {min: [-0.05, -0.05, 0.09], max: [0.05, 0.05, 0.3]}}",
-    "hole": "{cylinder: {centre: [0, 0, 0.08], axis: [0, 0, 1], radius: 0.02, height: 0.08}}",
-    "camera": "position: [0, -0.75, 0.16], target: [0, 0, 0.05], up: [0, 0, 1]",
-}
-IN_PLANE = {
-    "space": "dimensions: 2\n  min: [-0.25, 0]\n  max: [0.25, 0.2]",
-    "sides": "x_min: open, x_max: open, y_max: open, y_min",
-    "liquid": "{box: {min: [-0.06, 0.085], max: [0.06, 0.18]}}",
-    "outside": "{box: {min: [-0.06, 0.08], max: [0.06, 0.25]}}",
-    "inside": "{box: {min: [-0.05, 0.09], max: [0.05, 0.3]}}",
-    "hole": "{box: {min: [-0.02, 0.04], max: [0.02, 0.12]}}",
-    "camera": "position: [0, 0.08, 1], target: [0, 0.08, 0], up: [0, 1, 0]",
-}
 STUDY = """schema_version: 1
 title: Viscosity from a container with a hole
 scenes: [{{name: container, file: part.yaml}}]
 parameters:
-  - {{name: viscosity, key: liquids.liquid.viscosity, range: [0.3 Pa.s, 1000 Pa.s], scale: log}}
+  - {{name: viscosity, key: liquids.liquid.viscosity, range: [{low:.4g} Pa.s, {high:.4g} Pa.s], scale: log}}
 experiments:
   - {{name: clip, masks: masks, camera: phone, time_zero: {zero} s, from: {first} s, to: {last} s, plus_minus: {{time_zero: 2 ms}}}}
-search: {{rungs: [{rungs}], answer: finest, noise_runs: 3, evaluations: 12}}
+search: {{rungs: [{rungs}], answer: {answer}, noise_runs: {noise_runs}, evaluations: {evaluations}}}
 """
 # Of Table 6.1: viscosity [Pa s], Reynolds number, errors of viscosity, pressure and velocity [%].
 THEIRS = {1: (125, 5.85, 14.1, 1.21), 3: (36.7, 1.93, 6.6, 0.57), 10: (9.5, 1.52, 8.28, 0.56), 30: (2.67, 0.8, 4.34, 0.32), 100: (0.601, 1.35, 3.34, 0.74),
           300: (0.152, 3.23, 15.6, 0.87)}
+RANGE = (0.3, 1000)  # of the search [Pa s]
 HOLE = 0.04  # [m]
+OUTFLOW = "{kind: open, outflow: true}"  # of the board: at 1 Pa s liquid reaches its edges
+PICTURE = (640, 360)  # [pixels]
+VIEW = 24  # angle over the picture's height [degrees]
+CAMERA_IN_SPACE, TARGET_IN_SPACE, CAMERA_IN_PLANE = (0, -0.75, 0.16), (0, 0, 0.05), (0, 0.08, 1)  # [m]
+LEAD, STILL = 0.4, 0.2  # of the film: the empty scene, and the liquid at rest [s]
+
+
+@dataclasses.dataclass(frozen=True)
+class Container:
+    """A container over a board, how it is filmed, and how its viscosity is searched."""
+
+    plane: bool = False
+    scale: float = 1.0         # of all lengths
+    density: float = 1000.0    # [kg/m3]
+    frames: int = 100
+    rate: int = 30             # [1/s]
+    phase: float = 0.0         # of the film's frames against the run's start, in intervals: 0 or 0.5
+    film_cells: float = 10     # spacings a hole of the run that is filmed
+    cells: tuple = (5, 7, 10)  # those of the search's rungs
+    answer: str = "finest"     # key of the study
+    evaluations: int = 12
+    noise_runs: int = 3
+
+    @property
+    def end(self):
+        return self.frames / self.rate
+
+    @property
+    def interval(self):
+        """Of the run's frames [s], among which are the film's: where these lie halfway, falling liquid would gain 2 mm from the one before."""
+        return (0.5 if self.phase else 1) / self.rate
+
+    @property
+    def hole(self):
+        return HOLE * self.scale
+
+    def spacing(self, cells):
+        return self.hole / cells
+
+
+def point(*places):
+    return "[" + ", ".join(f"{place:.6g}" for place in places) + "]"
+
+
+def scaled_point(scale):
+    return lambda *places: point(*(scale * place for place in places))
+
+
+def geometry_in_space(scale):
+    """Of SCENE."""
+    at = scaled_point(scale)
+    return {
+        "space": f"min: {at(-0.15, -0.15, 0)}\n  max: {at(0.15, 0.15, 0.2)}",
+        "sides": f"x_min: {OUTFLOW}, x_max: {OUTFLOW}, y_min: {OUTFLOW}, y_max: {OUTFLOW}, z_max: open, z_min",
+        "liquid": f"{{box: {{min: {at(-0.06, -0.06, 0.085)}, max: {at(0.06, 0.06, 0.18)}}}}}",
+        "outside": f"{{box: {{min: {at(-0.06, -0.06, 0.08)}, max: {at(0.06, 0.06, 0.25)}}}}}",
+        "inside": f"{{box: {{min: {at(-0.05, -0.05, 0.09)}, max: {at(0.05, 0.05, 0.3)}}}}}",
+        "hole": f"{{cylinder: {{centre: {at(0, 0, 0.08)}, axis: [0, 0, 1], radius: {scale * HOLE / 2:.6g}, height: {scale * 0.08:.6g}}}}}",
+        "camera": f"position: {at(*CAMERA_IN_SPACE)}, target: {at(*TARGET_IN_SPACE)}, up: [0, 0, 1]",
+    }
+
+
+def geometry_in_plane(scale):
+    """Of SCENE."""
+    at = scaled_point(scale)
+    return {
+        "space": f"dimensions: 2\n  min: {at(-0.25, 0)}\n  max: {at(0.25, 0.2)}",
+        "sides": f"x_min: {OUTFLOW}, x_max: {OUTFLOW}, y_max: open, y_min",
+        "liquid": f"{{box: {{min: {at(-0.06, 0.085)}, max: {at(0.06, 0.18)}}}}}",
+        "outside": f"{{box: {{min: {at(-0.06, 0.08)}, max: {at(0.06, 0.25)}}}}}",
+        "inside": f"{{box: {{min: {at(-0.05, 0.09)}, max: {at(0.05, 0.3)}}}}}",
+        "hole": f"{{box: {{min: {at(-HOLE / 2, 0.04)}, max: {at(HOLE / 2, 0.12)}}}}}",
+        "camera": f"position: {at(*CAMERA_IN_PLANE)}, target: {at(0, CAMERA_IN_PLANE[1], 0)}, up: [0, 1, 0]",
+    }
 
 
 def cell_means(frame, spacing):
@@ -86,35 +144,62 @@ def differences(truth, other, spacing):
     return numpy.sqrt(sums[0] / sums[1]), numpy.sqrt(sums[2] / sums[3])
 
 
+def write_scene(folder, container):
+    shape = (geometry_in_plane if container.plane else geometry_in_space)(container.scale)
+    text = SCENE.format(spacing=f"{container.spacing(container.cells[0])} m", density=container.density, end=container.end, interval=container.interval,
+                        width=PICTURE[0], height=PICTURE[1], view=VIEW, **shape)
+    (folder / "scene.yaml").write_text(text)
+    # Films are of the whole, and the search runs the part that symmetry leaves.
+    (folder / "part.yaml").write_text(text.replace("  boundaries:", f"  symmetry: {'[x]' if container.plane else '[x, y]'}\n  boundaries:"))
+
+
+def run_at(context, folder, name, container, viscosity, cells, **settings):
+    """A run of the container's scene in a folder, of a viscosity [Pa s] and of so many spacings a hole."""
+    keys = {"domain.spacing": f"{container.spacing(cells)} m", "liquids.liquid.viscosity": f"{viscosity} Pa.s", **settings}
+    words = [word for key, value in keys.items() for word in ("--set", f"{key}={value}")]
+    execute(context, [built(context, "treacle"), "run", folder / "scene.yaml", "--out", folder / name, *words], timeout=14400)
+
+
+def film(context, folder, container, run="truth", name="film"):
+    execute(context, [built(context, "treacle"), "film", folder / run, "--out", folder / name, "--rate", container.rate, "--lead", LEAD, "--still", STILL,
+                      "--phase", container.phase, "--seed", 5])
+
+
+def silhouettes(context, folder):
+    execute(context, [built(context, "treacle"), "silhouettes", folder / "film/film.mp4", "--out", folder / "masks", "--no-overlay"])
+
+
+def write_study(folder, container, search_range=RANGE):
+    rungs = ", ".join(f"{1000 * container.spacing(n):.4g} mm" for n in container.cells)
+    (folder / "study.yaml").write_text(STUDY.format(
+        zero=LEAD + STILL, first=1.5 / container.rate, last=container.end - 0.5 / container.rate, rungs=rungs, answer=container.answer,
+        noise_runs=container.noise_runs, evaluations=container.evaluations, low=search_range[0], high=search_range[1]))
+
+
+def identify(context, folder, *arguments, name="out"):
+    """Viscosity that the study of a folder finds, and its 90 % interval [Pa s]."""
+    execute(context, [built(context, "treacle"), "identify", folder / "study.yaml", "--out", folder / name, *arguments], timeout=14400)
+    text = (folder / name / "report/result.yaml").read_text()
+    low, high = map(float, re.search(r"interval_90: \[(\S+) Pa.s, (\S+) Pa.s", text).groups())
+    return float(re.search(r"value: (\S+)", text).group(1)), low, high
+
+
 def recovered(context, viscosity):
     """(value, low, high, runs, seconds of all runs over those of a fine one, differences at the answer, differences of particles that lie elsewhere)."""
-    treacle = built(context, "treacle")
-    plane = context.quick
-    cells = (5, 7, 10)
-    finest, rungs = HOLE / cells[-1], ", ".join(f"{1000 * HOLE / n:.4g} mm" for n in cells)
-    frames, rate = (20 if plane else 100), (25 if plane else 30)
-    end = frames / rate
-    facts = {**(IN_PLANE if plane else IN_SPACE), "end": end, "interval": 1 / rate, "width": 640, "height": 360}
+    container = Container(plane=True, frames=20, rate=25) if context.quick else Container()
+    finest = container.spacing(container.cells[-1])
     with scratch(context, f"container_{viscosity:g}") as folder:
-        scene = SCENE.format(spacing=f"{HOLE / cells[0]} m", **facts)
-        (folder / "scene.yaml").write_text(scene)
-        # The film is of the whole, and the search runs the part that symmetry leaves.
-        (folder / "part.yaml").write_text(scene.replace("  boundaries:", f"  symmetry: {'[x]' if plane else '[x, y]'}\n  boundaries:"))
-        fine = ["--set", f"domain.spacing={finest} m", "--set", f"liquids.liquid.viscosity={viscosity} Pa.s"]
-        side = (0.25 if plane else 0.15) + finest / 2  # cells, and with them particles, lie half a spacing elsewhere
-        shifted = f"[{-side}, 0]" if plane else f"[{-side}, {-side}, 0]"
-        execute(context, [treacle, "run", folder / "scene.yaml", "--out", folder / "truth", *fine], timeout=14400)
-        execute(context, [treacle, "run", folder / "scene.yaml", "--out", folder / "floor", *fine, "--set", f"domain.min={shifted}"], timeout=14400)
-        execute(context, [treacle, "film", folder / "truth", "--out", folder / "film", "--rate", rate, "--lead", 0.4, "--still", 0.2, "--seed", 5])
-        execute(context, [treacle, "silhouettes", folder / "film/film.mp4", "--out", folder / "masks", "--no-overlay"])
-        (folder / "study.yaml").write_text(STUDY.format(zero=0.6, first=1.5 / rate, last=end - 0.5 / rate, rungs=rungs))
-        execute(context, [treacle, "identify", folder / "study.yaml", "--out", folder / "out"], timeout=14400)
-        text = (folder / "out/report/result.yaml").read_text()
-        value = float(re.search(r"value: (\S+)", text).group(1))
-        low, high = map(float, re.search(r"interval_90: \[(\S+) Pa.s, (\S+) Pa.s", text).groups())
+        write_scene(folder, container)
+        side = (0.25 if container.plane else 0.15) + finest / 2  # cells, and with them particles, lie half a spacing elsewhere
+        shifted = point(-side, 0) if container.plane else point(-side, -side, 0)
+        run_at(context, folder, "truth", container, viscosity, container.film_cells)
+        run_at(context, folder, "floor", container, viscosity, container.film_cells, **{"domain.min": shifted})
+        film(context, folder, container)
+        silhouettes(context, folder)
+        write_study(folder, container)
+        value, low, high = identify(context, folder)
         ended = [line for line in map(json.loads, (folder / "out/journal.jsonl").read_text().splitlines()) if line.get("status") == "done"]
-        execute(context, [treacle, "run", folder / "scene.yaml", "--out", folder / "answer", *fine[:2], "--set", f"liquids.liquid.viscosity={value} Pa.s"],
-                timeout=14400)
+        run_at(context, folder, "answer", container, value, container.cells[-1])
         seconds = sum(line["seconds"] for line in ended) / max(line["seconds"] for line in ended)
         found, floor = (differences(folder / "truth", folder / name, finest) for name in ("answer", "floor"))
         for name in ("truth", "floor", "answer"):

@@ -62,32 +62,63 @@ def reynolds(ball):
     return LIQUID_DENSITY * ball.speed * 2 * ball.radius / ball.viscosity
 
 
-def recovered(context, ball):
-    """Fields by a finer run, 2 % noise that overlapping windows share, 5 % outliers: (value, low, high, words, trials)."""
-    treacle = built(context, "treacle")
+def film_spacing(context, ball):
+    """Of the run that the fields come from [m]."""
+    return ball.radius / context.pick(8, 4.5, 3)
+
+
+def rungs_of(context, ball):
+    """Spacings of the search [m]."""
+    return [ball.radius / cells for cells in context.pick((3, 4, 5), (2, 2.5, 3), (1.5, 2))]
+
+
+def interval_of(ball):
+    """From one field to the next [s]."""
+    return ball.end / 16
+
+
+def write_scene(context, folder, ball):
     a, width = ball.radius, 6 * ball.radius
-    film = a / context.pick(8, 4.5, 3)
-    rungs = [a / cells for cells in context.pick((3, 4, 5), (2, 2.5, 3), (1.5, 2))]
     path = f"kind: kinematic, velocity: [0, 0, {-ball.speed}]" if ball.speed else f"kind: dynamic, density: {ball.density}"
-    common = {"width": width, "height": 2 * width, "middle": width / 2, "start": 1.5 * width, "radius": a, "end": ball.end}
-    interval = ball.end / 16
-    with scratch(context, "piv") as folder:
-        (folder / "scene.yaml").write_text(SCENE.format(spacing=rungs[0], motion=path, **common))
-        execute(context, [treacle, "run", folder / "scene.yaml", "--out", folder / "truth", "--set", f"domain.spacing={film}", "--set",
-                          f"output.interval={interval / 2}", "--set", f"liquids.oil.viscosity={ball.viscosity}"])
-        said = execute(context, [treacle, "piv", folder / "truth", "--out", folder / "fields", "--origin", 0.6 * a, width / 2, 3 * a, "--size", 4.8 * a, 8 * a,
-                                 "--step", a / 4, "--window", a / 2, "--from", 2.5 * interval, "--to", ball.end, "--interval", interval, "--noise", 0.02,
-                                 "--outliers", 0.05, "--track", "ball", "--track-noise", 5e-5, "--seed", 3]).output
-        noise = re.search(r"noise (\S+) m/s", said).group(1)
-        (folder / "study.yaml").write_text(STUDY.format(
-            low=ball.viscosity / 20, high=ball.viscosity * 20, left=0.6 * a, middle=width / 2, bottom=3 * a, window=a / 2, noise=noise,
-            ball="ball: fields/track.csv" if ball.speed else "", rungs=", ".join(f"{one:.6g} m" for one in rungs)))
-        execute(context, [treacle, "identify", folder / "study.yaml", "--out", folder / "out"])
-        text = (folder / "out/report/result.yaml").read_text()
+    (folder / "scene.yaml").write_text(SCENE.format(spacing=rungs_of(context, ball)[0], motion=path, width=width, height=2 * width, middle=width / 2,
+                                                    start=1.5 * width, radius=a, end=ball.end))
+
+
+def run_at(context, folder, name, ball, viscosity, spacing):
+    """A run of the scene in a folder, of a viscosity [Pa s] and a spacing [m]."""
+    execute(context, [built(context, "treacle"), "run", folder / "scene.yaml", "--out", folder / name, "--set", f"domain.spacing={spacing}", "--set",
+                      f"output.interval={interval_of(ball) / 2}", "--set", f"liquids.oil.viscosity={viscosity}"], timeout=14400)
+
+
+def measure(context, folder, ball):
+    """Fields of the run `truth` in the sheet through the ball's axis; the standard deviation of their noise as text [m/s]."""
+    a, interval = ball.radius, interval_of(ball)
+    said = execute(context, [built(context, "treacle"), "piv", folder / "truth", "--out", folder / "fields", "--origin", 0.6 * a, 3 * a, 3 * a, "--size", 4.8 * a,
+                             8 * a, "--step", a / 4, "--window", a / 2, "--from", 2.5 * interval, "--to", ball.end, "--interval", interval, "--noise", 0.02,
+                             "--outliers", 0.05, "--track", "ball", "--track-noise", 5e-5, "--seed", 3]).output
+    return re.search(r"noise (\S+) m/s", said).group(1)
+
+
+def identify(context, folder, ball, noise):
+    """(value, low, high, words, trials) from the fields; noise [m/s] as text."""
+    a = ball.radius
+    (folder / "study.yaml").write_text(STUDY.format(
+        low=ball.viscosity / 20, high=ball.viscosity * 20, left=0.6 * a, middle=3 * a, bottom=3 * a, window=a / 2, noise=noise,
+        ball="ball: fields/track.csv" if ball.speed else "", rungs=", ".join(f"{one:.6g} m" for one in rungs_of(context, ball))))
+    execute(context, [built(context, "treacle"), "identify", folder / "study.yaml", "--out", folder / "out"], timeout=14400)
+    text = (folder / "out/report/result.yaml").read_text()
     value = float(re.search(r"value: (\S+)", text).group(1))
     low, high = map(float, re.search(r"interval_90: \[(\S+) Pa.s, (\S+) Pa.s", text).groups())
     words = re.search(r'identifiability: "([^;"]*)', text).group(1)
     return value, low, high, words, int(re.search(r"trials: (\d+)", text).group(1))
+
+
+def recovered(context, ball):
+    """Fields by a finer run, 2 % noise that overlapping windows share, 5 % outliers: (value, low, high, words, trials)."""
+    with scratch(context, "piv") as folder:
+        write_scene(context, folder, ball)
+        run_at(context, folder, "truth", ball, ball.viscosity, film_spacing(context, ball))
+        return identify(context, folder, ball, measure(context, folder, ball))
 
 
 def told(ball, found):

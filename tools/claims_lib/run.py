@@ -177,15 +177,21 @@ def scratch(context, name):
             shutil.rmtree(folder, ignore_errors=True)
 
 
-@contextlib.contextmanager
-def kept(context, name):
-    """A folder that stays when the row is stopped, so that its commands go on there; gone once it has its figure, or for another build."""
+def stamped(context, folder, inputs=""):
+    """The folder, made where it is missing, emptied where another build, a call of another size, or one of other inputs wrote it."""
     program = built(context, "treacle").stat()
-    folder, stamp = context.scratch / name.replace(" ", "_"), f"{program.st_size} {program.st_mtime_ns} {context.quick}"
+    stamp = f"{program.st_size} {program.st_mtime_ns} {context.quick}" + (" smallest" if context.smallest else "") + inputs
     if (folder / "build").is_file() and (folder / "build").read_text() != stamp:
         shutil.rmtree(folder)
     folder.mkdir(parents=True, exist_ok=True)
     (folder / "build").write_text(stamp)
+    return folder
+
+
+@contextlib.contextmanager
+def kept(context, name):
+    """A folder that stays when the row is stopped, so that its commands go on there; gone once it has its figure, or for another build."""
+    folder = stamped(context, context.scratch / name.replace(" ", "_"))
     yield folder
     if not os.environ.get("TREACLE_KEEP"):
         shutil.rmtree(folder, ignore_errors=True)

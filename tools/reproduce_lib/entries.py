@@ -25,17 +25,18 @@ class Entry:
     title: str
     run: object  # function of a Context and Results
     quick: int   # what it takes with --quick on two cores [s]
+    shares: str = ""  # name of the studies that it looks at with others: the second of them takes seconds
 
 
 _entries = {}
 
 
-def entry(name, title, quick):
+def entry(name, title, quick, shares=""):
     if name in _entries:
         raise ValueError(f"two entries named {name!r}")
 
     def declare(run):
-        _entries[name] = Entry(name, title, run, quick)
+        _entries[name] = Entry(name, title, run, quick, shares)
         return run
 
     return declare
@@ -56,8 +57,9 @@ def text_of(value):
 class Results:
     """The files of one entry, under its folder."""
 
-    def __init__(self, folder, ranks, out=sys.stdout):
+    def __init__(self, folder, ranks, out=sys.stdout, studies=None):
         self.folder = pathlib.Path(folder)
+        self.studies = studies or self.folder / "studies"  # what several entries look at
         self.ranks = ranks
         self.files = []
         self._out = out
@@ -97,17 +99,17 @@ class Results:
         finally:
             pyplot.close(figure)
 
-    def pictures(self, name, rows):
-        """NAME.png of pictures side by side. rows: lists of equal length of (title, path of a PNG)."""
+    def pictures(self, name, rows, size=(4.8, 3)):
+        """NAME.png of pictures side by side. rows: lists of equal length of (title, path of a PNG or its pixels)."""
         import numpy
         from matplotlib import image
 
         cells = [cell for row in rows for cell in row]
-        with self.figure(name, columns=len(rows[0]), rows=len(rows), size=(4.8, 3)) as axes:
-            for one, (title, path) in zip(numpy.ravel(axes), cells):
+        with self.figure(name, columns=len(rows[0]), rows=len(rows), size=size) as axes:
+            for one, (title, picture) in zip(numpy.ravel(axes), cells):
                 one.set_axis_off()
                 one.set_title(title, fontsize=8)
-                one.imshow(image.imread(path))
+                one.imshow(picture if isinstance(picture, numpy.ndarray) else image.imread(picture))
 
     def new(self, name):
         """Path of a file of the entry, to be written by the caller."""
@@ -117,9 +119,9 @@ class Results:
         return path
 
 
-def reproduce(one, context, folder, ranks, out=sys.stdout):
+def reproduce(one, context, folder, ranks, out=sys.stdout, studies=None):
     """Runs an entry; its folder gets its files and commands.json, which says what was run."""
-    results = Results(folder, ranks, out)
+    results = Results(folder, ranks, out, studies)
     start = time.monotonic()
     results.say(f"{one.name}: {one.title}")
     one.run(context, results)
