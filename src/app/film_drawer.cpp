@@ -25,9 +25,11 @@ FilmDrawer::FilmDrawer(const identify::StudyFile& file, const identify::Experime
       step_(0.25 * std::max(least_interval(frames_), 1e-3)), readout_(experiment.readout) {}
 
 const surface::Mesh& FilmDrawer::mesh_of(std::size_t frame) {
-    const auto& mesh = surface_.build(nearest_frame(run_, frames_[frame].time));
+    if (mesh_ && built_ == frame) return *mesh_;
+    mesh_ = &surface_.build(nearest_frame(run_, frames_[frame].time));
+    built_ = frame;
     if (scenery_.depth.empty() || surface_.solids_move()) scenery_ = draw_scenery(run_.input, surface_.solids(), model_, through_);
-    return mesh;
+    return *mesh_;
 }
 
 identify::SimulatedFrame FilmDrawer::draw(std::size_t frame) { return draw(mesh_of(frame), frames_[frame]); }

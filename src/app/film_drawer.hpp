@@ -31,9 +31,11 @@ private:
     std::vector<std::string> through_;
     identify::Occupancy occupancy_;
     double step_ = 0, readout_ = 0; // [s]
+    const surface::Mesh* mesh_ = nullptr; // of the frame that was drawn last
+    std::size_t built_ = 0;
 
     identify::SimulatedFrame draw(const surface::Mesh& mesh, const identify::ObservedFrame& frame) const;
-    const surface::Mesh& mesh_of(std::size_t frame);
+    const surface::Mesh& mesh_of(std::size_t frame); // built once where it is drawn again
 };
 
 } // namespace treacle::app

@@ -12,7 +12,7 @@ namespace treacle::study {
 namespace {
 constexpr double look_interval = 0.25; // [s] between looks at the running ones
 constexpr double grace = 10;           // [s] from SIGTERM to SIGKILL
-constexpr double start_up = 10;        // times hang_least before the first step
+constexpr double beside_steps = 10;    // times hang_least before the first step, and while a finished run is compared
 
 double since(std::chrono::steady_clock::time_point start) {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -105,7 +105,8 @@ void Lanes::look_at(Running& run) {
     }
     if (limits_.hang_factor <= 0) return;
     const double mean = run.steps > 0 ? (since(run.start) - since(run.last_step)) / run.steps : 0;
-    const double patience = run.steps > 0 ? std::max(limits_.hang_least, limits_.hang_factor * mean) : start_up * limits_.hang_least;
+    const bool steps_go_on = run.steps > 0 && !std::filesystem::exists(run.task.folder / "run" / "summary.json", failed);
+    const double patience = steps_go_on ? std::max(limits_.hang_least, limits_.hang_factor * mean) : beside_steps * limits_.hang_least;
     if (since(run.last_step) > patience) end(run, LaneEnd::hang);
 }
 

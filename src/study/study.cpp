@@ -68,7 +68,7 @@ void RunOptions::declare(Declaration& d) {
     d.number("memory", memory, unit::none, range_at_least(0), "Gigabytes of memory that a run may hold before it is ended; 0: no limit.");
     d.number("hang_factor", hang_factor, unit::none, range_at_least(0),
              "A run that takes no step for so many mean steps is ended and counts as hung; 0: never.");
-    d.number("hang_least", hang_least, unit::time, range_at_least(0), "But not before this time of the clock without a step.");
+    d.number("hang_least", hang_least, unit::time, range_at_least(0), "But not before this time of the clock without a step; ten times as long before the first step, and while a finished run is compared with films.");
     d.choice<Keep>("keep", keep, {{"nothing", Keep::nothing}, {"tables", Keep::tables}, {"everything", Keep::everything}},
                    "What stays of a finished run besides its figures: nothing, its tables, or its frames as well.");
     d.boolean("speculate", speculate, "Whether lanes that would idle do runs that a search may ask for next; its answer is the same without.");

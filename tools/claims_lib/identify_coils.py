@@ -24,21 +24,21 @@ THREAD = {
     "space": "min: [-0.035, -0.035, 0]\n  max: [0.035, 0.035, 0.0575]", "floor": "z_min", "coarse": 2.5,
     "sides": f"x_min: {OPEN}, x_max: {OPEN}, y_min: {OPEN}, y_max: {OPEN}, z_max: open",
     "inlet": "disc: {centre: [0, 0, 0.05], direction: [0.02, 0.01, -1], radius: 4 mm}",
-    "camera": "position: [0, -0.25, 0.05], target: [0, 0, 0.025]", "up": "[0, 0, 1]", "width": 320, "height": 240, "view": 15,
+    "camera": "position: [0, -0.25, 0.05], target: [0, 0, 0.025]", "up": "[0, 0, 1]", "width": 320, "height": 240, "view": 15, "every": 2,
 }
 SHEET = {
     "space": "dimensions: 2\n  min: [-0.06, 0]\n  max: [0.06, 0.056]", "floor": "y_min", "coarse": 2,
     "sides": f"x_min: {OPEN}, x_max: {OPEN}, y_max: open",
     "inlet": "rectangle: {centre: [0, 0.05], direction: [0.02, -1], width: 6 mm, height: 0}",
-    "camera": "position: [0, 0.025, 0.3], target: [0, 0.025, 0]", "up": "[0, 1, 0]", "width": 480, "height": 320, "view": 16,
+    "camera": "position: [0, 0.025, 0.3], target: [0, 0.025, 0]", "up": "[0, 1, 0]", "width": 480, "height": 320, "view": 16, "every": 1,
 }
 STUDY = """schema_version: 1
 title: Viscosity of syrup that coils
 scenes: [{{name: thread, file: scene.yaml}}]
 parameters:
-  - {{name: viscosity, key: liquids.syrup.viscosity, range: [1 Pa.s, 60 Pa.s], scale: log}}
+  - {{name: viscosity, key: liquids.syrup.viscosity, range: [1 Pa.s, 60 Pa.s], start: 12 Pa.s, scale: log}}
 experiments:
-  - {{name: coils, masks: masks, camera: front, from: 0.42 s, to: 1.305 s, plus_minus: {{time_zero: 5 ms}}, occupancy: {{windows: 5, mirror: x}}}}
+  - {{name: coils, masks: masks, camera: front, from: 0.42 s, to: 1.31 s, every: {every}, plus_minus: {{time_zero: 5 ms}}, occupancy: {{windows: 5, mirror: x}}}}
 search: {{rungs: [{rungs}], noise_runs: {noise}}}
 """
 
@@ -48,11 +48,11 @@ def coiling_thread(context):
     if context.quick:
         scene, rungs, noise, fine, turned = SHEET, "2 mm, 1.5 mm", 4, 1.1, "inlets.0.rectangle.direction=[-0.025, -1]"
     else:
-        scene, rungs, noise, fine, turned = THREAD, "2.5 mm, 2 mm, 1.6 mm", 2, 1.4, "inlets.0.disc.direction=[-0.02, 0.013, -1]"
+        scene, rungs, noise, fine, turned = THREAD, "2.5 mm, 2 mm", 2, 1.4, "inlets.0.disc.direction=[-0.02, 0.013, -1]"
     treacle = built(context, "treacle")
     with scratch(context, "coils") as folder:
         (folder / "scene.yaml").write_text(SCENE.format(**scene))
-        (folder / "study.yaml").write_text(STUDY.format(rungs=rungs, noise=noise))
+        (folder / "study.yaml").write_text(STUDY.format(rungs=rungs, noise=noise, every=scene["every"]))
         execute(context, [treacle, "run", folder / "scene.yaml", "--out", folder / "truth", "--set", f"domain.spacing={fine} mm", "--set", "time.cfl=1.3",
                           "--set", turned])
         execute(context, [treacle, "film", folder / "truth", "--out", folder / "masks", "--rate", 100, "--lead", 0, "--phase", 0.5])

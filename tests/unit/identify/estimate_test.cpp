@@ -108,6 +108,24 @@ TEST(Estimate, IntervalsHoldTheTruthThoughPixelsAreNotIndependent) {
     EXPECT_LT(inside_independent, 70);
 }
 
+// What a turn does it does all around: windows of a film that coils have a noise that all their segments share.
+TEST(Estimate, IntervalsOfWindowsHoldTheTruthThoughSegmentsShareAllTheirNoise) {
+    constexpr int films = 30, windows = 5;
+    int inside = 0;
+    for (int seed = 1; seed <= films; ++seed) {
+        auto runs = Film(seed, 0.5, segments, frames / windows, 0).runs();
+        for (auto& run : runs) {
+            run.experiments[0].kind = ExperimentKind::occupancy;
+            for (auto& one : run.experiments[0].segments) one.frame /= frames / windows;
+        }
+        const auto found = estimate(runs, prior(0.3));
+        EXPECT_EQ(found.blocks, std::size_t(windows));
+        EXPECT_LT(found.freedom[0], windows);
+        inside += std::abs(found.point[0] - truth) < ninety_percent(found.parts[0], found.freedom[0]) * std::sqrt(found.parts[0].total());
+    }
+    EXPECT_GE(inside, 22); // of 30, three standard deviations of the count from 27
+}
+
 TEST(Estimate, AnotherResolutionsRunMovesTheAnswer) {
     const Film film(1, 1e-9, 1, 1, 0);
     const auto runs = film.runs();

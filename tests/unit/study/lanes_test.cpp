@@ -95,6 +95,17 @@ TEST_F(LanesTest, ARunWithoutNewStepsIsHungAndOneWithThemIsNot) {
     EXPECT_EQ(results[1].ending.exit_code, 0);
 }
 
+TEST_F(LanesTest, ARunThatHasFinishedMayBeComparedForLonger) {
+    LaneLimits limits;
+    limits.hang_factor = 3;
+    limits.hang_least = 0.3;
+    Lanes lanes(1, limits);
+    lanes.start(task(1, "echo 'step,time [s],dt [s]' > run/steps.csv; echo 1,0.1,0.1 >> run/steps.csv; touch run/summary.json; sleep 1.2"));
+    const auto results = all_of(lanes);
+    ASSERT_EQ(results.size(), 1u);
+    EXPECT_EQ(results[0].end, LaneEnd::none);
+}
+
 TEST_F(LanesTest, ARunThatFillsTheMemoryIsEnded) {
     LaneLimits limits;
     limits.memory = 60e6;
