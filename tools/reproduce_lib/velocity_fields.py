@@ -7,7 +7,7 @@ from claims_lib import identify_piv as piv
 from claims_lib.run import Columns, RunFolder, treacle
 
 from .entries import entry
-from .studies import once, study_folder
+from .studies import drop, once, study_folder
 
 BALLS = {"plastic": piv.PLASTIC, "steel": piv.STEEL}
 # Largest speed [m/s], Reynolds number, viscosity found [Pa s], its error [%].
@@ -17,24 +17,28 @@ FIELDS = "synthetic fields of PIV around a ball that falls"
 STUDIES = "velocity fields"  # what the entries are of
 
 
+def sizes_of(context):
+    return context.pick(piv.Sizes(8, (3, 4, 5)), piv.Sizes(3.5, (2, 2.5, 3)), piv.Sizes(2, (1.5,), step=0.8, evaluations=3, noise_runs=0))
+
+
 def study(context, results, name):
     """Folder of the fields and of the search for a ball, and its numbers."""
-    ball = BALLS[name]
-    return study_folder(context, results, f"ball {name}", f"{ball}", lambda folder: measured(context, results, folder, ball))
+    ball, sizes = dataclasses.replace(BALLS[name], end=context.pick(BALLS[name].end, BALLS[name].end, 0.08)), sizes_of(context)
+    return study_folder(context, results, f"ball {name}", f"{ball} {sizes}", lambda folder: measured(context, results, folder, ball, sizes))
 
 
-def measured(context, results, folder, ball):
-    piv.write_scene(context, folder, ball)
-    once(folder, "truth", lambda: piv.run_at(context, folder, "truth", ball, ball.viscosity, piv.film_spacing(context, ball)))
+def measured(context, results, folder, ball, sizes):
+    piv.write_scene(folder, ball, sizes)
+    once(folder, "truth", lambda: piv.run_at(context, folder, "truth", ball, ball.viscosity, sizes.film))
     noise = folder / "noise.txt"
-    once(folder, "fields", lambda: noise.write_text(piv.measure(context, folder, ball)))
-    value, low, high, words, trials = piv.identify(context, folder, ball, noise.read_text())
-    once(folder, "answer", lambda: piv.run_at(context, folder, "answer", ball, value, piv.rungs_of(context, ball)[-1]))
+    once(folder, "fields", lambda: noise.write_text(piv.measure(context, folder, ball, sizes)))
+    value, low, high, words, trials = piv.identify(context, folder, ball, sizes, noise.read_text())
+    once(folder, "answer", lambda: piv.run_at(context, folder, "answer", ball, value, sizes.rungs[-1]))
     speed = -float(RunFolder(folder / "truth").bodies()["ball velocity z"].min())
     for run in ("truth", "answer"):
         draw(context, results, folder, run, ball, speed)
         shutil.copy(folder / run / "bodies.csv", folder / f"{run}_bodies.csv")
-        shutil.rmtree(folder / run)
+        drop(folder, run)
     return {"value": value, "low": low, "high": high, "words": words, "trials": trials, "speed": speed}
 
 
@@ -105,7 +109,7 @@ def figure_e_3(context, results):
 
     folder, found = study(context, results, "plastic")
     ball, runs = BALLS["plastic"], {run: Columns(folder / f"{run}_bodies.csv") for run in ("truth", "answer")}
-    times = numpy.linspace(0, ball.end, 51)
+    times = numpy.linspace(0, runs["truth"]["time"][-1], 51)
     heights = {run: numpy.interp(times, table["time"], table["ball position z"]) for run, table in runs.items()}
     apart = float(abs(heights["truth"] - heights["answer"]).max())
     results.curves("figure-E.3-heights", ["time [s]", "height, run of the fields [m]", "with the found viscosity [m]"], zip(times, *heights.values()))
