@@ -1,7 +1,7 @@
 #include "app/compare_films.hpp"
 
+#include "app/film_drawer.hpp"
 #include "app/picture.hpp"
-#include "app/scene_surface.hpp"
 #include "app/scenery.hpp"
 #include "base/error.hpp"
 #include "base/file.hpp"
@@ -19,46 +19,6 @@ namespace treacle::app {
 namespace {
 using identify::Experiment;
 using identify::StudyFile;
-
-// Draws the run for the frames of one film.
-class FilmComparison {
-public:
-    FilmComparison(const StudyFile& file, const Experiment& experiment, const RunView& run)
-        : run_(run), surface_(Comm::self(), run, {surface_options(run.input)}), model_(experiment_camera(file, experiment, run.input).model),
-          frames_(identify::observed_frames(experiment, file.beside(experiment.masks))) {
-        through_ = experiment.see_through;
-        readout_ = experiment.readout;
-        step_ = 0.25 * std::max(least_interval(frames_), 1e-3);
-    }
-    const std::vector<identify::ObservedFrame>& frames() const { return frames_; }
-
-    identify::FrameComparison compare(std::size_t k, const std::filesystem::path& masks) {
-        const auto& frame = frames_[k];
-        const auto& mesh = surface_.build(nearest_frame(run_, frame.time));
-        if (scenery_.depth.empty() || surface_.solids_move()) scenery_ = draw_scenery(run_.input, surface_.solids(), model_, through_);
-        video::FilmShot shot;
-        shot.samples = 1;
-        shot.offset = frame.time - surface_.time();
-        shot.readout = readout_;
-        const video::FilmMesh drawn{mesh.dimensions, mesh.vertices, mesh.normals, mesh.velocity, mesh.triangles};
-        identify::SimulatedFrame simulated;
-        simulated.step = step_;
-        simulated.now = video::draw_liquid(drawn, model_, shot, scenery_.depth);
-        shot.offset += step_;
-        simulated.later = video::draw_liquid(drawn, model_, shot, scenery_.depth);
-        video::write_mask(masks / frame.mask.filename(), simulated.now.mask);
-        return identify::compare_frame(frame, video::read_mask(frame.mask), simulated, model_);
-    }
-
-private:
-    const RunView& run_;
-    SceneSurface surface_;
-    scene::CameraModel model_;
-    std::vector<identify::ObservedFrame> frames_;
-    video::FilmScenery scenery_;
-    std::vector<std::string> through_;
-    double step_ = 0, readout_ = 0; // [s]
-};
 
 // A comparison as numbers, to be sent.
 std::vector<double> packed(const identify::FrameComparison& one) {
@@ -88,7 +48,7 @@ identify::FrameComparison unpacked(const double*& at) {
 }
 
 identify::RunResiduals compare(const Comm& comm, const StudyFile& file, const Experiment& experiment, const RunView& run, const std::filesystem::path& masks) {
-    std::optional<FilmComparison> film;
+    std::optional<FilmDrawer> film;
     comm.guard([&] { film.emplace(file, experiment, run); });
     comm.guard_root([&] { std::filesystem::create_directories(masks); });
     identify::RunResiduals out;
@@ -98,7 +58,10 @@ identify::RunResiduals compare(const Comm& comm, const StudyFile& file, const Ex
         const auto mine = begin + std::size_t(comm.rank());
         std::vector<double> numbers;
         comm.guard([&] {
-            if (mine < frames.size()) numbers = packed(film->compare(mine, masks));
+            if (mine >= frames.size()) return;
+            const auto simulated = film->draw(mine);
+            video::write_mask(masks / frames[mine].mask.filename(), simulated.now.mask);
+            numbers = packed(identify::compare_frame(frames[mine], video::read_mask(frames[mine].mask), simulated, film->camera()));
         });
         const auto all = comm.all_gather(std::span<const double>(numbers));
         for (const double* at = all.data(); at < all.data() + all.size();) {
@@ -109,6 +72,19 @@ identify::RunResiduals compare(const Comm& comm, const StudyFile& file, const Ex
         }
     }
     out.observed = frames;
+    return out;
+}
+
+// All on which a comparison of occupancy depends beside the masks. Throws InputError where windows have too few masks.
+std::string occupancy_content(const Experiment& experiment, std::size_t frames) {
+    constexpr std::size_t least = 8; // masks of a window
+    const auto& occupancy = experiment.occupancy;
+    if (frames < least * std::size_t(occupancy.windows)) {
+        throw InputError({experiment.where, "occupancy.windows = " + std::to_string(occupancy.windows) + ", of " + std::to_string(frames) + " masks",
+                          "a window needs " + std::to_string(least) + " masks or more, over a turn or several", "take fewer windows, or more of the film"});
+    }
+    std::string out = " occupancy " + std::to_string(occupancy.windows) + " mirror " + std::to_string(int(occupancy.mirror)) + " at " + format_number(occupancy.mirror_at);
+    for (const double level : occupancy.levels) out += " " + format_number(level);
     return out;
 }
 } // namespace
@@ -162,6 +138,7 @@ ObservationNeeds film_needs(const StudyFile& file, const Experiment& experiment,
     const auto& lens = camera.lens();
     out.content = "film " + experiment.name;
     if (experiment.readout > 0) out.content += " readout " + format_number(experiment.readout);
+    if (experiment.kind == identify::ExperimentKind::occupancy) out.content += occupancy_content(experiment, frames.size());
     for (const auto& name : experiment.see_through) out.content += " through " + name;
     for (const double v : {lens.fx, lens.fy, lens.cx, lens.cy}) out.content += " " + format_number(v);
     for (const double v : lens.distortion) out.content += " " + format_number(v);

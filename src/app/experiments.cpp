@@ -1,6 +1,7 @@
 #include "app/experiments.hpp"
 
 #include "app/compare_films.hpp"
+#include "app/compare_occupancy.hpp"
 #include "app/compare_series.hpp"
 #include "app/compare_sheets.hpp"
 #include "app/run_shear_rates.hpp"
@@ -76,6 +77,8 @@ void compare_with_experiments(const Comm& comm, const StudyFile& file, const stu
         require_frames(run);
         if (experiment->kind == ExperimentKind::piv) {
             compare_with_sheet(comm, file, *experiment, run, folder);
+        } else if (experiment->kind == ExperimentKind::occupancy) {
+            compare_occupancy(comm, file, *experiment, run, folder);
         } else {
             compare_with_film(comm, file, *experiment, run, folder);
         }
@@ -111,7 +114,7 @@ ObservationNeeds scene_needs(const StudyFile& file, const study::StudyScene& sce
 }
 
 std::string describe_observations(const StudyFile& file, const Experiment& experiment) {
-    if (experiment.kind == ExperimentKind::contours) {
+    if (has_masks(experiment.kind)) {
         return file.beside(experiment.masks).string() + ": " + std::to_string(identify::observed_frames(experiment, file.beside(experiment.masks)).size()) + " masks";
     }
     const auto input = input_of(file, file.scene_of(experiment));

@@ -77,7 +77,7 @@ std::vector<FilmFrame> plan_frames(const FilmRequest& request, const RunView& ru
 class Camera {
 public:
     Camera(const FilmRequest& request, const RunView& run, const scene::CameraModel& model)
-        : request_(request), run_(run), model_(model), surface_(Comm::self(), run, {surface_options(run.input)}) {}
+        : request_(request), run_(run), model_(model), surface_(Comm::self(), run, {.options = surface_options(run.input), .images = true}) {}
 
     struct Shot {
         video::Image image;

@@ -2,6 +2,7 @@
 
 #include "base/error.hpp"
 #include "base/text.hpp"
+#include "surface/mirror.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -88,6 +89,17 @@ ScalarField scalar_field(const io::Frame& frame, const std::string& name) {
         {"--field " + name,
          "there is no such field in the frames" + (close ? "; did you mean " + *close + "?" : std::string()),
          "they hold " + join(names, ", "), "output.fields of the scene says what a run writes"});
+}
+
+void add_images(io::Frame& frame, const std::vector<scene::MirrorPlane>& planes) {
+    for (const auto& plane : planes) {
+        surface::add_image(frame.positions, plane.axis, 2 * plane.place);
+        for (auto& column : frame.fields) {
+            auto* reals = std::get_if<std::vector<double>>(&column.values);
+            if (reals && column.components == 3) surface::add_image(*reals, plane.axis, 0);
+            else std::visit([](auto& values) { surface::add_image(values); }, column.values);
+        }
+    }
 }
 
 } // namespace treacle::app

@@ -1,5 +1,6 @@
 #pragma once
 #include "io/frame.hpp"
+#include "scene/scene.hpp"
 
 #include <string>
 #include <vector>
@@ -19,6 +20,9 @@ std::vector<std::string> scalar_names(const io::Frame& frame);
 
 // Throws InputError that lists the names when there is no such one.
 ScalarField scalar_field(const io::Frame& frame, const std::string& name);
+
+// Adds the mirror image of each row, for each plane in turn; `total` stays.
+void add_images(io::Frame& frame, const std::vector<scene::MirrorPlane>& planes);
 
 // A component of a field, and the field's unit in brackets: "velocity_x [m/s]", "role".
 std::string with_unit_of(const std::string& name, const io::FrameColumn& column);

@@ -2,6 +2,7 @@
 
 #include "app/bodies.hpp"
 #include "app/inflow.hpp"
+#include "app/symmetry.hpp"
 #include "app/table_text.hpp"
 #include "base/error.hpp"
 #include "base/text.hpp"
@@ -51,6 +52,24 @@ scene::SolidRegion place_shape(const scene::Shape& shape, const scene::Domain& d
     return part;
 }
 
+// What the shape has on this side of the domain's mirrors.
+scene::Shape cut_at_mirrors(const scene::Shape& shape, const scene::Domain& domain) {
+    if (domain.mirrors().empty()) return shape;
+    scene::Bounds kept{domain.min, domain.max};
+    for (std::size_t k = 0; k < 3; ++k) { // what is farther away is reported in any case
+        const double length = domain.max[k] - domain.min[k];
+        kept.min[k] -= length;
+        kept.max[k] += length;
+    }
+    for (const auto& mirror : domain.mirrors()) {
+        const auto k = mirror.axis;
+        (domain.faces[2 * k].mirror ? kept.min : kept.max)[k] = mirror.place;
+    }
+    auto out = scene::clipped(shape, kept);
+    out.clip = shape.clip;
+    return out;
+}
+
 // Throws InputError for shapes without end.
 Vec3 pivot_of(const scene::Liquid& liquid, const scene::Regions& regions) {
     if (!liquid.sheared()) return {0, 0, 0};
@@ -87,7 +106,7 @@ Geometry build_geometry(const Input& input) {
     for (const auto& liquid : input.scene.liquids) {
         auto& regions = out.liquids.emplace_back();
         for (const auto& shape : liquid.shapes) {
-            regions.push_back(place_shape(shape, domain, "liquids." + liquid.name, out.notes));
+            regions.push_back(place_shape(cut_at_mirrors(shape, domain), domain, "liquids." + liquid.name, out.notes));
         }
         out.pivots.push_back(pivot_of(liquid, regions));
         auto& parts = out.viscosity_regions.emplace_back();
@@ -240,6 +259,7 @@ void validate_geometry(const Input& input, const Geometry& geometry, const Comm&
     check_overlaps(input, geometry, problems);
     check_bodies(input, geometry, problems);
     check_inflow(input, geometry, problems);
+    check_symmetry(input, problems);
     auto counts = estimate_particles(input, geometry);
     counts.liquid += poured_particles(input);
     if (counts.liquid == 0) {

@@ -34,7 +34,7 @@ std::size_t count_frames(const std::filesystem::path& run) {
 // The camera of the scene's first film; the scene's own first without one.
 std::vector<std::string> camera_words(const identify::StudyFile& file, const study::StudyScene& scene) {
     for (const auto& one : file.experiments) {
-        if (one.kind != identify::ExperimentKind::contours || &file.scene_of(one) != &scene || one.camera.empty()) continue;
+        if (!identify::has_masks(one.kind) || &file.scene_of(one) != &scene || one.camera.empty()) continue;
         const auto path = file.beside(one.camera);
         return {"--camera", std::filesystem::exists(path) ? path.string() : one.camera};
     }

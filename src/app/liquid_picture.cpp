@@ -6,7 +6,7 @@ namespace treacle::app {
 
 namespace {
 SurfaceChoice choice_of(const RunView& run, const std::string& field) {
-    SurfaceChoice choice{surface_options(run.input)};
+    SurfaceChoice choice{.options = surface_options(run.input), .images = true};
     if (field != no_field) choice.scalars.push_back(field);
     return choice;
 }

@@ -5,6 +5,7 @@
 #include "base/csv_reader.hpp"
 #include "base/error.hpp"
 #include "rigid/algebra.hpp"
+#include "surface/mirror.hpp"
 
 #include <algorithm>
 
@@ -86,8 +87,9 @@ std::function<double(const Vec3&)> distance_of_seen(const Input& input, const su
         const auto& body = input.scene.bodies[b];
         if (!body.shape.inverted && std::ranges::find(through, body.name) == through.end()) seen.push_back(solids.bodies[b]);
     }
-    return [seen = std::move(seen), none](const Vec3& x) {
+    return [seen = std::move(seen), none, domain = input.scene.domain](const Vec3& point) {
         double least = none;
+        const auto x = surface::folded(point, domain);
         for (const auto& solid : seen) least = std::min(least, solid.distance(x));
         return least;
     };

@@ -30,7 +30,7 @@ struct CandidateStudy {
         const auto found = set_up.like.empty() ? all.begin() : std::ranges::find(all, set_up.like, &identify::Experiment::name);
         if (found == all.end()) throw InputError({set_up.where, "there is no experiment " + set_up.like, "a candidate is like one that was filmed", "give the name of one under `experiments`"});
         if (found->kind == identify::ExperimentKind::contours) return *found;
-        throw InputError({set_up.where, "the experiment " + found->name + " has no masks", "candidates are films", "name another with `like`"});
+        throw InputError({set_up.where, "the experiment " + found->name + " is not compared by its masks frame by frame", "candidates are films", "name another with `like`"});
     }
     identify::StudyFile write(const std::filesystem::path& masks, const char* name) const {
         auto out = file;

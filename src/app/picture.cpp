@@ -11,7 +11,8 @@
 namespace treacle::app {
 
 video::DomainBox domain_box(const scene::Domain& domain) {
-    return {domain.min, domain.max, domain.dimensions};
+    const auto whole = domain.with_images();
+    return {whole.min, whole.max, whole.dimensions};
 }
 
 PictureSize read_picture_size(const std::string& text) {

@@ -41,7 +41,8 @@ DrawnSolids read_solids(const RunView& run, std::size_t frame_index) {
     DrawnSolids points;
     const auto path = run.solids_of(frame_index);
     if (!path) return points;
-    const auto frame = io::read_frame(*path);
+    auto frame = io::read_frame(*path);
+    add_images(frame, run.input.scene.domain.mirrors());
     const auto body = scalar_field(frame, "body").values;
     for (std::size_t i = 0; i < body.size(); ++i) {
         const auto* x = frame.positions.data() + 3 * i;
@@ -150,11 +151,12 @@ private:
     }
 
     video::Image draw_spheres(std::size_t frame_index) const {
-        const auto frame = io::read_frame(job_.run.frame(frame_index));
-        const auto field = scalar_field(frame, request_.field);
+        auto frame = io::read_frame(job_.run.frame(frame_index));
         const auto& scene = job_.run.input.scene;
+        add_images(frame, scene.domain.mirrors());
+        const auto field = scalar_field(frame, request_.field);
         auto picture = scenery();
-        picture.caption = video::caption_of(scene.title, frame.time, static_cast<std::size_t>(frame.size()));
+        picture.caption = video::caption_of(scene.title, frame.time, static_cast<std::size_t>(frame.total));
         auto& liquid = picture.layers.emplace_back();
         liquid.positions = frame.positions;
         liquid.radius = scene.domain.spacing / 2;

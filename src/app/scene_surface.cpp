@@ -2,6 +2,7 @@
 
 #include "app/geometry.hpp"
 #include "base/error.hpp"
+#include "surface/mirror.hpp"
 
 namespace treacle::app {
 
@@ -40,7 +41,8 @@ surface::Domain domain_of(const Input& input, const SurfaceChoice& choice) {
 } // namespace
 
 SceneSurface::SceneSurface(const Comm& comm, const RunView& run, const SurfaceChoice& choice)
-    : comm_(comm), run_(run), scalars_(choice.scalars), mesher_(comm, domain_of(run.input, choice), with_scalars(choice)), moving_(comm, run) {}
+    : comm_(comm), run_(run), scalars_(choice.scalars), mesher_(comm, domain_of(run.input, choice), with_scalars(choice)), moving_(comm, run),
+      images_(choice.images && !run.input.scene.domain.mirrors().empty()) {}
 
 const surface::Mesh& SceneSurface::build(std::size_t frame) {
     const auto path = run_.frame(frame);
@@ -66,7 +68,14 @@ const surface::Mesh& SceneSurface::build(std::size_t frame) {
     for (const auto& name : scalars_) fields_.push_back(scalar_field(rows, name));
     for (const auto& field : fields_) particles.scalars.emplace_back(field.values);
     solids_ = moving_.at(rows.step);
-    return mesher_.build(particles, solids_);
+    const auto& mesh = mesher_.build(particles, solids_);
+    if (!images_) return mesh;
+    drawn_ = mesh;
+    const auto mirrors = run_.input.scene.domain.mirrors();
+    surface::add_images(drawn_, mirrors);
+    add_images(rows_, mirrors);
+    for (std::size_t i = 0; i < scalars_.size(); ++i) fields_[i] = scalar_field(rows_, scalars_[i]);
+    return drawn_;
 }
 
 } // namespace treacle::app

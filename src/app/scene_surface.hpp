@@ -15,6 +15,7 @@ struct SurfaceChoice {
     surface::Options options;              // its scalars are those below
     std::vector<std::string> scalars = {}; // fields that the mesh takes, see scalar_names
     std::optional<std::array<Vec3, 2>> box = {}; // [m] corners of the part that is wanted
+    bool images = false;                   // mesh and rows with the mirror images, for drawing (surface/mirror.hpp)
 };
 
 // The surfaces of a run's liquid, frame by frame, cut at walls and at the solids where these are at the frame's time.
@@ -42,6 +43,8 @@ private:
     io::Frame rows_;
     std::vector<ScalarField> fields_;
     surface::Solids solids_;
+    bool images_ = false;
+    surface::Mesh drawn_;
 };
 
 } // namespace treacle::app

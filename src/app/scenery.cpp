@@ -35,7 +35,7 @@ void require_bodies(const Input& input, const std::vector<std::string>& names, c
 
 video::FilmScenery draw_scenery(const Input& input, const surface::Solids& solids, const scene::CameraModel& camera, const std::vector<std::string>& through) {
     if (input.scene.domain.dimensions != 3) return {};
-    const double far = farthest(input.scene.domain, camera.pose().position());
+    const double far = farthest(input.scene.domain.with_images(), camera.pose().position());
     return video::draw_solids(camera, distance_of_seen(input, solids, far, through), far);
 }
 

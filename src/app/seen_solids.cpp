@@ -2,6 +2,7 @@
 
 #include "base/error.hpp"
 #include "base/text.hpp"
+#include "surface/mirror.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -51,6 +52,13 @@ void set_ball(video::SeenSolid& solid, const scene::Bounds& bounds) {
     solid.radius = 1.001 * std::sqrt(square);
 }
 
+void add_image(scene::Bounds& bounds, const scene::MirrorPlane& mirror) {
+    const auto k = mirror.axis;
+    const double low = 2 * mirror.place - bounds.max[k], high = 2 * mirror.place - bounds.min[k];
+    bounds.min[k] = std::min(bounds.min[k], low);
+    bounds.max[k] = std::max(bounds.max[k], high);
+}
+
 } // namespace
 
 video::SeenSolid seen_liquid(const Input& input, const Geometry& geometry, std::size_t liquid) {
@@ -59,12 +67,15 @@ video::SeenSolid seen_liquid(const Input& input, const Geometry& geometry, std::
     video::SeenSolid out;
     out.name = "liquids." + input.scene.liquids[liquid].name;
     out.distance = [regions = geometry.liquids[liquid], bodies = without_bodies ? geometry.bodies : scene::Regions{}, min = domain.min,
-                    max = domain.max](const Vec3& x) {
+                    max = domain.max, domain](const Vec3& point) {
+        const auto x = surface::folded(point, domain);
         double d = std::max(union_distance(regions, x), box_distance(min, max, x));
         if (!bodies.empty()) d = std::max(d, -union_distance(bodies, x));
         return d;
     };
-    set_ball(out, bounds_within(geometry.liquids[liquid], domain));
+    auto bounds = bounds_within(geometry.liquids[liquid], domain);
+    for (const auto& mirror : domain.mirrors()) add_image(bounds, mirror);
+    set_ball(out, bounds);
     return out;
 }
 

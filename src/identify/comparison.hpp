@@ -9,7 +9,7 @@ namespace treacle::identify {
 // A segment of an observed contour against the simulated one; likewise a component of a measured velocity, or a value of a
 // series, against the simulated one.
 struct SegmentResidual {
-    int frame = 0;         // number of the mask, the field, the row
+    int frame = 0;         // number of the mask, of that in the middle of a window, of the field, the row
     double time = 0;       // [s] of the scene
     double x = 0, y = 0;   // its middle [px]; of the vector in the sheet [m]
     double normal_x = 0, normal_y = 0; // outward; of a velocity the direction of the component in the sheet

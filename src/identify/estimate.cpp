@@ -237,12 +237,16 @@ std::map<std::size_t, std::map<int, int>> frame_order(const EvaluatedRun& run, c
     return order;
 }
 
+// Windows of time are averages, independent of each other but whole: what a turn does it does all around.
+bool is_averaged(const EvaluatedRun& run, const Layout::Row& row) { return run.experiments[row.experiment].kind == ExperimentKind::occupancy; }
+
 // Frames until the displacements left over are no more correlated: from those of segments at like places in the picture.
 int correlation_frames(const EvaluatedRun& run, const Layout& layout, const Vector& left, const std::vector<int>& sector) {
     std::map<std::pair<std::size_t, int>, std::map<int, std::pair<double, int>>> series; // by experiment and sector: sums by frame
     auto order = frame_order(run, layout);
     for (std::size_t i = 0; i < layout.rows.size(); ++i) {
         const auto& row = layout.rows[i];
+        if (is_averaged(run, row)) continue;
         auto& entry = series[{row.experiment, sector[i]}][order[row.experiment][at(run, row).frame]];
         entry.first += left[Eigen::Index(i)];
         ++entry.second;
@@ -263,7 +267,7 @@ int correlation_frames(const EvaluatedRun& run, const Layout& layout, const Vect
     return 200;
 }
 
-// Sixths of the picture around the middle of a frame's contour: parts that share no noise.
+// Sixths of the picture around the middle of a frame's contour: parts that share no noise. One where frames are averages.
 std::vector<int> sectors(const EvaluatedRun& run, const Layout& layout) {
     std::map<std::pair<std::size_t, int>, std::array<double, 3>> sums;
     for (const auto& row : layout.rows) {
@@ -277,6 +281,10 @@ std::vector<int> sectors(const EvaluatedRun& run, const Layout& layout) {
     for (const auto& row : layout.rows) {
         const auto& s = at(run, row);
         const auto& sum = sums[{row.experiment, s.frame}];
+        if (is_averaged(run, row)) {
+            out.push_back(0);
+            continue;
+        }
         const double angle = std::atan2(s.y - sum[1] / sum[2], s.x - sum[0] / sum[2]);
         out.push_back(std::min(5, int((angle + 3.14159265358979) / 1.04719755119660)));
     }
@@ -289,7 +297,7 @@ std::vector<int> blocks_of(const EvaluatedRun& run, const Layout& layout, const 
     std::vector<int> out;
     for (std::size_t i = 0; i < layout.rows.size(); ++i) {
         const auto& row = layout.rows[i];
-        const int part = order[row.experiment][at(run, row).frame] / frames_each;
+        const int part = order[row.experiment][at(run, row).frame] / (is_averaged(run, row) ? 1 : frames_each);
         out.push_back(numbers.try_emplace({row.experiment, part, sector[i]}, int(numbers.size())).first->second);
     }
     return out;

@@ -20,13 +20,18 @@ void Experiment::declare(Declaration& d) {
     d.text("name", name, "Name in reports; by default that of the masks' folder, or piv or series.");
     d.text("scene", scene, "Name of the scene that simulates it; by default the first.");
     d.text("masks", masks, "Folder with masks and their times, by `treacle silhouettes` or `treacle film`; or piv or series.");
+    const bool occupied = d.optional_block(
+        "occupancy", kind == ExperimentKind::occupancy, [this](Declaration& inner) { occupancy.declare(inner); },
+        "Masks are compared by how often each pixel is liquid, over windows of time: for liquid that coils or folds, whose phase and sense of turning tell nothing.");
     const bool sheet = d.optional_block(
         "piv", kind == ExperimentKind::piv, [this](Declaration& inner) { piv.declare(inner); }, "Velocity fields in a sheet of light, in the place of masks.");
     const bool numbers = d.optional_block(
         "series", kind == ExperimentKind::series, [this](Declaration& inner) { series.declare(inner); }, "Numbers over time, in the place of masks: a front's place, a level, a ball's height.");
+    if (occupied) kind = ExperimentKind::occupancy;
     if (sheet) kind = ExperimentKind::piv;
     if (numbers) kind = ExperimentKind::series;
     d.check(int(sheet) + int(numbers) + int(!masks.empty()) == 1, "masks", {"must be given, or piv, or series, and only one of them", "an experiment observes one thing", "write an experiment for each"});
+    d.check(!occupied || !masks.empty(), "occupancy", {"has no effect", "it belongs to masks", "leave it out"});
     d.texts("see_through", see_through, "Bodies of the scene that the camera sees through: [front_wall]. What refracts is not accounted for.");
     d.text("camera", camera, "The camera's file, or the name of a camera of the scene; by default the scene's first.");
     d.number("time_zero", time_zero, unit::time, range_any(), "Time of the masks or fields at which the scene's time is 0: when the flow starts.");
@@ -37,9 +42,9 @@ void Experiment::declare(Declaration& d) {
              "Time from the first to the last row of a rolling shutter, 10 to 30 ms of a phone; rows are compared at their own time, the middle one at that of "
              "the mask. Film a light that blinks at a known rate, and count its bands.");
     d.text("repeats", repeats, "Name of the experiment of which this is another clip: the same set-up, filled and filmed anew. How much clips differ enters the interval.");
-    d.check(readout == 0 || kind == ExperimentKind::contours, "readout", {"has no effect", "it belongs to masks", "leave it out"});
+    d.check(readout == 0 || has_masks(kind), "readout", {"has no effect", "it belongs to masks", "leave it out"});
     d.block("plus_minus", plus_minus, "Standard deviations of what the comparison does not know exactly.");
-    d.check(plus_minus.readout == 0 || kind == ExperimentKind::contours, "plus_minus", {"must not have a readout", "it belongs to masks", "leave it out"});
+    d.check(plus_minus.readout == 0 || has_masks(kind), "plus_minus", {"must not have a readout", "it belongs to masks", "leave it out"});
     if (d.parsing() && name.empty() && (sheet || numbers)) name = sheet ? "piv" : "series";
     if (d.parsing() && name.empty()) {
         const auto end = masks.find_last_not_of('/');

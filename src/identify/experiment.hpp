@@ -1,4 +1,5 @@
 #pragma once
+#include "identify/occupancy.hpp"
 #include "identify/series.hpp"
 #include "identify/sheet.hpp"
 #include "identify/views.hpp"
@@ -28,12 +29,13 @@ struct ViewUncertainty {
     void declare(Declaration& d);
 };
 
-// An observation of a flow beside the scene that simulates it: a film's contours, velocity fields in a sheet, or numbers over time.
+// An observation of a flow beside the scene that simulates it: a film's contours, frame by frame or of how often pixels are liquid, velocity fields in a sheet, or numbers over time.
 struct Experiment {
     std::string name;
     std::string scene;    // name of the study's scene; empty: its first
     ExperimentKind kind = ExperimentKind::contours;
     std::string masks;    // folder of `treacle silhouettes` or `treacle film`, beside the study's file
+    Occupancy occupancy;  // of the masks
     Sheet piv;
     Series series;
     std::vector<std::string> see_through; // names of bodies of clear material: walls of glass

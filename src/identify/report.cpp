@@ -40,6 +40,7 @@ bool only(const StudyFile& file, ExperimentKind kind) { return std::ranges::all_
 // The dissertation's objective of an experiment.
 std::string mismatch_title(const Experiment& one) {
     if (one.kind == ExperimentKind::contours) return "E (6.9) of " + one.name;
+    if (one.kind == ExperimentKind::occupancy) return "E (6.9) of how often pixels are liquid in " + one.name;
     return one.kind == ExperimentKind::piv ? "E (E.1) of " + one.name + " [m2/s2]" : "mean square of " + one.name;
 }
 
@@ -107,7 +108,7 @@ std::vector<std::pair<std::string, double>> shares(const VarianceParts& parts, c
     std::vector<std::pair<std::string, double>> out{{only(file, ExperimentKind::contours) ? "pixels" : only(file, ExperimentKind::piv) ? "vectors" : "scatter", parts.pixels},
                                                     {"time zero", parts.time}};
     if (file.searched > 1) out.emplace_back("range", parts.range);
-    if (any(ExperimentKind::contours)) out.insert(out.end(), {{"contour", parts.contour}, {"camera", parts.camera}});
+    if (any(ExperimentKind::contours) || any(ExperimentKind::occupancy)) out.insert(out.end(), {{"contour", parts.contour}, {"camera", parts.camera}});
     if (any(ExperimentKind::piv)) out.emplace_back("sheet", parts.sheet);
     if (any(ExperimentKind::series)) out.emplace_back("instrument", parts.instrument);
     if (file.has_rungs()) out.insert(out.end(), {{"resolution", parts.resolution}, {"noise", parts.noise}});
@@ -152,7 +153,7 @@ std::string pictures_text(const std::filesystem::path& folder, const StudyFile& 
     for (const auto& experiment : file.experiments) {
         const auto scene = std::size_t(&file.scene_of(experiment) - file.study.scenes.data());
         const auto run = folder_of(best->runs[scene]);
-        const bool film = experiment.kind == ExperimentKind::contours;
+        const bool film = has_masks(experiment.kind);
         if (film) {
             out += "<h2>Film and run: " + experiment.name + "</h2>\n" + film_text(folder, file, experiment, run) + "<p>At the trial that is most alike: grey where both have liquid, blue where only the film has, red where only the run.</p>\n";
         } else if (experiment.kind == ExperimentKind::piv) {
@@ -245,7 +246,7 @@ std::string html(const StudyFile& file, const Identification& identification, co
                std::to_string(estimate.blocks) + " independent blocks.</p>\n";
         for (std::size_t e = 0; e < file.experiments.size(); ++e) {
             const auto& one = file.experiments[e];
-            out += "<p>" + one.name + ": a noise of " + digits(estimate.noise[e], 2) + " " + unit_of(one.kind) + (one.kind == ExperimentKind::contours ? " a segment" : "") + ".</p>\n";
+            out += "<p>" + one.name + ": a noise of " + digits(estimate.noise[e], 2) + " " + unit_of(one.kind) + (has_masks(one.kind) ? " a segment" : "") + ".</p>\n";
             out += svg(misfit_chart(file, estimate, e));
         }
         out += rungs_text(file, identification);
@@ -317,7 +318,7 @@ std::string identifiability(const StudyFile& file, const Identification& identif
     const bool prescribed = std::ranges::all_of(file.experiments, prescribes);
     const std::string unknown = prescribed ? "not identifiable: " : "";
     const std::string why = prescribed ? "; where a body follows a prescribed path slowly, the flow around it does not depend on the viscosity: let it fall freely, or move it faster" : "";
-    const std::string subject = only(file, ExperimentKind::contours) ? "the film does not tell it" : "the measurement does not tell it";
+    const std::string subject = std::ranges::all_of(file.experiments, [](const auto& one) { return has_masks(one.kind); }) ? "the film does not tell it" : "the measurement does not tell it";
     if (low <= parameter.lower && high >= parameter.upper) return "not identifiable: the interval is as wide as the range" + why;
     if (near(parameter.lower)) return unknown + "at the lower end of its range: widen the range, or " + subject + why;
     if (near(parameter.upper)) return unknown + "at the upper end of its range: widen the range, or " + subject + why;
@@ -354,7 +355,7 @@ std::string verdict(const StudyFile& file, const Identification& identification)
         const auto& one = file.experiments[e];
         const double misfit = misfit_of(*identification.estimate, e), usual = usual_noise(one.kind);
         if (misfit <= 1.5 * usual) continue;
-        const std::string what = one.kind == ExperimentKind::contours ? "the video: the contours differ" : one.kind == ExperimentKind::piv ? "the fields: velocities differ" : "the series: values differ";
+        const std::string what = one.kind == ExperimentKind::contours ? "the video: the contours differ" : one.kind == ExperimentKind::occupancy ? "how often pixels are liquid: the contours differ" : one.kind == ExperimentKind::piv ? "the fields: velocities differ" : "the series: values differ";
         out += (out.empty() ? "" : " ") + std::string("The model does not explain ") + what + " by " + digits(misfit, 2) + " " + unit_of(one.kind) +
                " at the best values, where " + digits(usual, 2) + (one.kind == ExperimentKind::contours ? " px are" : " is") + " usual (" + one.name +
                "). The interval holds if what is left over is without a trend in time; look at the frames.";

@@ -8,6 +8,7 @@ namespace treacle::identify {
 namespace {
 std::vector<std::string> segment_columns(ExperimentKind kind) {
     std::vector<std::string> out{"frame", "time [s]", "x [px]", "y [px]", "normal x", "normal y", "points", "displacement [px]"};
+    if (kind == ExperimentKind::occupancy) out.back() = "displacement [noise]";
     if (kind == ExperimentKind::piv) out = {"field", "time [s]", "x [m]", "y [m]", "right", "up", "compared", "difference [noise]"};
     if (kind == ExperimentKind::series) out = {"row", "time [s]", "x", "y", "right", "up", "compared", "difference [noise]"};
     for (const auto& view : view_parameters(kind)) out.push_back(std::string("by ") + view.name);
@@ -56,8 +57,8 @@ void write_residuals(const std::filesystem::path& folder, const std::string& exp
         segments.append(row);
     }
     segments.sync();
-    const bool contours = residuals.kind == ExperimentKind::contours;
-    auto frames = CsvTable::create(frame_file(folder, experiment), contours ? contour_frame_columns : square_columns(residuals.kind));
+    const bool masks = has_masks(residuals.kind);
+    auto frames = CsvTable::create(frame_file(folder, experiment), masks ? contour_frame_columns : square_columns(residuals.kind));
     for (std::size_t i = 0; i < residuals.frames.size(); ++i) {
         const auto& f = residuals.frames[i];
         frames.append(std::vector<double>{double(residuals.observed[i].number), residuals.observed[i].time, double(f.mismatches), double(f.observed),
@@ -80,7 +81,7 @@ RunResiduals read_residuals(const std::filesystem::path& folder, const std::stri
         out.segments.push_back(s);
     }
     const auto frames = read_csv(frame_file(folder, experiment));
-    if (kind == ExperimentKind::contours) {
+    if (has_masks(kind)) {
         read_contour_frames(frames, out);
     } else {
         read_squares(frames, out);

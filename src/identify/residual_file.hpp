@@ -17,7 +17,7 @@ struct FrameSquares {
 struct RunResiduals {
     ExperimentKind kind = ExperimentKind::contours;
     std::vector<SegmentResidual> segments; // by frame
-    std::vector<FrameComparison> frames;   // of contours, without their segments
+    std::vector<FrameComparison> frames;   // of masks, without their segments; of occupancy a window, all its levels
     std::vector<ObservedFrame> observed;   // of those frames
     std::vector<FrameSquares> squares;     // of the other kinds
     double mismatch = 0;                   // mean of (6.9) over the frames; (E.1) [m2/s2] of PIV; mean square of a series

@@ -9,7 +9,7 @@ const std::vector<ViewParameterFacts>& view_parameters(ExperimentKind kind) {
                                                           {"place x [m]", camera},  {"place y [m]", camera},  {"place z [m]", camera}, {"readout [s]", time}};
     static const std::vector<ViewParameterFacts> sheets{{"time zero [s]", time}, {"scale [1]", sheet}, {"shift right [m]", sheet}, {"shift up [m]", sheet}, {"turn [rad]", sheet}};
     static const std::vector<ViewParameterFacts> series{{"time zero [s]", time}, {"offset", instrument}, {"scale [1]", instrument}};
-    return kind == ExperimentKind::contours ? contours : kind == ExperimentKind::piv ? sheets : series;
+    return has_masks(kind) ? contours : kind == ExperimentKind::piv ? sheets : series;
 }
 
 double usual_noise(ExperimentKind kind) { return kind == ExperimentKind::contours ? 0.5 : 1; }

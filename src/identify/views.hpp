@@ -5,10 +5,12 @@
 namespace treacle::identify {
 
 // What an experiment observes.
-enum class ExperimentKind { contours, piv, series };
+enum class ExperimentKind { contours, occupancy, piv, series };
+// Whether it compares masks of a film.
+inline bool has_masks(ExperimentKind kind) { return kind == ExperimentKind::contours || kind == ExperimentKind::occupancy; }
 
 // Parameters of the view: they need no run, and are nuisances with priors. In this order in every list of derivatives.
-// Contours:
+// Contours, those of occupancy too:
 enum ViewParameter { view_time, view_contour, view_focal, view_turn, view_place = view_turn + 3, view_readout = view_place + 3, view_count };
 // A sheet of PIV: time zero, relative scale, shifts and turn in its plane. The first is the time of every kind.
 enum SheetParameter { sheet_time, sheet_scale, sheet_right, sheet_up, sheet_turn, sheet_count };
@@ -27,7 +29,7 @@ struct ViewParameterFacts {
 // view_count at most; derivatives beyond them are 0.
 const std::vector<ViewParameterFacts>& view_parameters(ExperimentKind kind);
 
-// Standard deviation of a residual that is usual, in its unit: half a pixel of a contour; others are in units of their noise.
+// Standard deviation of a residual that is usual, in its unit: half a pixel of a contour; others are in units of their noise, those of occupancy too.
 double usual_noise(ExperimentKind kind);
 
 } // namespace treacle::identify

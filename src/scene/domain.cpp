@@ -28,6 +28,8 @@ void declare_boundaries(Declaration& d, Domain& domain) {
         d.check(!one_sided, face_names[low_periodic ? i + 1 : i],
                 {"must be periodic as " + face_names[low_periodic ? i : i + 1] + " is",
                  "what leaves one side enters at the other", "make both periodic or none"});
+        d.check(!low.mirror || !high.mirror, face_names[i + 1],
+                {"must not be a mirror as " + face_names[i] + " is", "between two mirrors there is no end of images", "leave one of them"});
         const bool plane = i == 4 && domain.dimensions == 2;
         for (const std::size_t face : {i, i + 1}) {
             d.check(!plane || domain.faces[face] == Face{}, face_names[face],
@@ -63,7 +65,53 @@ void check_extent(Declaration& d, const Domain& domain) {
     }
 }
 
+// Leaves the upper half across each axis, whose lower side becomes a mirror.
+void halve(Declaration& d, Domain& domain, const std::vector<std::string>& axes) {
+    for (const auto& name : axes) {
+        const auto k = static_cast<std::size_t>(name[0] - 'x');
+        auto& low = domain.faces[2 * k];
+        const auto& high = domain.faces[2 * k + 1];
+        d.check(k < static_cast<std::size_t>(domain.dimensions), "symmetry", {"must not have z", "a plane scene has none", "remove it"});
+        const bool alike = low == high && low.kind != FaceKind::periodic && !low.mirror;
+        d.check(alike, "symmetry",
+                {"must not have " + name, face_names[2 * k] + " and " + face_names[2 * k + 1] + " are periodic, mirrors, or differ, and the middle between them is no plane of symmetry",
+                 "make the two sides alike, or remove the axis"});
+        if (!d.parsing() || !alike) continue;
+        domain.min[k] += 0.5 * (domain.max[k] - domain.min[k]);
+        low = Face{};
+        low.axis = static_cast<int>(k);
+        low.mirror = true;
+        low.where = high.where;
+    }
+}
+
+void check_mirrors(Declaration& d, const Domain& domain) {
+    for (const auto& mirror : domain.mirrors()) {
+        const std::string axis(1, "xyz"[mirror.axis]);
+        d.check(domain.gravity[mirror.axis] == 0, "gravity",
+                {"must be 0 along " + axis, "the scene is mirrored across it, gravity too", "remove the symmetry in " + axis + ", or the tilt"});
+    }
+}
+
 } // namespace
+
+std::vector<MirrorPlane> Domain::mirrors() const {
+    std::vector<MirrorPlane> out;
+    for (std::size_t i = 0; i < faces.size(); ++i) {
+        if (faces[i].mirror) out.push_back({i / 2, i % 2 == 0 ? min[i / 2] : max[i / 2]});
+    }
+    return out;
+}
+
+Domain Domain::with_images() const {
+    Domain out = *this;
+    for (std::size_t k = 0; k < 3; ++k) {
+        const double length = max[k] - min[k];
+        if (faces[2 * k].mirror) out.min[k] -= length;
+        if (faces[2 * k + 1].mirror) out.max[k] += length;
+    }
+    return out;
+}
 
 void Face::declare(Declaration& d) {
     if (d.parsing()) where = d.place();
@@ -75,6 +123,9 @@ void Face::declare(Declaration& d) {
               "(lost_limit), but for what goes through the part of the side that a box of `outlets` reaches.");
     d.check(kind == FaceKind::open || !outflow, "outflow",
             {"has no effect", "the side is not open", "remove it or write kind: open"});
+    d.boolean("mirror", mirror,
+              "Whether the side is a plane of symmetry: a free-slip wall beyond which films, silhouettes and pictures have the mirror image of the scene. "
+              "See domain.symmetry.");
     d.choice<Slip>(
         "slip", slip,
         {{"free_slip", Slip::free_slip}, {"no_slip", Slip::no_slip}, {"slip_length", Slip::slip_length}},
@@ -103,6 +154,8 @@ void Face::declare(Declaration& d) {
             {"must be > 0 with slip: slip_length", "0 is no_slip", "give a length or write slip: no_slip"});
     d.check(slip == Slip::slip_length || slip_length == 0, "slip_length",
             {"has no effect", "slip is not slip_length", "add slip: slip_length or remove it"});
+    d.check(!mirror || (kind == FaceKind::wall && slip == Slip::free_slip && skin_friction == 0 && velocity == Vec3{0, 0, 0}), "mirror",
+            {"must be false", "a plane of symmetry is a free-slip wall that stays", "remove what else the side has"});
     d.check(kind == FaceKind::wall || slip == Slip::free_slip, "slip",
             {"has no effect", "the side is not a wall", "remove it or write kind: wall"});
 }
@@ -135,7 +188,15 @@ void Domain::declare(Declaration& d) {
     d.block_of(
         "boundaries", [this](Declaration& inside) { declare_boundaries(inside, *this); },
         "The sides of the domain.");
+    // Not kept, as the tilt: min and the boundaries hold it from here on.
+    std::vector<std::string> symmetry;
+    d.texts("symmetry", symmetry,
+            "Axes across which the scene is its own mirror image in the middle of the domain: the upper half alone is run, in half the time, and shapes are "
+            "cut there; films, silhouettes and pictures have the whole. Volumes, forces and tables are of the part that is run.",
+            {"x", "y", "z"});
     check_extent(d, *this);
+    halve(d, *this, symmetry);
+    check_mirrors(d, *this);
 }
 
 } // namespace treacle::scene

@@ -26,14 +26,22 @@ struct Face {
     Vec3 velocity{0, 0, 0};   // [m/s] of the wall, along itself
     int axis = 0;             // across it
     bool outflow = false;     // open: liquid may leave; else what does is lost
+    bool mirror = false;      // a free-slip wall beyond which the mirror image of the scene is drawn
     std::string where;
 
     void declare(Declaration& d);
     // Where it was written does not count.
     bool operator==(const Face& other) const {
         return kind == other.kind && slip == other.slip && slip_length == other.slip_length &&
-               skin_friction == other.skin_friction && velocity == other.velocity && outflow == other.outflow;
+               skin_friction == other.skin_friction && velocity == other.velocity && outflow == other.outflow &&
+               mirror == other.mirror;
     }
+};
+
+// A plane of symmetry across an axis.
+struct MirrorPlane {
+    std::size_t axis = 0;
+    double place = 0; // [m] along it
 };
 
 struct Domain {
@@ -47,6 +55,8 @@ struct Domain {
 
     void declare(Declaration& d);
     bool any_side_moves() const; // along itself
+    std::vector<MirrorPlane> mirrors() const;
+    Domain with_images() const; // its corners with the mirror images
 };
 
 enum class ShearLaw { newtonian, power_law, carreau, cross, herschel_bulkley };

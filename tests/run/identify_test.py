@@ -6,7 +6,9 @@ usage: identify_test.py PROGRAM MPIEXEC
 import json
 import os
 import re
+import shutil
 import signal
+import subprocess
 import sys
 import time
 
@@ -236,6 +238,24 @@ class Identify(Workplace):
             page = file.read()
         return value, low, high, text, page[page.index("<h2>Trials"):]
 
+    def opens_from_disk(self, report):
+        """All that the page shows is beside it; a browser, where there is one, finds nothing missing."""
+        with open(os.path.join(report, "index.html")) as file:
+            page = file.read()
+        self.assertNotIn("http", re.sub(r'xmlns="[^"]*"', "", page))
+        shown = re.findall(r'(?:src|href)="([^"#]+)"', page)
+        self.assertIn("block_rows.png", shown)
+        for name in shown:
+            self.assertTrue(os.path.exists(os.path.join(report, name)), name)
+        browser = shutil.which("chromium")
+        if browser:
+            picture = self.path("report.png")
+            told = subprocess.run([browser, "--headless", "--no-sandbox", "--disable-gpu", "--enable-logging=stderr", "--window-size=1000,3000",
+                                   f"--user-data-dir={self.path('browser')}", f"--screenshot={picture}", f"file://{report}/index.html"],
+                                  capture_output=True, text=True, timeout=120).stderr
+            self.assertNotIn("ERR_FILE_NOT_FOUND", told)
+            self.assertGreater(os.path.getsize(picture), 50000, told)
+
     def ended(self, journal):
         """Numbers of the runs that have an outcome."""
         if not os.path.exists(journal):
@@ -255,6 +275,7 @@ class Identify(Workplace):
         self.assertEqual(sum(name.endswith(".png") for name in report), 7)
         self.assertIn("block_contours.mp4", report)
         self.assertIn("block_rows.png", report)
+        self.opens_from_disk(self.path("one", "report"))
         # Its result makes another scene's liquid the same.
         self.write("other.yaml", OTHER)
         self.treacle("run", "other.yaml", "--material", "one/report/result.yaml:syrup", "--set", "time.end=20 ms", "--out", "other")

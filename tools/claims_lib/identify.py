@@ -5,7 +5,7 @@ import random
 import re
 import statistics
 
-from . import identify_container, identify_piv, identify_real, identify_rheology, identify_templates, identify_trust
+from . import identify_coils, identify_container, identify_piv, identify_real, identify_rheology, identify_templates, identify_trust
 from .run import built, execute, scratch
 from .table import Figure, Table, Unmeasured
 
@@ -155,6 +155,7 @@ def honest(context):
 
 
 identify_container.add_rows(TABLE)
+identify_coils.add_rows(TABLE)
 identify_piv.add_rows(TABLE)
 identify_templates.add_rows(TABLE)
 identify_real.add_rows(TABLE)

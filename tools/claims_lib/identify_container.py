@@ -31,7 +31,7 @@ cameras:
 """
 STUDY = """schema_version: 1
 title: Viscosity from a container with a hole
-scenes: [{{name: container, file: scene.yaml}}]
+scenes: [{{name: container, file: part.yaml}}]
 parameters:
   - {{name: viscosity, key: liquids.liquid.viscosity, range: [{low:.4g} Pa.s, {high:.4g} Pa.s], scale: log}}
 experiments:
@@ -154,6 +154,8 @@ def write_scene(folder, container):
     text = SCENE.format(spacing=f"{container.spacing(container.cells[0])} m", density=container.density, end=container.end, interval=container.interval,
                         width=PICTURE[0], height=PICTURE[1], view=VIEW, **shape)
     (folder / "scene.yaml").write_text(text)
+    # Films are of the whole, and the search runs the part that symmetry leaves.
+    (folder / "part.yaml").write_text(text.replace("  boundaries:", f"  symmetry: {'[x]' if container.plane else '[x, y]'}\n  boundaries:"))
 
 
 def run_at(context, folder, name, container, viscosity, cells, **settings):

@@ -71,6 +71,19 @@ TEST_F(StudyFileTest, WhatDoesNotFitIsRefused) {
               std::string::npos);
 }
 
+TEST_F(StudyFileTest, OccupancyBelongsToMasks) {
+    const auto file = load("experiments:\n  - {masks: m, occupancy: {windows: 6, levels: [0.2, 0.8], mirror: x, mirror_at: 1 cm}}\n");
+    const auto& one = file.experiments.front();
+    EXPECT_EQ(one.kind, ExperimentKind::occupancy);
+    EXPECT_EQ(one.occupancy.windows, 6);
+    EXPECT_EQ(one.occupancy.mirror, MirrorAxis::x);
+    EXPECT_EQ(one.occupancy.mirror_at, 0.01);
+    EXPECT_EQ(load("experiments:\n  - {masks: m}\n").experiments.front().kind, ExperimentKind::contours);
+    EXPECT_NE(refusal("experiments:\n  - {series: {file: f.csv, measurement: front}, occupancy: {windows: 6}}\n").find("belongs to masks"), std::string::npos);
+    EXPECT_NE(refusal("experiments:\n  - {masks: m, occupancy: {levels: [0.5, 0.2]}}\n").find("each higher than the one before"), std::string::npos);
+    EXPECT_NE(refusal("experiments:\n  - {masks: m, occupancy: {windows: 1}}\n").find("windows"), std::string::npos);
+}
+
 TEST_F(StudyFileTest, RungsTakeTheUnitOfTheFirst) {
     const auto file = load("experiments:\n  - {masks: m}\nsearch: {rungs: [8 mm, 0.4 cm]}\n");
     EXPECT_EQ(file.search.rungs, (std::vector<std::string>{"8 mm", "4 mm"}));
