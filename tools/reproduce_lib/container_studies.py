@@ -3,6 +3,7 @@
 import dataclasses
 import math
 import pathlib
+import re
 import shutil
 
 from claims_lib import identify_container as containers
@@ -49,6 +50,11 @@ class Study:
         rows = zip(table["run"], table["viscosity"], spacings, table.text("status"), table["seconds"])
         return [Trial(float(viscosity), float(spacing), objective(folder), float(seconds), folder) for run, viscosity, spacing, status, seconds in rows
                 for folder in [self.folder / name / "runs" / f"{int(run):04d}"] if status == "done"]
+
+    def searched(self, name="out"):
+        """E of the runs that the search asked for, in its order: without those around the answer, of other spacings and for the noise."""
+        rows = re.findall(r"<tr><td>\d+</td><td>search</td><td>(\d+)</td>", (self.folder / name / "report/index.html").read_text())
+        return [objective(self.folder / name / "runs" / f"{int(run):04d}") for run in rows]
 
     def of_rung(self, cells):
         """Trials of one spacing by their viscosity."""

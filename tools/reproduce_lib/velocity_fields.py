@@ -72,6 +72,7 @@ def table_e_1(context, results):
 @entry("figure-E.2", f"Velocities measured, those that are valid, simulated ones and the differences: {FIELDS}", quick=180, shares=STUDIES)
 def figure_e_2(context, results):
     import numpy
+    from matplotlib import patches
 
     folder, found = study(context, results, "plastic")
     table = best_fields(folder)
@@ -88,7 +89,15 @@ def figure_e_2(context, results):
     with results.figure("figure-E.2", columns=4, size=(3.4, 5)) as axes:
         for one, (title, (right, up, a, b)) in zip(axes, panels.items()):
             one.quiver(1e3 * right, 1e3 * up, a, b, numpy.hypot(a, b), cmap="jet", scale=12 * found["speed"], clim=(0, found["speed"]), width=0.006)
+            one.add_patch(patches.Circle(ball_in_sheet(folder, int(number)), 1e3 * piv.PLASTIC.radius, facecolor="none", edgecolor="k"))
             one.set(title=title, xlabel="x in the sheet [mm]", ylabel="height in the sheet [mm]", aspect="equal")
+
+
+def ball_in_sheet(folder, field):
+    """Centre of the plastic ball in the sheet's axes at the time of a field [mm]."""
+    height = Columns(folder / "truth_bodies.csv").at("ball position z", Columns(folder / "fields/times.csv")["time"][field])
+    left, bottom = 0.6 * piv.PLASTIC.radius, 3 * piv.PLASTIC.radius
+    return 1e3 * (3 * piv.PLASTIC.radius - left), 1e3 * (height - bottom)
 
 
 def best_fields(folder):
