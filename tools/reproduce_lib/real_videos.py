@@ -48,7 +48,7 @@ def table_6_2(context, results):
     results.table("table-6.2", ["liquid", "Re", "viscosity [Pa s]", "found [Pa s]", "90 % from", "to", *titles[1:],
                                 *(f"theirs: {title}" for title in titles)], rows)
     results.say("v^: of the front in the film's silhouettes; v: in the run with the found viscosity. Films of runs with the dissertation's viscosities, since its "
-                "videos are not public; its container's size is not known, so speeds compare with each other, not with theirs")
+                "videos are not public; its container's size is not known, so speeds compare with each other, not with theirs. t: mean of a run here, of an iteration there")
     with results.figure("table-6.2") as axes:
         for names, columns, style in (("ours", (8, 9), "o"), ("dissertation", (13, 14), "s")):
             of = [row for row in rows if row[columns[0]] and row[columns[1]]]
@@ -78,9 +78,10 @@ def figure_6_7(context, results):
 def their_search(context, study):
     """E of the runs of section 6.5.5's search, CMA-ES without a logarithm, at the coarsest rung's spacing."""
     name = "their_search"
-    once(study.folder, name, lambda: containers.identify(
-        context, study.folder, "--set", "search.method=dissertation", "--set", "parameters.0.scale=linear", "--set", "search.rungs=[]", "--set", "search.noise_runs=0", "--set",
-        f"search.evaluations={context.pick(MOST_RUNS, 40, 8)}", name=name))
+    keys = {"search.method": "dissertation", "parameters.0.scale": "linear", "search.rungs": "[]", "search.noise_runs": 0,
+            "search.evaluations": context.pick(MOST_RUNS, 40, 8)}
+    words = [word for key, value in keys.items() for word in ("--set", f"{key}={value}")]
+    once(study.folder, name, lambda: containers.identify(context, study.folder, *words, name=name))
     return study.searched(name)
 
 
