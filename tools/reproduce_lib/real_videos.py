@@ -34,7 +34,7 @@ def studies(context, results):
     return [study_of(context, results, one, container(context, one), RANGE) for one in context.pick(LIQUIDS, LIQUIDS, LIQUIDS[-1:])]
 
 
-@entry("table-6.2", f"Viscosities and speeds of the front: {STAND_INS}", quick=480, shares=STUDIES)
+@entry("table-6.2", f"Viscosities and speeds of the front: {STAND_INS}", quick=500, shares=STUDIES)
 def table_6_2(context, results):
     rows = []
     for one in studies(context, results):
@@ -59,7 +59,7 @@ def table_6_2(context, results):
         axes.legend(fontsize=8)
 
 
-@entry("figure-6.6", f"Films, simulations, pressures and speeds: {STAND_INS}", quick=480, shares=STUDIES)
+@entry("figure-6.6", f"Films, simulations, pressures and speeds: {STAND_INS}", quick=500, shares=STUDIES)
 def figure_6_6(context, results):
     done = studies(context, results)
     results.table("figure-6.6", ["liquid", "viscosity [Pa s]", "found [Pa s]"], [[one.liquid.name, one.liquid.viscosity, one.found["value"]] for one in done])
@@ -68,7 +68,7 @@ def figure_6_6(context, results):
                                       for field in ("liquid", "pressure", "speed"))])
 
 
-@entry("figure-6.7", f"Objective over viscosity: {STAND_INS}", quick=480, shares=STUDIES)
+@entry("figure-6.7", f"Objective over viscosity: {STAND_INS}", quick=500, shares=STUDIES)
 def figure_6_7(context, results):
     done = studies(context, results)
     objective_table(results, "figure-6.7", done, "one least value each")
@@ -85,7 +85,7 @@ def their_search(context, study):
     return study.searched(name)
 
 
-@entry("figure-6.8", f"Convergence of the search, and of the dissertation's CMA-ES for two liquids: {STAND_INS}", quick=560, shares=STUDIES)
+@entry("figure-6.8", f"Convergence of the search, and of the dissertation's CMA-ES for two liquids: {STAND_INS}", quick=590, shares=STUDIES)
 def figure_6_8(context, results):
     lines, rows = {}, []
     for one in studies(context, results):

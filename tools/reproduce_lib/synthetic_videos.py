@@ -32,7 +32,7 @@ def reynolds(one):
     return one.liquid.density * one.found["speed"] * one.container.hole / one.liquid.viscosity
 
 
-@entry("table-6.1", f"Viscosities found in synthetic videos of a container with a hole ({IN_PLANE})", quick=420, shares=STUDIES)
+@entry("table-6.1", f"Viscosities found in synthetic videos of a container with a hole ({IN_PLANE})", quick=400, shares=STUDIES)
 def table_6_1(context, results):
     rows, floors = [], []
     for one in studies(context, results):
@@ -55,14 +55,14 @@ def table_6_1(context, results):
         panels[0].legend(fontsize=8)
 
 
-@entry("figure-6.5", f"Objective over viscosity for the synthetic videos of table 6.1 ({IN_PLANE})", quick=420, shares=STUDIES)
+@entry("figure-6.5", f"Objective over viscosity for the synthetic videos of table 6.1 ({IN_PLANE})", quick=400, shares=STUDIES)
 def figure_6_5(context, results):
     done = studies(context, results)
     objective_table(results, "figure-6.5", done, "least close to the true viscosity")
     draw_objectives(results, "figure-6.5", done, "true")
 
 
-@entry("figure-6.12", f"Surfaces, pressures and speeds of the films' runs and of those with the found viscosities ({IN_PLANE})", quick=420, shares=STUDIES)
+@entry("figure-6.12", f"Surfaces, pressures and speeds of the films' runs and of those with the found viscosities ({IN_PLANE})", quick=400, shares=STUDIES)
 def figure_6_12(context, results):
     done = studies(context, results)
     results.table("figure-6.12", ["viscosity [Pa s]", "found [Pa s]", "error [%]", "theirs [%]"],
