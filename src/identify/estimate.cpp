@@ -134,6 +134,8 @@ Fit fit(const Vector& r, const Matrix& g, const Vector& size, const Matrix& info
     for (int round = 0; round < rounds; ++round) {
         out.left = r + g * out.x;
         if (!options.usual_noise) out.noise = robust_scales(out.left, layout, g.leftCols(options.parameters).rowwise().norm(), options.parameters > 1);
+        // What the view explains is no noise: a first fit that takes it for noise would leave the view where it is, and so the noise.
+        if (round == 0) std::ranges::transform(out.noise, out.noise.begin(), [](double noise) { return std::min(noise, 1.0); });
         for (Eigen::Index i = 0; i < r.size(); ++i) {
             const auto e = layout.rows[std::size_t(i)].experiment;
             const double dilution = options.dilution.empty() ? 1 : options.dilution[e];
@@ -344,7 +346,7 @@ std::vector<double> inflation(const Fit& fit, const Matrix& g, const Matrix& cha
 }
 
 // Distance by which the fit takes the view of each experiment from what is known of it: its square, in units of its expectation by
-// the priors. Above 1 the residuals are less independent than their scatter tells: what the model does not explain has pulled at the view.
+// the priors and a standard deviation more. Above 1 the residuals are less independent than their scatter tells: what the model does not explain has pulled at the view.
 std::vector<double> excesses(const Vector& view, const Matrix& information, const EvaluatedRun& run) {
     std::vector<double> out;
     for (std::size_t e = 0; e < run.experiments.size(); ++e) {
@@ -353,7 +355,8 @@ std::vector<double> excesses(const Vector& view, const Matrix& information, cons
         const Vector v = view.segment(first, count);
         constexpr double exact = 1e20; // information on what is held to be known
         const auto free = (information.diagonal().segment(first, count).array() < exact).count();
-        out.push_back(v.dot(information.block(first, first, count, count) * v) / double(std::max<Eigen::Index>(1, free)));
+        const double n = double(std::max<Eigen::Index>(1, free));
+        out.push_back(v.dot(information.block(first, first, count, count) * v) / (n + std::sqrt(2 * n)));
     }
     return out;
 }

@@ -74,6 +74,18 @@ TEST(Estimate, AShiftOfAllContoursIsTakenForOne) {
     EXPECT_GT(std::abs(estimate(film.runs(), prior(1e-4)).point[0] - truth), 5e-3);
 }
 
+// A camera that stands a few standard deviations off is no noise.
+TEST(Estimate, AShiftOfManyPixelsIsNotTakenForNoise) {
+    Film film(1, 0.2, 1, 1, 0);
+    for (const double shift : {-3., -2., 2., 3.}) {
+        film.shift = shift;
+        const auto found = estimate(film.runs(), prior(2));
+        EXPECT_NEAR(found.view[0][view_contour], shift, 0.1);
+        EXPECT_NEAR(found.point[0], truth, 0.02);
+        EXPECT_LT(found.noise[0], 0.3);
+    }
+}
+
 // 90 % intervals hold the truth in about 90 % of films although segments are not independent; independent segments would
 // claim far less: noise is alike over 3 segments and 4 frames, so that 12 of them count as one.
 TEST(Estimate, IntervalsHoldTheTruthThoughPixelsAreNotIndependent) {
