@@ -71,6 +71,11 @@ class Container:
         return self.frames / self.rate
 
     @property
+    def same_spacing(self):
+        """Whether the film's run and those of the finest rung have one spacing."""
+        return self.film_cells == self.cells[-1]
+
+    @property
     def interval(self):
         """Of the run's frames [s], among which are the film's: where these lie halfway, falling liquid would gain 2 mm from the one before."""
         return (0.5 if self.phase else 1) / self.rate
@@ -160,6 +165,12 @@ def run_at(context, folder, name, container, viscosity, cells, **settings):
     execute(context, [built(context, "treacle"), "run", folder / "scene.yaml", "--out", folder / name, *words], timeout=14400)
 
 
+def run_elsewhere(context, folder, name, container, viscosity, cells):
+    """The same with cells, and with them particles, half a spacing elsewhere: what numerical noise changes."""
+    side = (0.25 if container.plane else 0.15) * container.scale + container.spacing(cells) / 2
+    run_at(context, folder, name, container, viscosity, cells, **{"domain.min": point(-side, 0) if container.plane else point(-side, -side, 0)})
+
+
 def film(context, folder, container, run="truth", name="film"):
     execute(context, [built(context, "treacle"), "film", folder / run, "--out", folder / name, "--rate", container.rate, "--lead", LEAD, "--still", STILL,
                       "--phase", container.phase, "--seed", 5])
@@ -190,10 +201,8 @@ def recovered(context, viscosity):
     finest = container.spacing(container.cells[-1])
     with scratch(context, f"container_{viscosity:g}") as folder:
         write_scene(folder, container)
-        side = (0.25 if container.plane else 0.15) + finest / 2  # cells, and with them particles, lie half a spacing elsewhere
-        shifted = point(-side, 0) if container.plane else point(-side, -side, 0)
         run_at(context, folder, "truth", container, viscosity, container.film_cells)
-        run_at(context, folder, "floor", container, viscosity, container.film_cells, **{"domain.min": shifted})
+        run_elsewhere(context, folder, "floor", container, viscosity, container.film_cells)
         film(context, folder, container)
         silhouettes(context, folder)
         write_study(folder, container)

@@ -38,7 +38,7 @@ experiments:
       window: {window}
       noise: {noise}
       {ball}
-search: {{evaluations: 10, tolerance: 0.01, rungs: [{rungs}], noise_runs: 3}}
+search: {{evaluations: {evaluations}, tolerance: 0.01, rungs: [{rungs}], noise_runs: {noise_runs}}}
 """
 
 
@@ -62,14 +62,19 @@ def reynolds(ball):
     return LIQUID_DENSITY * ball.speed * 2 * ball.radius / ball.viscosity
 
 
-def film_spacing(context, ball):
-    """Of the run that the fields come from [m]."""
-    return ball.radius / context.pick(8, 4.5, 3)
+@dataclasses.dataclass(frozen=True)
+class Sizes:
+    """Cells a radius of the run that the fields come from, and of the search's rungs; its runs."""
+
+    film: float
+    rungs: tuple
+    step: float = 0.25  # from vector to vector, in radii
+    evaluations: int = 10
+    noise_runs: int = 3
 
 
-def rungs_of(context, ball):
-    """Spacings of the search [m]."""
-    return [ball.radius / cells for cells in context.pick((3, 4, 5), (2, 2.5, 3), (1.5, 2))]
+def sizes_of(context):
+    return Sizes(4.5, (2, 2.5, 3)) if context.quick else Sizes(8, (3, 4, 5))
 
 
 def interval_of(ball):
@@ -77,34 +82,35 @@ def interval_of(ball):
     return ball.end / 16
 
 
-def write_scene(context, folder, ball):
+def write_scene(folder, ball, sizes):
     a, width = ball.radius, 6 * ball.radius
     path = f"kind: kinematic, velocity: [0, 0, {-ball.speed}]" if ball.speed else f"kind: dynamic, density: {ball.density}"
-    (folder / "scene.yaml").write_text(SCENE.format(spacing=rungs_of(context, ball)[0], motion=path, width=width, height=2 * width, middle=width / 2,
+    (folder / "scene.yaml").write_text(SCENE.format(spacing=a / sizes.rungs[0], motion=path, width=width, height=2 * width, middle=width / 2,
                                                     start=1.5 * width, radius=a, end=ball.end))
 
 
-def run_at(context, folder, name, ball, viscosity, spacing):
-    """A run of the scene in a folder, of a viscosity [Pa s] and a spacing [m]."""
-    execute(context, [built(context, "treacle"), "run", folder / "scene.yaml", "--out", folder / name, "--set", f"domain.spacing={spacing}", "--set",
+def run_at(context, folder, name, ball, viscosity, cells):
+    """A run of the scene in a folder, of a viscosity [Pa s] and of so many cells a radius."""
+    execute(context, [built(context, "treacle"), "run", folder / "scene.yaml", "--out", folder / name, "--set", f"domain.spacing={ball.radius / cells}", "--set",
                       f"output.interval={interval_of(ball) / 2}", "--set", f"liquids.oil.viscosity={viscosity}"], timeout=14400)
 
 
-def measure(context, folder, ball):
+def measure(context, folder, ball, sizes):
     """Fields of the run `truth` in the sheet through the ball's axis; the standard deviation of their noise as text [m/s]."""
     a, interval = ball.radius, interval_of(ball)
     said = execute(context, [built(context, "treacle"), "piv", folder / "truth", "--out", folder / "fields", "--origin", 0.6 * a, 3 * a, 3 * a, "--size", 4.8 * a,
-                             8 * a, "--step", a / 4, "--window", a / 2, "--from", 2.5 * interval, "--to", ball.end, "--interval", interval, "--noise", 0.02,
+                             8 * a, "--step", sizes.step * a, "--window", a / 2, "--from", 2.5 * interval, "--to", ball.end, "--interval", interval, "--noise", 0.02,
                              "--outliers", 0.05, "--track", "ball", "--track-noise", 5e-5, "--seed", 3]).output
     return re.search(r"noise (\S+) m/s", said).group(1)
 
 
-def identify(context, folder, ball, noise):
+def identify(context, folder, ball, sizes, noise):
     """(value, low, high, words, trials) from the fields; noise [m/s] as text."""
     a = ball.radius
     (folder / "study.yaml").write_text(STUDY.format(
         low=ball.viscosity / 20, high=ball.viscosity * 20, left=0.6 * a, middle=3 * a, bottom=3 * a, window=a / 2, noise=noise,
-        ball="ball: fields/track.csv" if ball.speed else "", rungs=", ".join(f"{one:.6g} m" for one in rungs_of(context, ball))))
+        ball="ball: fields/track.csv" if ball.speed else "", rungs=", ".join(f"{a / cells:.6g} m" for cells in sizes.rungs),
+        evaluations=sizes.evaluations, noise_runs=sizes.noise_runs))
     execute(context, [built(context, "treacle"), "identify", folder / "study.yaml", "--out", folder / "out"], timeout=14400)
     text = (folder / "out/report/result.yaml").read_text()
     value = float(re.search(r"value: (\S+)", text).group(1))
@@ -116,9 +122,10 @@ def identify(context, folder, ball, noise):
 def recovered(context, ball):
     """Fields by a finer run, 2 % noise that overlapping windows share, 5 % outliers: (value, low, high, words, trials)."""
     with scratch(context, "piv") as folder:
-        write_scene(context, folder, ball)
-        run_at(context, folder, "truth", ball, ball.viscosity, film_spacing(context, ball))
-        return identify(context, folder, ball, measure(context, folder, ball))
+        sizes = sizes_of(context)
+        write_scene(folder, ball, sizes)
+        run_at(context, folder, "truth", ball, ball.viscosity, sizes.film)
+        return identify(context, folder, ball, sizes, measure(context, folder, ball, sizes))
 
 
 def told(ball, found):

@@ -3,12 +3,13 @@
 import dataclasses
 import math
 import pathlib
+import re
 import shutil
 
 from claims_lib import identify_container as containers
 from claims_lib.run import Columns, RunFolder, read_frame, treacle
 
-from .studies import once, study_folder
+from .studies import drop, once, study_folder
 
 FIELDS = {"liquid": ("none", None), "pressure": ("pressure", "Pa"), "speed": ("speed", "m/s")}  # of pictures: field, unit
 SHOWN = (160, 72, 320, 192)  # left, top, width, height of what pictures show [pixels]
@@ -49,6 +50,11 @@ class Study:
         rows = zip(table["run"], table["viscosity"], spacings, table.text("status"), table["seconds"])
         return [Trial(float(viscosity), float(spacing), objective(folder), float(seconds), folder) for run, viscosity, spacing, status, seconds in rows
                 for folder in [self.folder / name / "runs" / f"{int(run):04d}"] if status == "done"]
+
+    def searched(self, name="out"):
+        """E of the runs that the search asked for, in its order: without those around the answer, of other spacings and for the noise."""
+        rows = re.findall(r"<tr><td>\d+</td><td>search</td><td>(\d+)</td>", (self.folder / name / "report/index.html").read_text())
+        return [objective(self.folder / name / "runs" / f"{int(run):04d}") for run in rows]
 
     def of_rung(self, cells):
         """Trials of one spacing by their viscosity."""
@@ -93,20 +99,24 @@ def measured(context, results, folder, liquid, container, search_range):
     containers.write_study(folder, container, search_range)
     value, low, high = containers.identify(context, folder)
     once(folder, "answer", lambda: containers.run_at(context, folder, "answer", container, value, container.cells[-1]))
+    if container.same_spacing:
+        once(folder, "floor", lambda: containers.run_elsewhere(context, folder, "floor", container, liquid.viscosity, container.film_cells))
     once(folder, "answer_film", lambda: containers.film(context, folder, container, "answer", "answer_film"))
     found = {"value": value, "low": low, "high": high, **numbers(folder, container)}
     draw(context, results, folder, container)
-    for name in ("truth", "answer"):
-        shutil.rmtree(folder / name)
+    for name in ("truth", "answer", "floor"):
+        drop(folder, name)
     return found
 
 
 def numbers(folder, container):
-    """Speed in the hole [m/s], differences of velocity and pressure, speeds of the front in the film and in the run [m/s]."""
-    velocity, pressure = containers.differences(folder / "truth", folder / "answer", container.spacing(container.film_cells))
-    filmed, run = front_speeds(folder, container)
-    return {"speed": speed_in_hole(folder / "truth", container), "velocity": float(velocity), "pressure": float(pressure), "filmed front": filmed,
-            "front of the run": run}
+    """Speed in the hole, speeds of the front [m/s]; of runs of one spacing, relative differences of pressure and velocity (floor: particles elsewhere)."""
+    found = {"speed": speed_in_hole(folder / "truth", container)}
+    for name, run in {"": "answer", " floor": "floor"}.items() if container.same_spacing else ():
+        velocity, pressure = containers.differences(folder / "truth", folder / run, container.spacing(container.film_cells))
+        found |= {f"velocity{name}": float(velocity), f"pressure{name}": float(pressure)}
+    found["filmed front"], found["front of the run"] = front_speeds(folder, container)
+    return found
 
 
 def speed_in_hole(folder, container):

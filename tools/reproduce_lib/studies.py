@@ -10,9 +10,15 @@ def once(folder, name, make):
     """Makes a part of a study, unless it was done before."""
     done = folder / f"{name}.done"
     if not done.exists():
-        shutil.rmtree(folder / name, ignore_errors=True)
+        drop(folder, name)
         make()
         done.touch()
+
+
+def drop(folder, name):
+    """Removes a part, which is made again where it is asked for."""
+    (folder / f"{name}.done").unlink(missing_ok=True)
+    shutil.rmtree(folder / name, ignore_errors=True)
 
 
 def study_folder(context, results, name, inputs, measure):
