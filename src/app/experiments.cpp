@@ -7,6 +7,7 @@
 #include "app/run_shear_rates.hpp"
 #include "base/error.hpp"
 #include "base/text.hpp"
+#include "base/units.hpp"
 #include "io/manifest.hpp"
 
 #include <algorithm>
@@ -91,6 +92,19 @@ void compare_with_experiments(const Comm& comm, const StudyFile& file, const stu
     });
 }
 
+namespace {
+// [s] between times of any order; 0 where all are one.
+double least_gap(std::vector<double> times) {
+    std::ranges::sort(times);
+    double least = 0;
+    for (std::size_t i = 1; i < times.size(); ++i) {
+        const double gap = times[i] - times[i - 1];
+        if (gap > 1e-4 && (least == 0 || gap < least)) least = gap; // clips of one scene may be a rounding apart
+    }
+    return least;
+}
+} // namespace
+
 ObservationNeeds scene_needs(const StudyFile& file, const study::StudyScene& scene) {
     ObservationNeeds out;
     const auto experiments = experiments_of(file, scene);
@@ -109,6 +123,12 @@ ObservationNeeds scene_needs(const StudyFile& file, const study::StudyScene& sce
     if (out.times.empty()) return out; // series alone: no frame is looked at
     // Frames at the observations' own times: surfaces that are moved there by their velocity alone miss what the flow gains in between.
     out.assignments.push_back({"output.interval=0", "the times of what is observed"});
+    // Rungs correct for what falls with the spacing: steps too, which frames and not the flow may have limited, at all rungs by the same.
+    const bool follows = input.scene.time.rule == scene::StepRule::cfl && input.scene.time.step == 0;
+    if (follows && file.has_rungs()) {
+        const auto coarsest = read_quantity(file.search.rungs.front(), unit::length);
+        if (const auto* spacing = std::get_if<double>(&coarsest)) out.step_per_spacing = 0.5 * least_gap(out.times) / *spacing;
+    }
     out.assignments.push_back({"output.times=[" + join(numbers_apart(out.times), ", ") + "]", "the times of what is observed"});
     return out;
 }

@@ -9,6 +9,7 @@ struct ObservationNeeds {
     std::vector<double> times; // [s] of frames
     std::vector<study::Assignment> assignments;
     std::string content;
+    double step_per_spacing = 0; // [s/m] largest step of a run over its spacing; 0: none
 };
 
 // The least time between observations in their order [s]; 0 for one.

@@ -51,6 +51,7 @@ StudyScenes::StudyScenes(const identify::StudyFile& file) {
         auto needs = scene_needs(file, scene);
         auto& known = needs_[file.study.scene_file(scene)];
         known.content += needs.content;
+        known.step_per_spacing = std::max(known.step_per_spacing, needs.step_per_spacing);
         known.assignments.insert(known.assignments.end(), needs.assignments.begin(), needs.assignments.end());
     }
 }
@@ -65,6 +66,10 @@ InputSource StudyScenes::source(const std::filesystem::path& scene, const std::v
     auto out = source_of(scene, assignments);
     if (const auto needs = needs_.find(scene); needs != needs_.end()) {
         for (const auto& one : needs->second.assignments) out.changes.push_back({one.text, one.origin});
+        if (needs->second.step_per_spacing > 0) {
+            const double step = needs->second.step_per_spacing * load_scene(source_of(scene, assignments)).scene.domain.spacing;
+            out.changes.push_back({"time.step=" + format_number(step), "a share of the time between observations"});
+        }
     }
     return out;
 }
