@@ -11,11 +11,12 @@
 namespace treacle::search {
 
 namespace {
-constexpr std::array orders{0.5, 0.75, 1.0, 1.25, 1.5}; // free surfaces are of first order
+constexpr std::array orders{0.5, 0.75, 1.0, 1.25, 1.5, 1.75, 2.0};
 constexpr std::array sizes{0.003, 0.01, 0.03, 0.1, 0.3, 1.0}; // of the coarsest rung's error
 constexpr std::array noise_factors{0.5, 0.71, 1.0, 1.41, 2.0, 2.83, 4.0};
-constexpr double order_deviation = 0.25; // of orders around 1, before the rungs are seen
-constexpr double impurity = 0.15;    // of a power of the spacing, relative
+constexpr double usual_order = 1.1, order_deviation = 0.3; // before the rungs are seen: free surfaces are of first order, what else there is of second
+constexpr double impurity = 0.1;    // of a power of the spacing, relative
+constexpr double noise_order = 1.5;  // in spacing
 constexpr int passes = 3;            // of the slope that the impurity is a part of
 constexpr double least_noise = 1e-5; // of values that are given without
 
@@ -47,7 +48,7 @@ void judge(std::span<const Rung> rungs, Model& model) {
         double ones = 0, one_x = 0, xx = 0, one_y = 0, xy = 0, yy = 0, determinant = 0;
         for (const Rung& rung : rungs) {
             const double h = rung.spacing / coarsest, x = std::pow(h, model.order), y = rung.value - rungs.front().value;
-            const double own = std::pow(model.noise * h, 2) / rung.runs + std::pow(impurity * slope * x, 2);
+            const double own = std::pow(model.noise * std::pow(h, noise_order), 2) / rung.runs + std::pow(impurity * slope * x, 2);
             ones += 1 / own;
             one_x += x / own;
             xx += x * x / own;
@@ -75,7 +76,7 @@ std::vector<Model> models_of(std::span<const Rung> rungs, const RungNoise& noise
             for (const double factor : noise_factors) {
                 Model model{order, size, std::max(least_noise, factor * noise.deviation), 0, 0, 0};
                 judge(rungs, model);
-                model.evidence += noise_evidence(factor, std::max(1, noise.freedom)) - 0.5 * std::pow((order - 1) / order_deviation, 2);
+                model.evidence += noise_evidence(factor, std::max(1, noise.freedom)) - 0.5 * std::pow((order - usual_order) / order_deviation, 2);
                 out.push_back(model);
             }
         }
@@ -110,7 +111,7 @@ Extrapolation extrapolate(std::span<const Rung> given, const RungNoise& noise) {
     }
     out.value = rungs.front().value + out.correction;
     out.deviation = std::sqrt(std::max(0.0, square - out.correction * out.correction));
-    out.noise = noise.deviation > 0 ? std::min(out.deviation, std::sqrt(noises / rungs.front().runs) * finest) : 0;
+    out.noise = noise.deviation > 0 ? std::min(out.deviation, std::sqrt(noises / rungs.front().runs) * std::pow(finest, noise_order)) : 0;
     out.text = text_of(out, std::sqrt(std::max(0.0, orders_square - out.order * out.order)), rungs.size());
     return out;
 }
