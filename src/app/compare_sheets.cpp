@@ -141,7 +141,7 @@ ObservationNeeds sheet_needs(const StudyFile& file, const Experiment& experiment
     if (s.ball.motion == BallMotion::free) return out;
     const auto origin = s.where + ": ball.track";
     for (const char* key : {"kind=kinematic", "density=0", "mass=0", "velocity=[0, 0, 0]", "angular_velocity=[0, 0, 0]", "locked=[]"}) out.assignments.push_back({"bodies." + body.name + "." + key, origin});
-    out.assignments.push_back(path_assignment(experiment, ball, body.name, input.scene.time.end, least_interval(sheet.fields)));
+    out.assignments.push_back(path_assignment(experiment, ball, body.name, input.scene.time.end, least_interval(sheet.fields, [](const auto& field) { return field.time; })));
     return out;
 }
 

@@ -92,25 +92,13 @@ void compare_with_experiments(const Comm& comm, const StudyFile& file, const stu
     });
 }
 
-namespace {
-// [s] between times of any order; 0 where all are one.
-double least_gap(std::vector<double> times) {
-    std::ranges::sort(times);
-    double least = 0;
-    for (std::size_t i = 1; i < times.size(); ++i) {
-        const double gap = times[i] - times[i - 1];
-        if (gap > 1e-4 && (least == 0 || gap < least)) least = gap; // clips of one scene may be a rounding apart
-    }
-    return least;
-}
-} // namespace
-
 ObservationNeeds scene_needs(const StudyFile& file, const study::StudyScene& scene) {
     ObservationNeeds out;
     const auto experiments = experiments_of(file, scene);
     if (experiments.empty()) return out;
     const auto input = input_of(file, scene);
     std::string content;
+    double interval = 0; // [s] the least between observations of one experiment: those of others may be a moment apart
     for (const auto* experiment : experiments) {
         const auto one = experiment->kind == ExperimentKind::piv      ? sheet_needs(file, *experiment, input)
                          : experiment->kind == ExperimentKind::series ? series_needs(file, *experiment, input)
@@ -118,6 +106,8 @@ ObservationNeeds scene_needs(const StudyFile& file, const study::StudyScene& sce
         content += one.content;
         out.assignments.insert(out.assignments.end(), one.assignments.begin(), one.assignments.end());
         out.times.insert(out.times.end(), one.times.begin(), one.times.end());
+        const double own = least_interval(one.times, std::identity{});
+        if (own > 0) interval = interval > 0 ? std::min(interval, own) : own;
     }
     out.content = io::text_hash(content);
     if (out.times.empty()) return out; // series alone: no frame is looked at
@@ -127,7 +117,7 @@ ObservationNeeds scene_needs(const StudyFile& file, const study::StudyScene& sce
     const bool follows = input.scene.time.rule == scene::StepRule::cfl && input.scene.time.step == 0;
     if (follows && file.has_rungs()) {
         const auto coarsest = read_quantity(file.search.rungs.front(), unit::length);
-        if (const auto* spacing = std::get_if<double>(&coarsest)) out.step_per_spacing = 0.5 * least_gap(out.times) / *spacing;
+        if (const auto* spacing = std::get_if<double>(&coarsest)) out.step_per_spacing = 0.5 * interval / *spacing;
     }
     out.assignments.push_back({"output.times=[" + join(numbers_apart(out.times), ", ") + "]", "the times of what is observed"});
     return out;

@@ -52,7 +52,7 @@ scene::SolidRegion place_shape(const scene::Shape& shape, const scene::Domain& d
     return part;
 }
 
-// What the shape has on this side of the domain's mirrors.
+// Part of the shape on this side of the domain's mirrors.
 scene::Shape cut_at_mirrors(const scene::Shape& shape, const scene::Domain& domain) {
     if (domain.mirrors().empty()) return shape;
     scene::Bounds kept{domain.min, domain.max};

@@ -34,7 +34,7 @@ struct Group {
     double distance(const Vec3& x) const { return regions[nearest(x)].distance(x); }
 };
 
-// Where the distances from the shapes differ most between a point and its image.
+// Point at which the distance from the shapes differs most from that at its image.
 struct Unevenness {
     double difference = 0; // [m]
     Vec3 at{};

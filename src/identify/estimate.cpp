@@ -134,7 +134,7 @@ Fit fit(const Vector& r, const Matrix& g, const Vector& size, const Matrix& info
     for (int round = 0; round < rounds; ++round) {
         out.left = r + g * out.x;
         if (!options.usual_noise) out.noise = robust_scales(out.left, layout, g.leftCols(options.parameters).rowwise().norm(), options.parameters > 1);
-        // What the view explains is no noise: a first fit that takes it for noise would leave the view where it is, and so the noise.
+        // Residuals that the view explains are no noise: a first fit that takes it for noise would leave the view where it is, and so the noise.
         if (round == 0) std::ranges::transform(out.noise, out.noise.begin(), [](double noise) { return std::min(noise, 1.0); });
         for (Eigen::Index i = 0; i < r.size(); ++i) {
             const auto e = layout.rows[std::size_t(i)].experiment;
