@@ -156,6 +156,7 @@ std::string pictures_text(const std::filesystem::path& folder, const StudyFile& 
                           const std::function<std::filesystem::path(std::int64_t)>& folder_of, const std::optional<Trial>& at_curve) {
     const auto* best = at_curve ? trial_at_answer(file, identification) : best_trial(identification);
     if (!best) return "";
+    const std::string shown = at_curve ? "At the trial of the finest spacing that is most alike: " : "At the trial that is most alike: ";
     std::string out;
     for (const auto& experiment : file.experiments) {
         const auto scene = std::size_t(&file.scene_of(experiment) - file.study.scenes.data());
@@ -163,9 +164,9 @@ std::string pictures_text(const std::filesystem::path& folder, const StudyFile& 
         const bool film = has_masks(experiment.kind);
         if (film) {
             out += "<h2>Film and run: " + experiment.name + "</h2>\n" + film_text(folder, file, experiment, {masks_of(run, experiment), at_curve ? masks_of(folder_of(at_curve->runs[scene]), experiment) : std::filesystem::path()}) +
-                   "<p>At the trial that is most alike: grey where both have liquid, blue where only the film has, red where only the run.</p>\n";
+                   "<p>" + shown + "grey where both have liquid, blue where only the film has, red where only the run.</p>\n";
         } else if (experiment.kind == ExperimentKind::piv) {
-            out += "<h2>Fields: " + experiment.name + "</h2>\n<p>At the trial that is most alike: measured, simulated, and the difference, five times as long.</p>\n";
+            out += "<h2>Fields: " + experiment.name + "</h2>\n<p>" + shown + "measured, simulated, and the difference, five times as long.</p>\n";
         }
         for (const auto& picture : film ? write_pictures(folder, file, experiment, run) : write_field_pictures(folder, experiment, run)) {
             out += "<figure><img src=\"" + picture.file + "\" alt=\"" + picture.caption + "\"><figcaption>" + picture.caption + "</figcaption></figure>\n";

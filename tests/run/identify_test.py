@@ -159,6 +159,19 @@ class Next(Workplace):
         again = self.treacle("next", "study.yaml", "--out", "out", "--rates", 1, 30)
         self.assertEqual(re.findall(r"with .*", again.stdout), re.findall(r"with .*", done.stdout))
 
+        # A rheometer's curve takes the place of both parameters, and of the law of the scene.
+        self.treacle("identify", "study.yaml", "--out", "out")
+        with open(self.path("curve.csv"), "w") as file:
+            file.write("shear rate [1/s],viscosity [Pa.s]\n" + "".join(f"{rate},{2 / rate + 9 * rate ** -0.4}\n" for rate in (0.1, 1, 3, 10, 30, 100, 300)))
+        told = self.treacle("identify", "study.yaml", "--out", "out", "--compare-curve", "curve.csv").stdout
+        self.assertRegex(told, r"\(measured curve\)  K 9\.?0* Pa s at 1/s, n 0\.6, yield stress 2 Pa  objective [0-9.]+")
+        with open(self.path("out", "journal.jsonl")) as file:
+            last = [line for line in map(json.loads, file) if "asked" in line][-1]
+        with open(self.path("out", "runs", f"{last['asked']:04d}", "run", "effective.yaml")) as file:
+            text = file.read()
+        for line in ("viscosity: 9(.0+[0-9]*)? Pa s", "law: herschel_bulkley", "exponent: 0.6(0+[0-9]*)?", "yield_stress: (2(.0+[0-9]*)?|1.99+[0-9]*) Pa"):
+            self.assertRegex(text, rf"(?m)^ +{line}$")
+
     def test_a_study_without_candidates_is_told_how_to_list_them(self):
         with open(self.path("study.yaml"), "w") as file:
             file.write(TWO.replace(TWO[TWO.index("candidates:"):TWO.index("search:")], ""))
