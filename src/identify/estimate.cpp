@@ -396,6 +396,18 @@ Matrix covariance_of(const Matrix& changes, const Fit& fit, const Matrix& inform
     return moves.transpose() * moves + by_priors * information * by_priors.transpose();
 }
 
+// Standard deviation of each parameter if every point had the noise of its segment, independent of its neighbours, and the view were known.
+std::vector<double> naive_deviations(const EvaluatedRun& run, const Layout& layout, const Matrix& gradient, const std::vector<double>& noise) {
+    Vector information = Vector::Zero(gradient.cols());
+    for (std::size_t i = 0; i < layout.rows.size(); ++i) {
+        const double scale = noise[layout.rows[i].experiment];
+        information += at(run, layout.rows[i]).points / (scale * scale) * gradient.row(Eigen::Index(i)).cwiseAbs2().transpose();
+    }
+    std::vector<double> out;
+    for (const double one : information) out.push_back(1 / std::sqrt(one));
+    return out;
+}
+
 const EvaluatedRun& least_of(const std::vector<EvaluatedRun>& runs, const std::vector<ViewInformation>& priors) {
     std::vector<double> objectives;
     for (const auto& run : runs) objectives.push_back(residual_objective(run, priors));
@@ -527,6 +539,7 @@ Estimate estimate(const std::vector<EvaluatedRun>& runs, const std::vector<ViewI
         const auto squares = changes.col(k).array().square();
         out.freedom.push_back(std::max(1.0, squares.sum() * squares.sum() / std::max(1e-300, squares.square().sum()) - 1));
     }
+    out.naive = naive_deviations(*best, layout, model.gradient, result.noise);
     for (std::size_t e = 0; e < priors.size(); ++e) out.view.push_back(result.x.segment(p + Eigen::Index(e) * view_count, view_count));
     for (std::size_t e = 0; e < layout.experiments; ++e) out.noise.push_back(result.noise[e] * usual_noise(best->experiments[e].kind));
     out.runs = model.runs;

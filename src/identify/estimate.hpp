@@ -51,6 +51,7 @@ struct Estimate {
     Eigen::VectorXd point;      // [p]
     std::vector<VarianceParts> parts; // [p] of its variance
     Eigen::MatrixXd covariance; // [p][p] of pixels, views and ranges
+    std::vector<double> naive; // [p] standard deviation if points of the contour were independent and the view known: far too small, to compare with
     std::vector<double> freedom; // [p] degrees of freedom of the part of the pixels: few where few blocks tell it
     std::vector<Eigen::VectorXd> view; // per experiment [view_count]: what the fit takes them for, less what was stated
     std::vector<double> noise;  // per experiment: standard deviation of a segment's residual in its unit, robust

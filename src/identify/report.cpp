@@ -282,6 +282,7 @@ std::string yaml(const StudyFile& file, const Identification& identification) {
                "\n    identifiability: \"" + identifiability(file, identification, k) +
                "\"\n    interval_90: [" + parameter.word(identification.low[k]) + ", " + parameter.word(identification.high[k]) + "]\n    deviations:\n";
         for (const auto& [name, part] : shares(parts, file)) out += "      " + name + ": " + format_number(std::sqrt(part)) + "\n";
+        out += "    if_pixels_were_independent: " + format_number(identification.estimate->naive[k]) + "\n";
     }
     if (identification.estimate) {
         out += "misfits:\n";
