@@ -4,6 +4,7 @@
 #include "base/text.hpp"
 #include "identify/directions.hpp"
 #include "identify/profile.hpp"
+#include "identify/report_drift.hpp"
 #include "identify/report_fields.hpp"
 #include "identify/report_film.hpp"
 #include "identify/report_pictures.hpp"
@@ -249,7 +250,7 @@ std::string html(const StudyFile& file, const Identification& identification, co
             out += "<p>" + one.name + ": a noise of " + digits(estimate.noise[e], 2) + " " + unit_of(one.kind) + (has_masks(one.kind) ? " a segment" : "") + ".</p>\n";
             out += svg(misfit_chart(file, estimate, e));
         }
-        out += rungs_text(file, identification);
+        out += drift_html(file, identification) + rungs_text(file, identification);
     }
     out += pictures + "<h2>The search</h2>\n" + svg(objective_chart(file, identification, {}));
     for (std::size_t e = 0; e < file.experiments.size(); ++e) out += svg(objective_chart(file, identification, e));
@@ -290,6 +291,7 @@ std::string yaml(const StudyFile& file, const Identification& identification) {
             out += "  - {name: " + file.experiments[e].name + ", " + unit_of(file.experiments[e].kind) + ": " + format_number(misfit_of(*identification.estimate, e)) + "}\n";
         }
     }
+    out += drift_yaml(file, identification);
     if (file.temperature.stated()) out += "temperature: " + file.temperature.value + "\ntemperature_plus_minus: " + file.temperature.plus_minus + "\n";
     out += "trials: " + std::to_string(identification.trials.size()) + "\n";
     if (!identification.problem.empty()) out += "problem: \"" + identification.problem + "\"\n";

@@ -29,7 +29,7 @@ domain:
   max: [0.32, 0.12, 0.084]
   spacing: 6 mm
   symmetry: [y]
-  boundaries: {z_min: {slip: no_slip}, x_max: open, y_max: open, z_max: open}
+  boundaries: {z_min: {slip: no_slip}, x_max: open, y_min: open, y_max: open, z_max: open}
 liquids:
   - {name: syrup, density: 1400, viscosity: 10 Pa.s, shapes: [{box: {min: [0, -0.02, 0], max: [0.07, 0.02, 0.07]}}]}
 method: grid
