@@ -7,6 +7,7 @@
 #include "app/identified_liquids.hpp"
 #include "base/log.hpp"
 #include "identify/report.hpp"
+#include "identify/report_drift.hpp"
 
 #include <map>
 
@@ -70,6 +71,7 @@ ExitCode identify_study(const IdentifyRequest& request) {
     for (const auto& note : identify::notes(file)) log.line(note);
     const auto said = identify::verdict(file, found);
     if (!said.empty()) log.warn(said);
+    for (const auto& line : identify::drift_lines(file, found)) log.warn(line);
     log.line("report: " + (folder / "report" / "index.html").string());
     return found.estimate ? ExitCode::ok : ExitCode::simulation_failed;
 }

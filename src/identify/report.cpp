@@ -4,6 +4,7 @@
 #include "base/text.hpp"
 #include "identify/directions.hpp"
 #include "identify/profile.hpp"
+#include "identify/report_drift.hpp"
 #include "identify/report_fields.hpp"
 #include "identify/report_film.hpp"
 #include "identify/report_pictures.hpp"
@@ -274,7 +275,7 @@ std::string html(const StudyFile& file, const Identification& identification, co
             out += "<p>" + one.name + ": a noise of " + digits(estimate.noise[e], 2) + " " + misfit_unit(one.kind) + (has_masks(one.kind) ? " a segment" : "") + ".</p>\n";
             out += svg(misfit_chart(file, estimate, e));
         }
-        out += rungs_text(file, identification);
+        out += drift_html(file, identification) + rungs_text(file, identification);
     }
     out += pictures + "<h2>The search</h2>\n" + svg(objective_chart(file, identification, {}));
     for (std::size_t e = 0; e < file.experiments.size(); ++e) out += svg(objective_chart(file, identification, e));
@@ -299,6 +300,7 @@ std::string yaml(const StudyFile& file, const Identification& identification) {
                "\n    identifiability: \"" + identifiability(file, identification, k) +
                "\"\n    interval_90: [" + parameter.word(identification.low[k]) + ", " + parameter.word(identification.high[k]) + "]\n    deviations:\n";
         for (const auto& [name, part] : shares(parts, file)) out += "      " + name + ": " + format_number(std::sqrt(part)) + "\n";
+        out += "    if_pixels_were_independent: " + format_number(identification.estimate->naive[k]) + "\n";
     }
     if (identification.estimate) {
         out += "misfits:\n";
@@ -306,6 +308,7 @@ std::string yaml(const StudyFile& file, const Identification& identification) {
             out += "  - {name: " + file.experiments[e].name + ", " + misfit_unit(file.experiments[e].kind) + ": " + format_number(misfit_of(*identification.estimate, e)) + "}\n";
         }
     }
+    out += drift_yaml(file, identification);
     if (file.temperature.stated()) out += "temperature: " + file.temperature.value + "\ntemperature_plus_minus: " + file.temperature.plus_minus + "\n";
     out += "trials: " + std::to_string(identification.trials.size()) + "\n";
     if (!identification.problem.empty()) out += "problem: \"" + identification.problem + "\"\n";
