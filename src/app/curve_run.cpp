@@ -67,6 +67,17 @@ void tell(const identify::ComparedCurve& compared, const identify::Identificatio
 }
 } // namespace
 
+MeasuredCurve read_measured_curve(const std::string& argument, const identify::StudyFile& file) {
+    const auto sign = argument.find('=');
+    if (sign == std::string::npos || std::filesystem::exists(argument)) return {"", identify::read_flow_curve(argument)};
+    MeasuredCurve out{argument.substr(0, sign), identify::read_flow_curve(argument.substr(sign + 1))};
+    const auto liquids = searched_liquids(file);
+    if (std::ranges::find(liquids, out.liquid) != liquids.end()) return out;
+    const auto close = nearest(out.liquid, liquids);
+    throw InputError({"--compare-curve " + argument, "no key of a liquid " + out.liquid + " is searched", liquids.empty() ? "the study searches no liquid's" : "the study searches those of " + join(liquids, ", "),
+                      close ? "did you mean " + *close + "?" : "name one of these"});
+}
+
 std::vector<std::string> keys_of_law(const identify::CurveFit& law, const std::string& liquid, const scene::Rheology& rheology) {
     const bool yields = rheology.law == scene::ShearLaw::herschel_bulkley, powers = yields || rheology.law == scene::ShearLaw::power_law;
     std::string block = "law: herschel_bulkley, exponent: " + six_digits(law.exponent) + ", yield_stress: " + six_digits(law.yield_stress) + " Pa";
@@ -75,17 +86,19 @@ std::vector<std::string> keys_of_law(const identify::CurveFit& law, const std::s
     return {"liquids." + liquid + ".viscosity=" + six_digits(law.consistency) + " Pa.s", "liquids." + liquid + ".rheology={" + block + "}"};
 }
 
-identify::ComparedCurve run_at_curve(const identify::StudyFile& file, const identify::Priors& priors, const identify::ViscositiesByRate& measured, study::StudyRuns& runs,
+identify::ComparedCurve run_at_curve(const identify::StudyFile& file, const identify::Priors& priors, const MeasuredCurve& measured, study::StudyRuns& runs,
                                      const study::SceneReader& read_scene, identify::Identification& found, Log& log) {
     identify::ComparedCurve out;
-    const auto liquids = rheological_liquids(file);
+    auto liquids = rheological_liquids(file);
+    std::erase_if(liquids, [&](const auto& name) { return !measured.is_of(name); });
     if (liquids.size() != 1) {
-        out.problem = liquids.empty() ? "no viscosity of a liquid was identified" : "a table is of one liquid, and the study identifies " + join(liquids, ", ");
+        out.problem = liquids.empty() ? "no viscosity of the liquid was identified"
+                                      : "the study identifies " + join(liquids, ", ") + ", and it is not said which of them was measured: --compare-curve " + liquids.front() + "=FILE.csv";
         return out;
     }
     out.liquid = liquids.front();
     const auto* answer = identify::trial_at_answer(file, found);
-    out.fit = fit_over_flow(measured, *answer, runs);
+    out.fit = fit_over_flow(measured.curve, *answer, runs);
     if (!out.fit->is_close()) {
         out.problem = "no law of Herschel and Bulkley is near to the curve";
         return out;

@@ -53,7 +53,7 @@ Eigen::MatrixXd flow_curve_slopes(const identify::StudyFile& file, const std::ve
 }
 
 std::vector<identify::FlowCurveBand> flow_curve_bands(const identify::StudyFile& file, const identify::Identification& identification,
-                                                      const std::function<std::filesystem::path(std::int64_t)>& folder_of, const std::optional<identify::ViscositiesByRate>& measured) {
+                                                      const std::function<std::filesystem::path(std::int64_t)>& folder_of, const std::optional<MeasuredCurve>& measured) {
     std::vector<identify::FlowCurveBand> out;
     if (!identification.estimate) return out;
     identify::ShearRates flow;
@@ -65,7 +65,7 @@ std::vector<identify::FlowCurveBand> flow_curve_bands(const identify::StudyFile&
         if (!curve || !((*curve)(1) > 0)) continue;
         out.push_back(band_of(file, identification, liquid, *curve));
         out.back().flow = flow;
-        out.back().measured = measured;
+        if (measured && measured->is_of(liquid)) out.back().measured = measured->curve;
     }
     return out;
 }

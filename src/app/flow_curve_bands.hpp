@@ -1,6 +1,5 @@
 #pragma once
-#include "identify/flow_curve_band.hpp"
-#include "identify/identification.hpp"
+#include "app/curve_run.hpp"
 
 #include <functional>
 
@@ -14,6 +13,6 @@ Eigen::MatrixXd flow_curve_slopes(const identify::StudyFile& file, const std::ve
 // covariance, linear in the logarithm of the viscosity; shear rates are those of the runs at the best trial, which lie in the
 // folders that `folder_of` tells. `measured`: by a rheometer. Throws InputError.
 std::vector<identify::FlowCurveBand> flow_curve_bands(const identify::StudyFile& file, const identify::Identification& identification,
-                                                      const std::function<std::filesystem::path(std::int64_t)>& folder_of, const std::optional<identify::ViscositiesByRate>& measured);
+                                                      const std::function<std::filesystem::path(std::int64_t)>& folder_of, const std::optional<MeasuredCurve>& measured);
 
 } // namespace treacle::app

@@ -1,6 +1,5 @@
 #include "app/identify.hpp"
 
-#include "app/curve_run.hpp"
 #include "app/experiments.hpp"
 #include "app/flow_curve_bands.hpp"
 #include "app/hidden_fields.hpp"
@@ -23,9 +22,9 @@ void require_experiments(const identify::StudyFile& file) {
 
 IdentifiedStudy identified_study(const IdentifyRequest& request) {
     IdentifiedStudy out;
-    if (!request.compared_curve.empty()) out.measured = identify::read_flow_curve(request.compared_curve);
     out.file = load_checked_study(request.study, request.overrides);
     auto& file = out.file;
+    if (!request.compared_curve.empty()) out.measured = read_measured_curve(request.compared_curve, file);
     if (request.quick) file.make_quick();
     require_experiments(file);
     const StudyScenes scenes(file);

@@ -1,11 +1,11 @@
 #pragma once
+#include "app/curve_run.hpp"
 #include "app/sweep.hpp"
-#include "identify/compared_curve.hpp"
 
 namespace treacle::app {
 
 struct IdentifyRequest : SweepRequest {
-    std::filesystem::path compared_curve; // a rheometer's table; empty: none
+    std::string compared_curve; // a rheometer's table, as read_measured_curve takes it; empty: none
     bool hidden = false; // draws pressure and speed, see hidden_fields.hpp
     bool quick = false; // see StudyFile::make_quick
 };
@@ -14,7 +14,7 @@ struct IdentifyRequest : SweepRequest {
 struct IdentifiedStudy {
     identify::StudyFile file;
     identify::Identification answer;
-    std::optional<identify::ViscositiesByRate> measured; // by a rheometer, where the request has a table
+    std::optional<MeasuredCurve> measured; // where the request has a table
     std::optional<identify::ComparedCurve> compared;     // with it, where there is an answer
     std::filesystem::path folder; // of the study's results
     std::function<std::filesystem::path(std::int64_t)> folder_of; // of a run

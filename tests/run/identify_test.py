@@ -345,6 +345,7 @@ class Identify(Workplace):
         self.assertGreater(at_curve, 2 * at_answer) # three times the film's viscosity
         self.assertGreater(rows(), 1.3 * height)
         self.assertIn("(measured curve)", said)
+        self.assertIn("did you mean syrup?", self.treacle("identify", "study.yaml", "--out", out, "--compare-curve", "sirup=curve.csv", code=2).stderr)
         self.assertIn("the run at the measured curve is", said)
         self.assertEqual(compared()[1:], (block, count), "done once")
         with open(self.path(out, "table.csv")) as file:
