@@ -77,19 +77,23 @@ std::vector<double> naive_deviations(const EvaluatedRun& run, const Layout& layo
     return out;
 }
 
-// Root mean square residual left over by frame of each experiment.
-void tell_misfit(Estimate& out, const EvaluatedRun& run, const Layout& layout, const Vector& left_over) {
-    std::map<std::pair<std::size_t, int>, std::array<double, 3>> frames;
+// By experiment and frame: squares of what is left over in the experiment's unit, weighted by the points of the segments; these points; the time [s].
+std::map<std::pair<std::size_t, int>, std::array<double, 3>> squares_by_frame(const EvaluatedRun& run, const Layout& layout, const Vector& left) {
+    std::map<std::pair<std::size_t, int>, std::array<double, 3>> out;
     for (std::size_t i = 0; i < layout.rows.size(); ++i) {
         const auto& row = layout.rows[i];
         const auto& s = at(run, row);
-        auto& sum = frames[{row.experiment, s.frame}];
-        const double left = left_over[Eigen::Index(i)] * row.usual;
-        sum[0] += s.points * left * left;
+        auto& sum = out[{row.experiment, s.frame}];
+        sum[0] += s.points * std::pow(left[Eigen::Index(i)] * row.usual, 2);
         sum[1] += s.points;
         sum[2] = s.time;
     }
-    for (const auto& [key, sum] : frames) {
+    return out;
+}
+
+// Root mean square residual left over by frame of each experiment.
+void tell_misfit(Estimate& out, const EvaluatedRun& run, const Layout& layout, const Vector& left_over) {
+    for (const auto& [key, sum] : squares_by_frame(run, layout, left_over)) {
         out.misfit.push_back(std::sqrt(sum[0] / sum[1]));
         out.times.push_back(sum[2]);
         out.misfit_of.push_back(key.first);
@@ -102,6 +106,8 @@ const EvaluatedRun& least_of(const std::vector<EvaluatedRun>& runs, const std::v
     return runs[std::size_t(std::ranges::min_element(objectives) - objectives.begin())];
 }
 } // namespace
+
+const char* misfit_unit(ExperimentKind kind) { return kind == ExperimentKind::contours ? "px" : "noises"; }
 
 double residual_objective(const EvaluatedRun& run, const std::vector<ViewInformation>& priors, double bend) {
     const auto layout = layout_of(run, {}, {});
@@ -133,6 +139,19 @@ std::vector<double> search_residuals(const EvaluatedRun& run, const std::vector<
     }
     const Vector away = information.llt().matrixU() * best.x;
     out.insert(out.end(), away.data(), away.data() + away.size());
+    return out;
+}
+
+std::vector<double> misfits_of_run(const EvaluatedRun& run, const std::vector<ViewInformation>& priors, double bend) {
+    std::vector<double> squares(run.experiments.size(), 0.0), frames(run.experiments.size(), 0.0), out;
+    const auto layout = layout_of(run, {}, {});
+    if (layout.rows.empty()) return std::vector<double>(run.experiments.size(), std::nan(""));
+    const auto best = fit(displacements(run, layout), view_matrix(run, layout), sizes(run, layout), prior_matrix(priors, 0), layout, {true, bend, {}, 0});
+    for (const auto& [key, sum] : squares_by_frame(run, layout, best.left)) {
+        squares[key.first] += sum[0] / sum[1];
+        frames[key.first] += 1;
+    }
+    for (std::size_t e = 0; e < squares.size(); ++e) out.push_back(frames[e] > 0 ? std::sqrt(squares[e] / frames[e]) : std::nan(""));
     return out;
 }
 

@@ -32,6 +32,13 @@ double residual_objective(const EvaluatedRun& run, const std::vector<ViewInforma
 // in units of their usual noise (not a number where there is none), and what that view is away from its priors.
 std::vector<double> search_residuals(const EvaluatedRun& run, const std::vector<ViewInformation>& priors, double bend = 3);
 
+// Unit of the misfits of an experiment: "px" of contours, "noises" of the measurement of all others.
+const char* misfit_unit(ExperimentKind kind);
+
+// Root mean square residual of each experiment over its frames, at the view that suits the run best, in misfit_unit; not a number where
+// the run has nothing to compare.
+std::vector<double> misfits_of_run(const EvaluatedRun& run, const std::vector<ViewInformation>& priors, double bend = 3);
+
 // Parts of the variance of the logarithm of a parameter.
 struct VarianceParts {
     double pixels = 0; // scatter of the residuals

@@ -161,17 +161,11 @@ private:
     }
     std::optional<EvaluatedRun> evaluate(Trial& trial, const search::Point& point) const {
         trial.objective = none;
-        EvaluatedRun run;
-        run.point = Eigen::Map<const Eigen::VectorXd>(point.data(), Eigen::Index(point.size()));
-        for (const auto& experiment : file_.experiments) {
-            const auto scene = std::size_t(&file_.scene_of(experiment) - file_.study.scenes.data());
-            const auto number = trial.runs[scene];
-            const auto* outcome = runs_.journal().outcome(number);
-            if (!outcome || outcome->status != study::RunStatus::done) return {};
-            run.experiments.push_back(read_residuals(outcome->folder.empty() ? runs_.run_folder(number) : std::filesystem::path(outcome->folder), experiment.name, experiment.kind));
-        }
-        trial.objective = residual_objective(run, priors_);
-        for (const auto& one : run.experiments) trial.mismatches.push_back(one.mismatch);
+        auto run = evaluated_runs(file_, runs_, trial.runs);
+        if (!run) return {};
+        run->point = Eigen::Map<const Eigen::VectorXd>(point.data(), Eigen::Index(point.size()));
+        trial.objective = residual_objective(*run, priors_);
+        for (const auto& one : run->experiments) trial.mismatches.push_back(one.mismatch);
         return run;
     }
     void tell(const Trial& trial) const {
@@ -477,6 +471,28 @@ const Trial* best_trial(const Identification& identification) {
         if (!std::isnan(trial.objective) && (!best || trial.objective < best->objective)) best = &trial;
     }
     return best;
+}
+
+const Trial* trial_at_answer(const StudyFile& file, const Identification& identification) {
+    if (!file.has_rungs()) return best_trial(identification);
+    const auto& spacing = file.study.parameters.back();
+    const double finest = *spacing.number(spacing.values.back());
+    const Trial* best = nullptr;
+    for (const auto& trial : identification.trials) {
+        if (!std::isnan(trial.objective) && trial.values.back() == finest && (!best || trial.objective < best->objective)) best = &trial;
+    }
+    return best ? best : best_trial(identification);
+}
+
+std::optional<EvaluatedRun> evaluated_runs(const StudyFile& file, const study::StudyRuns& runs, const std::vector<std::int64_t>& numbers) {
+    EvaluatedRun out;
+    for (const auto& experiment : file.experiments) {
+        const auto number = numbers[std::size_t(&file.scene_of(experiment) - file.study.scenes.data())];
+        const auto* outcome = runs.journal().outcome(number);
+        if (!outcome || outcome->status != study::RunStatus::done) return {};
+        out.experiments.push_back(read_residuals(outcome->folder.empty() ? runs.run_folder(number) : std::filesystem::path(outcome->folder), experiment.name, experiment.kind));
+    }
+    return out;
 }
 
 ViewInformation sheet_information(const ViewUncertainty& uncertainty) {

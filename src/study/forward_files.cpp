@@ -20,7 +20,7 @@ using Json = nlohmann::ordered_json;
 struct RequestFile {
     int schema_version = 1, number = 0;
     std::string study, scene, key;
-    std::vector<std::string> parameters, values, overrides;
+    std::vector<std::string> parameters, values, changes, overrides;
 
     void declare(Declaration& d) {
         d.integer("schema_version", schema_version, range_between(1, 1), "Version of the layout of this file.");
@@ -32,6 +32,7 @@ struct RequestFile {
         d.text("key", key, "Hash of all that the result depends on, when the run was asked for.");
         d.texts("parameters", parameters, "Names of the study's parameters.");
         d.texts("values", values, "Value of each, as it stands in the scene.");
+        d.texts("changes", changes, "Keys of the scene that this run sets after the parameters.");
         d.texts("set", overrides, "Keys of the study that were overridden, as for --set.");
         d.check(parameters.size() == values.size(), "values", {"must be as many as the parameters", "", "give one for each"});
     }
@@ -75,6 +76,7 @@ void write_request(const std::filesystem::path& folder, const ForwardRequest& re
     file.key = request.run.key;
     file.parameters = request.parameters;
     file.values = request.run.values;
+    file.changes = request.run.changes;
     file.overrides = request.overrides;
     write_file_atomically(folder / "params.in", dakota_parameters(request), durability);
     write_file_atomically(folder / "params.yaml", effective(file), durability);
@@ -88,7 +90,7 @@ ForwardRequest read_request(const std::filesystem::path& folder) {
     }
     RequestFile file;
     parse(Document::load(path), file);
-    return {file.study, {file.number, file.scene, file.values, file.key}, file.parameters, file.overrides};
+    return {file.study, {file.number, file.scene, file.values, file.key, file.changes}, file.parameters, file.overrides};
 }
 
 void write_result(const std::filesystem::path& folder, const ForwardResult& result) {

@@ -99,7 +99,7 @@ std::filesystem::path StudyRuns::run_folder(std::int64_t number) const { return 
 std::int64_t StudyRuns::ask(const Candidate& candidate) {
     simulated_end_ = candidate.end;
     const auto* known = journal_.find(candidate.key);
-    const auto number = known ? known->number : journal_.ask(candidate.scene, candidate.values, candidate.key).number;
+    const auto number = known ? known->number : journal_.ask(candidate.scene, candidate.values, candidate.key, candidate.changes).number;
     work_[number] = candidate.work;
     return number;
 }
