@@ -389,6 +389,10 @@ std::vector<std::string> notes(const StudyFile& file) {
         out.push_back("Observed once: " + join(once, ", ") + ". Filled and filmed anew, the answer would be another by what differs from one time to the next (how the liquid "
                       "is let go, what it did before, its temperature), which one clip does not tell: the interval lacks it. Three clips tell it; name the first of them under `repeats`.");
     }
+    if (std::ranges::any_of(file.study.parameters, [](const auto& one) { return one.key.ends_with(".surface_tension"); })) {
+        out.push_back("Runs have the surface tension, but no angle at which the liquid meets walls: edges that wetting drives or holds, thinner than the capillary length, "
+                      "may move otherwise.");
+    }
     const bool falls = std::ranges::any_of(file.experiments, [](const auto& one) { return one.kind == ExperimentKind::piv && !prescribes(one); });
     if (!falls) return out;
     std::string note = "Where a body falls freely, the viscosity that is found is proportional to its density less that of the liquid, and to the square of its size";
