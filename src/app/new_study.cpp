@@ -72,7 +72,7 @@ std::vector<FormLine> form_of(const std::string& study) {
 
 // Unit of which a value of a template's form is.
 const Unit& unit_of(const std::string& value) {
-    for (const auto* unit : {&unit::length, &unit::density, &unit::angle, &unit::velocity}) {
+    for (const auto* unit : {&unit::length, &unit::density, &unit::angle, &unit::velocity, &unit::surface_tension}) {
         if (std::holds_alternative<double>(read_quantity(value, *unit))) return *unit;
     }
     return unit::none;
