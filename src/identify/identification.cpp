@@ -13,8 +13,10 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <functional>
 #include <limits>
 #include <memory>
+#include <numeric>
 
 namespace treacle::identify {
 
@@ -67,7 +69,7 @@ std::unique_ptr<search::Search> search_of(const StudyFile& file) {
         throw InputError({file.study.path.string(), "search.method = bracketing, for " + std::to_string(axes.size()) + " parameters", "it brackets one",
                           "write search: gauss_newton"});
     }
-    if (file.search.method == Method::gauss_newton || automatic) {
+    if (file.search.method == Method::gauss_newton || (automatic && file.search.objective == Objective::displacements)) {
         search::GaussNewtonOptions options;
         options.limits = limits;
         return std::make_unique<search::GaussNewton>(axes, options);
@@ -87,15 +89,28 @@ struct Variation {
 
 using Wanted = std::vector<std::pair<search::Point, Variation>>;
 
+// The search's objective of a trial whose runs are whole.
+double sought(const StudyFile& file, const Trial& trial) {
+    if (file.search.objective == Objective::displacements || trial.mismatches.empty()) return trial.objective;
+    return std::accumulate(trial.mismatches.begin(), trial.mismatches.end(), 0.0) / double(trial.mismatches.size());
+}
+
+search::Value value_for_search(const StudyFile& file, const Trial& trial) {
+    if (trial.bound) return search::Value::at_least(*trial.bound);
+    return std::isnan(trial.objective) ? search::Value::failed() : search::Value::measured(sought(file, trial));
+}
+
 // Runs candidates and keeps what came of them.
 class Trials {
 public:
     Trials(const StudyFile& file, const Priors& priors, study::StudyRuns& runs, const study::SceneReader& read_scene, Log& log, Identification& out)
         : file_(file), priors_(priors), runs_(runs), read_scene_(read_scene), log_(log), out_(out) {}
 
-    // Of each point and its variation: nothing where a run failed. Throws Stopped when asked to stop.
+    // Of each point and its variation: nothing where a run failed or stopped early. Runs may do that where the search's objective of the k-th
+    // point is above cut(k), infinite where it may not. Throws Stopped when asked to stop.
     struct Stopped {};
-    std::vector<std::optional<EvaluatedRun>> run(Wanted wanted) {
+    using Cuts = std::function<double(std::size_t)>;
+    std::vector<std::optional<EvaluatedRun>> run(Wanted wanted, const Cuts& cut = {}) {
         std::vector<std::int64_t> numbers;
         std::vector<Trial> fresh;
         for (auto& [point, variation] : wanted) {
@@ -103,7 +118,8 @@ public:
             auto& trial = fresh.emplace_back();
             trial.purpose = variation.purpose;
             trial.values = values_at(point, variation);
-            for (const auto& candidate : candidates_at(trial.values)) {
+            for (auto& candidate : candidates_at(trial.values)) {
+                if (cut) candidate.cut = cut(fresh.size() - 1) * double(file_.experiments.size()); // a mean over films: the others add to it
                 trial.runs.push_back(runs_.ask(candidate));
                 numbers.push_back(trial.runs.back());
             }
@@ -163,21 +179,45 @@ private:
         trial.objective = none;
         EvaluatedRun run;
         run.point = Eigen::Map<const Eigen::VectorXd>(point.data(), Eigen::Index(point.size()));
+        if (stopped_early(trial)) return {};
         for (const auto& experiment : file_.experiments) {
             const auto scene = std::size_t(&file_.scene_of(experiment) - file_.study.scenes.data());
             const auto number = trial.runs[scene];
             const auto* outcome = runs_.journal().outcome(number);
             if (!outcome || outcome->status != study::RunStatus::done) return {};
-            run.experiments.push_back(read_residuals(outcome->folder.empty() ? runs_.run_folder(number) : std::filesystem::path(outcome->folder), experiment.name, experiment.kind));
+            run.experiments.push_back(residuals(number, *outcome, experiment));
         }
         trial.objective = residual_objective(run, priors_);
         for (const auto& one : run.experiments) trial.mismatches.push_back(one.mismatch);
         return run;
     }
+    // Gives a trial its bound when one of its runs stopped early, and none failed: bounds and values of its scenes add up.
+    bool stopped_early(Trial& trial) const {
+        double sum = 0;
+        bool any = false;
+        for (std::size_t s = 0; s < trial.runs.size(); ++s) {
+            const auto* outcome = runs_.journal().outcome(trial.runs[s]);
+            if (!outcome || study::is_failure(outcome->status)) return false;
+            if (outcome->status == study::RunStatus::stopped_early) {
+                any = true;
+                sum += outcome->bound;
+                continue;
+            }
+            for (const auto& experiment : file_.experiments) {
+                if (&file_.scene_of(experiment) == &file_.study.scenes[s]) sum += residuals(trial.runs[s], *outcome, experiment).mismatch;
+            }
+        }
+        if (any) trial.bound = sum / double(file_.experiments.size());
+        return any;
+    }
+    RunResiduals residuals(std::int64_t number, const study::RunOutcome& outcome, const Experiment& experiment) const {
+        return read_residuals(outcome.folder.empty() ? runs_.run_folder(number) : std::filesystem::path(outcome.folder), experiment.name, experiment.kind);
+    }
     void tell(const Trial& trial) const {
         std::string line = "trial " + std::to_string(out_.trials.size() + 1) + " (" + trial.purpose + ")";
         for (std::size_t k = 0; k < trial.values.size(); ++k) line += "  " + file_.study.parameters[k].name + " " + short_word(file_.study.parameters[k], trial.values[k]);
-        log_.line(line + (std::isnan(trial.objective) ? "  failed" : "  objective " + short_number(trial.objective)));
+        const std::string what = file_.search.objective == Objective::mismatch ? "  E " : "  objective ";
+        log_.line(line + (trial.bound ? what + ">= " + short_number(*trial.bound) + ", stopped early" : std::isnan(trial.objective) ? "  failed" : what + short_number(sought(file_, trial))));
     }
     static std::string short_number(double value) {
         char text[32];
@@ -451,11 +491,12 @@ void search_and_estimate(const StudyFile& file, const Priors& priors, Trials& tr
         for (const auto& point : search->ask()) wanted.push_back({point, {}});
         trials.offer(expected_runs(file, priors, trials, *search));
         const auto before = out.trials.size();
-        const auto evaluated = trials.run(wanted);
-        if (search->uses_residuals()) search->tell_residuals(residuals_of(evaluated, priors));
+        const auto cut = [&](std::size_t k) { return search->cut(k); };
+        const auto evaluated = trials.run(wanted, file.search.stops_early() ? Trials::Cuts(cut) : Trials::Cuts());
+        if (search->uses_residuals() && file.search.objective == Objective::displacements) search->tell_residuals(residuals_of(evaluated, priors));
         std::vector<search::Value> values;
         for (std::size_t i = before; i < out.trials.size(); ++i) {
-            values.push_back(std::isnan(out.trials[i].objective) ? search::Value::failed() : search::Value::measured(out.trials[i].objective));
+            values.push_back(value_for_search(file, out.trials[i]));
         }
         search->tell(values);
     }

@@ -37,6 +37,7 @@ struct Candidate {
     std::string key;
     double end = 0;  // [s] of simulated time
     double work = 0; // as in SceneFacts
+    double cut = no_cut; // it may stop early once its objective is above
 };
 // Throws InputError when the scene refuses the values.
 Candidate candidate_of(const Study& study, const StudyScene& scene, const Point& values, const SceneReader& read_scene);
