@@ -38,7 +38,7 @@ void read_asked(const std::filesystem::path& folder, Asked& out) {
     out.scene = &*scene;
     const StudyScenes scenes(out.file);
     const auto path = study.scene_file(*scene);
-    const auto assignments = study::assignments_of(study, *scene, out.request.run.values);
+    const auto assignments = study::assignments_of(study, *scene, out.request.run.values, out.request.run.changes);
     out.source = scenes.source(path, assignments);
     const auto key = study::run_key(scenes.read(path, assignments), study.runs.ranks, study::program_identity());
     if (out.request.run.key.empty()) out.request.run.key = key;

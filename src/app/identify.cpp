@@ -1,14 +1,15 @@
 #include "app/identify.hpp"
 
+#include "app/curve_run.hpp"
 #include "app/experiments.hpp"
 #include "app/flow_curve_bands.hpp"
 #include "app/hidden_fields.hpp"
 #include "app/identified_liquids.hpp"
 #include "base/log.hpp"
 #include "identify/report.hpp"
+#include "identify/report_drift.hpp"
 
 #include <map>
-#include <numeric>
 
 namespace treacle::app {
 
@@ -22,6 +23,7 @@ void require_experiments(const identify::StudyFile& file) {
 
 IdentifiedStudy identified_study(const IdentifyRequest& request) {
     IdentifiedStudy out;
+    if (!request.compared_curve.empty()) out.measured = identify::read_flow_curve(request.compared_curve);
     out.file = load_checked_study(request.study, request.overrides);
     auto& file = out.file;
     if (request.quick) file.make_quick();
@@ -34,26 +36,25 @@ IdentifiedStudy identified_study(const IdentifyRequest& request) {
     study::check_launcher(file.study);
     study::StudyRuns runs(file.study, {out.folder, this_program(), {}}, log);
     out.answer = identify::identify(file, priors, runs, scenes.reader(), log);
-    std::vector<std::int64_t> all(runs.journal().runs().size());
-    std::iota(all.begin(), all.end(), std::int64_t{1});
-    write_tables(out.folder, study::table_of(file.study, runs.journal(), all));
+    if (out.measured && out.answer.estimate) out.compared = run_at_curve(file, priors, *out.measured, runs, scenes.reader(), out.answer, log);
+    std::vector<std::int64_t> of_parameters; // runs that the values of the parameters tell whole
     std::map<std::int64_t, std::filesystem::path> folders;
-    for (const auto number : all) {
-        const auto* outcome = runs.journal().outcome(number);
-        folders[number] = outcome && !outcome->folder.empty() ? std::filesystem::path(outcome->folder) : runs.run_folder(number);
+    for (const auto& run : runs.journal().runs()) {
+        const auto* outcome = runs.journal().outcome(run.number);
+        folders[run.number] = outcome && !outcome->folder.empty() ? std::filesystem::path(outcome->folder) : runs.run_folder(run.number);
+        if (run.changes.empty()) of_parameters.push_back(run.number);
     }
+    write_tables(out.folder, study::table_of(file.study, runs.journal(), of_parameters));
     out.folder_of = [folders](std::int64_t number) { return folders.at(number); };
     return out;
 }
 
 ExitCode identify_study(const IdentifyRequest& request) {
-    std::optional<identify::ViscositiesByRate> measured; // read first: bad tables are told before any run
-    if (!request.compared_curve.empty()) measured = identify::read_flow_curve(request.compared_curve);
-    const auto [file, found, folder, folder_of] = identified_study(request);
+    const auto [file, found, measured, compared, folder, folder_of] = identified_study(request);
     if (found.end == study::StudyEnd::stopped) return ExitCode::stopped;
     Log log(Voice::speaks);
     const auto curves = flow_curve_bands(file, found, folder_of, measured);
-    identify::ReportParts parts{curves, identified_materials(file, found, curves), {}};
+    identify::ReportParts parts{curves, identified_materials(file, found, curves), {}, compared};
     if (request.hidden) parts.hidden = draw_hidden_fields(folder / "report", file, found, folder_of, log);
     identify::write_report(folder / "report", file, found, folder_of, parts);
     for (const auto& line : identify::answer_lines(file, found)) log.line(line);
@@ -64,9 +65,13 @@ ExitCode identify_study(const IdentifyRequest& request) {
     for (const auto& curve : curves) {
         for (const auto& line : identify::describe(curve)) log.line(line);
     }
+    if (compared) {
+        for (const auto& line : identify::describe(*compared, file)) log.line(line);
+    }
     for (const auto& note : identify::notes(file)) log.line(note);
     const auto said = identify::verdict(file, found);
     if (!said.empty()) log.warn(said);
+    for (const auto& line : identify::drift_lines(file, found)) log.warn(line);
     log.line("report: " + (folder / "report" / "index.html").string());
     return found.estimate ? ExitCode::ok : ExitCode::simulation_failed;
 }

@@ -1,6 +1,6 @@
 #pragma once
 #include "app/sweep.hpp"
-#include "identify/identification.hpp"
+#include "identify/compared_curve.hpp"
 
 namespace treacle::app {
 
@@ -14,10 +14,13 @@ struct IdentifyRequest : SweepRequest {
 struct IdentifiedStudy {
     identify::StudyFile file;
     identify::Identification answer;
+    std::optional<identify::ViscositiesByRate> measured; // by a rheometer, where the request has a table
+    std::optional<identify::ComparedCurve> compared;     // with it, where there is an answer
     std::filesystem::path folder; // of the study's results
     std::function<std::filesystem::path(std::int64_t)> folder_of; // of a run
 };
-// Does the runs that are lacking and writes their table. Throws InputError.
+// Does the runs that are lacking and writes the table of those that the answer comes from. Throws InputError, for a bad table of a rheometer before
+// any run.
 IdentifiedStudy identified_study(const IdentifyRequest& request);
 
 // `treacle identify` in a process without MPI: searches the parameters with which the study's scenes look like its films,

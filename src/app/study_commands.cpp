@@ -78,7 +78,7 @@ void add_identify(CLI::App& program, const ChooseStudyCommand& choose) {
     app.add_option("study", request->study, "YAML file, or a folder with study.yaml")->required()->type_name("STUDY");
     app.add_option("--out", request->out, "Folder for the results (default: out/NAME)")->type_name("DIR");
     app.add_option("--set", request->overrides, "Override a key of the study: search.evaluations=30. May be given several times.")->allow_extra_args(false);
-    app.add_option("--compare-curve", request->compared_curve, "A rheometer's table with columns \"shear rate [1/s]\" and \"viscosity [Pa.s]\": how far the answer is from it")
+    app.add_option("--compare-curve", request->compared_curve, "A rheometer's table with columns \"shear rate [1/s]\" and \"viscosity [Pa.s]\": how far the answer is from it, and one more run with it beside that at the answer")
         ->type_name("FILE.csv");
     app.add_flag("--hidden", request->hidden, "Draw pressure and speed at the best values into the report; the best run is done again where its frames are gone");
     app.add_flag("--quick", request->quick, "A first answer of some 14 runs: two rungs, and an interval without the measured values' part");

@@ -44,7 +44,7 @@ int merge(Journal& journal, const std::filesystem::path& other_folder) {
         const auto* here = known ? journal.outcome(known->number) : nullptr;
         if (here && here->status == RunStatus::done) continue;
         auto copy = *outcome;
-        copy.number = known ? known->number : journal.ask(run.scene, run.values, run.key).number;
+        copy.number = known ? known->number : journal.ask(run.scene, run.values, run.key, run.changes).number;
         if (copy.folder.empty()) copy.folder = (std::filesystem::absolute(other_folder) / "runs" / study::request_folder(run.number)).lexically_normal().string();
         journal.finish(copy);
         ++taken;

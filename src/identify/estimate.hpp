@@ -32,6 +32,13 @@ double residual_objective(const EvaluatedRun& run, const std::vector<ViewInforma
 // in units of their usual noise (not a number where there is none), and what that view is away from its priors.
 std::vector<double> search_residuals(const EvaluatedRun& run, const std::vector<ViewInformation>& priors, double bend = 3);
 
+// Unit of the misfits of an experiment: "px" of contours, "noises" of the measurement of all others.
+const char* misfit_unit(ExperimentKind kind);
+
+// Root mean square residual of each experiment over its frames, at the view that suits the run best, in misfit_unit; not a number where
+// the run has nothing to compare.
+std::vector<double> misfits_of_run(const EvaluatedRun& run, const std::vector<ViewInformation>& priors, double bend = 3);
+
 // Parts of the variance of the logarithm of a parameter.
 struct VarianceParts {
     double pixels = 0; // scatter of the residuals
@@ -47,10 +54,24 @@ struct VarianceParts {
 // t distribution's, with Welch's and Satterthwaite's degrees for the sum.
 double ninety_percent(const VarianceParts& parts, double freedom);
 
+// The parameter that suits a part of an experiment's frames best, all parts seen by one view.
+struct WindowAnswer {
+    double from = 0, to = 0; // times of its first and last frame [s]
+    double change = 0;       // from the answer of all, of the logarithm of a viscosity
+    double deviation = 0;    // its standard deviation
+};
+
+// How the answer changes over an experiment's frames: a model that explains the film has none.
+struct Drift {
+    std::vector<WindowAnswer> windows; // in the order of time; empty where frames are too few
+    double change = 0, deviation = 0;  // of a straight line through the windows, from the first to the last
+};
+
 struct Estimate {
     Eigen::VectorXd point;      // [p]
     std::vector<VarianceParts> parts; // [p] of its variance
     Eigen::MatrixXd covariance; // [p][p] of pixels, views and ranges
+    std::vector<double> naive; // [p] standard deviation if points of the contour were independent and the view known: far too small, to compare with
     std::vector<double> freedom; // [p] degrees of freedom of the part of the pixels: few where few blocks tell it
     std::vector<Eigen::VectorXd> view; // per experiment [view_count]: what the fit takes them for, less what was stated
     std::vector<double> noise;  // per experiment: standard deviation of a segment's residual in its unit, robust
@@ -59,6 +80,7 @@ struct Estimate {
     std::vector<double> misfit; // by frame of all experiments in turn: root mean square residual left over, in its unit
     std::vector<double> times;  // [s] of those frames
     std::vector<std::size_t> misfit_of; // experiment of those frames
+    std::vector<Drift> drifts;  // per experiment, of a single parameter
     double alike = 0;           // difference of objectives that a likelihood ratio of 90 % allows, segments diluted
     int block_frames = 0;       // frames over which the displacements left over are correlated
     std::size_t blocks = 0;

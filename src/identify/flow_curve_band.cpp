@@ -118,7 +118,10 @@ std::string chart(const FlowCurveBand& band) {
     out.title = "Flow curve: " + band.liquid;
     out.x = {"shear rate [1/s]", study::AxisScale::log};
     out.y = {"viscosity [Pa.s]", study::AxisScale::log};
-    out.series = {{"identified", band.value.rates, band.value.viscosities, true}, {"90 %", band.low.rates, band.low.viscosities, true}, {"", band.high.rates, band.high.viscosities, true}};
+    study::ChartSeries outline{"90 %", band.low.rates, band.low.viscosities, true}; // there along the lower end of the band, and back along the upper one
+    outline.x.insert(outline.x.end(), band.high.rates.rbegin(), band.high.rates.rend());
+    outline.y.insert(outline.y.end(), band.high.viscosities.rbegin(), band.high.viscosities.rend());
+    out.series = {{"identified", band.value.rates, band.value.viscosities, true}, outline};
     if (band.measured) out.series.push_back({"measured", band.measured->rates, band.measured->viscosities, false});
     return svg(out);
 }

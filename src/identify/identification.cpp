@@ -3,6 +3,7 @@
 #include "base/error.hpp"
 #include "base/text.hpp"
 #include "identify/directions.hpp"
+#include "identify/early_stop.hpp"
 #include "identify/profile.hpp"
 #include "identify/repeats.hpp"
 #include "search/bracketing.hpp"
@@ -16,7 +17,6 @@
 #include <functional>
 #include <limits>
 #include <memory>
-#include <numeric>
 
 namespace treacle::identify {
 
@@ -88,17 +88,6 @@ struct Variation {
 };
 
 using Wanted = std::vector<std::pair<search::Point, Variation>>;
-
-// The search's objective of a trial whose runs are whole.
-double sought(const StudyFile& file, const Trial& trial) {
-    if (file.search.objective == Objective::displacements || trial.mismatches.empty()) return trial.objective;
-    return std::accumulate(trial.mismatches.begin(), trial.mismatches.end(), 0.0) / double(trial.mismatches.size());
-}
-
-search::Value value_for_search(const StudyFile& file, const Trial& trial) {
-    if (trial.bound) return search::Value::at_least(*trial.bound);
-    return std::isnan(trial.objective) ? search::Value::failed() : search::Value::measured(sought(file, trial));
-}
 
 // Runs candidates and keeps what came of them.
 class Trials {
@@ -177,41 +166,13 @@ private:
     }
     std::optional<EvaluatedRun> evaluate(Trial& trial, const search::Point& point) const {
         trial.objective = none;
-        EvaluatedRun run;
-        run.point = Eigen::Map<const Eigen::VectorXd>(point.data(), Eigen::Index(point.size()));
-        if (stopped_early(trial)) return {};
-        for (const auto& experiment : file_.experiments) {
-            const auto scene = std::size_t(&file_.scene_of(experiment) - file_.study.scenes.data());
-            const auto number = trial.runs[scene];
-            const auto* outcome = runs_.journal().outcome(number);
-            if (!outcome || outcome->status != study::RunStatus::done) return {};
-            run.experiments.push_back(residuals(number, *outcome, experiment));
-        }
-        trial.objective = residual_objective(run, priors_);
-        for (const auto& one : run.experiments) trial.mismatches.push_back(one.mismatch);
+        trial.bound = bound_of_runs(file_, runs_, trial.runs);
+        auto run = evaluated_runs(file_, runs_, trial.runs);
+        if (!run) return {};
+        run->point = Eigen::Map<const Eigen::VectorXd>(point.data(), Eigen::Index(point.size()));
+        trial.objective = residual_objective(*run, priors_);
+        for (const auto& one : run->experiments) trial.mismatches.push_back(one.mismatch);
         return run;
-    }
-    // Gives a trial its bound when one of its runs stopped early, and none failed: bounds and values of its scenes add up.
-    bool stopped_early(Trial& trial) const {
-        double sum = 0;
-        bool any = false;
-        for (std::size_t s = 0; s < trial.runs.size(); ++s) {
-            const auto* outcome = runs_.journal().outcome(trial.runs[s]);
-            if (!outcome || study::is_failure(outcome->status)) return false;
-            if (outcome->status == study::RunStatus::stopped_early) {
-                any = true;
-                sum += outcome->bound;
-                continue;
-            }
-            for (const auto& experiment : file_.experiments) {
-                if (&file_.scene_of(experiment) == &file_.study.scenes[s]) sum += residuals(trial.runs[s], *outcome, experiment).mismatch;
-            }
-        }
-        if (any) trial.bound = sum / double(file_.experiments.size());
-        return any;
-    }
-    RunResiduals residuals(std::int64_t number, const study::RunOutcome& outcome, const Experiment& experiment) const {
-        return read_residuals(outcome.folder.empty() ? runs_.run_folder(number) : std::filesystem::path(outcome.folder), experiment.name, experiment.kind);
     }
     void tell(const Trial& trial) const {
         std::string line = "trial " + std::to_string(out_.trials.size() + 1) + " (" + trial.purpose + ")";
@@ -518,6 +479,28 @@ const Trial* best_trial(const Identification& identification) {
         if (!std::isnan(trial.objective) && (!best || trial.objective < best->objective)) best = &trial;
     }
     return best;
+}
+
+const Trial* trial_at_answer(const StudyFile& file, const Identification& identification) {
+    if (!file.has_rungs()) return best_trial(identification);
+    const auto& spacing = file.study.parameters.back();
+    const double finest = *spacing.number(spacing.values.back());
+    const Trial* best = nullptr;
+    for (const auto& trial : identification.trials) {
+        if (!std::isnan(trial.objective) && trial.values.back() == finest && (!best || trial.objective < best->objective)) best = &trial;
+    }
+    return best ? best : best_trial(identification);
+}
+
+std::optional<EvaluatedRun> evaluated_runs(const StudyFile& file, const study::StudyRuns& runs, const std::vector<std::int64_t>& numbers) {
+    EvaluatedRun out;
+    for (const auto& experiment : file.experiments) {
+        const auto number = numbers[std::size_t(&file.scene_of(experiment) - file.study.scenes.data())];
+        const auto* outcome = runs.journal().outcome(number);
+        if (!outcome || outcome->status != study::RunStatus::done) return {};
+        out.experiments.push_back(read_residuals(runs.folder_of(number), experiment.name, experiment.kind));
+    }
+    return out;
 }
 
 ViewInformation sheet_information(const ViewUncertainty& uncertainty) {

@@ -44,6 +44,13 @@ RangePrior range_prior(const StudyFile& file);
 // The trial that looks most like the films; null without one.
 const Trial* best_trial(const Identification& identification);
 
+// The trial that looks most like the films of those at the finest spacing of the study; the best trial where none of these has runs.
+const Trial* trial_at_answer(const StudyFile& file, const Identification& identification);
+
+// What the runs of a trial, one a scene of the study, are away from its experiments, without a point; nothing where one has failed.
+// Throws InputError.
+std::optional<EvaluatedRun> evaluated_runs(const StudyFile& file, const study::StudyRuns& runs, const std::vector<std::int64_t>& numbers);
+
 // Information on the view before the films are looked at, per experiment.
 using Priors = std::vector<ViewInformation>;
 ViewInformation information_of(const ViewUncertainty& uncertainty, const std::optional<Eigen::Matrix<double, 6, 6>>& pose, double focal_deviation);

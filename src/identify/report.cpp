@@ -4,6 +4,7 @@
 #include "base/text.hpp"
 #include "identify/directions.hpp"
 #include "identify/profile.hpp"
+#include "identify/report_drift.hpp"
 #include "identify/report_fields.hpp"
 #include "identify/report_film.hpp"
 #include "identify/report_pictures.hpp"
@@ -32,8 +33,6 @@ double misfit_of(const Estimate& estimate, std::size_t experiment) {
     }
     return count > 0 ? std::sqrt(sum / count) : 0;
 }
-
-const char* unit_of(ExperimentKind kind) { return kind == ExperimentKind::contours ? "px" : "noises"; }
 
 bool only(const StudyFile& file, ExperimentKind kind) { return std::ranges::all_of(file.experiments, [&](const auto& one) { return one.kind == kind; }); }
 
@@ -73,7 +72,7 @@ study::Chart misfit_chart(const StudyFile& file, const Estimate& estimate, std::
     study::Chart chart;
     chart.title = "Left over by frame: " + file.experiments[experiment].name;
     chart.x.label = "time [s]";
-    chart.y.label = std::string("root mean square [") + unit_of(file.experiments[experiment].kind) + "]";
+    chart.y.label = std::string("root mean square [") + misfit_unit(file.experiments[experiment].kind) + "]";
     study::ChartSeries line;
     for (std::size_t i = 0; i < estimate.misfit.size(); ++i) {
         if (estimate.misfit_of[i] != experiment) continue;
@@ -137,27 +136,38 @@ std::string rungs_text(const StudyFile& file, const Identification& identificati
     return out;
 }
 
-std::string film_text(const std::filesystem::path& folder, const StudyFile& file, const Experiment& experiment, const std::filesystem::path& run) {
-    const auto film = write_film(folder, file, experiment, run);
-    if (!film) return "";
-    return "<p>Below each other: " + std::string(film->has_film ? "the film" : "its masks, since the film is no more where it was") +
-           ", the run, the contours of the film (blue) and of the run (red), and where they differ.</p>\n<img class=\"wide\" src=\"" + film->rows + "\" alt=\"" + experiment.name +
-           ": film, run, contours, differences\">\n<p><video class=\"wide\" controls src=\"" + film->overlay + "\"></video></p>\n";
+// The masks of a run; empty where there is none or where it did not keep them.
+std::filesystem::path masks_of(const std::filesystem::path& run, const Experiment& experiment) {
+    const auto masks = run / ("masks_" + experiment.name);
+    return !run.empty() && std::filesystem::exists(masks) ? masks : std::filesystem::path();
 }
 
+std::string film_text(const std::filesystem::path& folder, const StudyFile& file, const Experiment& experiment, const FilmRuns& runs) {
+    if (runs.answer.empty()) return ""; // of another study that did not keep them
+    const auto film = write_film(folder, file, experiment, runs);
+    const std::string first = "<p>Below each other: " + std::string(film.has_film ? "the film" : "its masks, since the film is no more where it was");
+    const std::string rows = runs.at_curve.empty() ? ", the run, the contours of the film (blue) and of the run (red), and where they differ."
+                                                   : ", the run at the answer, the run at the measured curve, and where film and answer, film and curve, answer and curve differ: grey "
+                                                     "where both have liquid, blue where only the first has, red where only the second. In the video the contours of the film (blue) and of the run at the answer (red).";
+    return first + rows + "</p>\n<img class=\"wide\" src=\"" + film.rows + "\" alt=\"" + experiment.name + ": film, runs, differences\">\n<p><video class=\"wide\" controls src=\"" + film.overlay + "\"></video></p>\n";
+}
+
+// With a run at a measured curve the trial at the answer is shown that has the same spacing.
 std::string pictures_text(const std::filesystem::path& folder, const StudyFile& file, const Identification& identification,
-                          const std::function<std::filesystem::path(std::int64_t)>& folder_of) {
-    const auto* best = best_trial(identification);
+                          const std::function<std::filesystem::path(std::int64_t)>& folder_of, const std::optional<Trial>& at_curve) {
+    const auto* best = at_curve ? trial_at_answer(file, identification) : best_trial(identification);
     if (!best) return "";
+    const std::string shown = at_curve ? "At the trial of the finest spacing that is most alike: " : "At the trial that is most alike: ";
     std::string out;
     for (const auto& experiment : file.experiments) {
         const auto scene = std::size_t(&file.scene_of(experiment) - file.study.scenes.data());
         const auto run = folder_of(best->runs[scene]);
         const bool film = has_masks(experiment.kind);
         if (film) {
-            out += "<h2>Film and run: " + experiment.name + "</h2>\n" + film_text(folder, file, experiment, run) + "<p>At the trial that is most alike: grey where both have liquid, blue where only the film has, red where only the run.</p>\n";
+            out += "<h2>Film and run: " + experiment.name + "</h2>\n" + film_text(folder, file, experiment, {masks_of(run, experiment), at_curve ? masks_of(folder_of(at_curve->runs[scene]), experiment) : std::filesystem::path()}) +
+                   "<p>" + shown + "grey where both have liquid, blue where only the film has, red where only the run.</p>\n";
         } else if (experiment.kind == ExperimentKind::piv) {
-            out += "<h2>Fields: " + experiment.name + "</h2>\n<p>At the trial that is most alike: measured, simulated, and the difference, five times as long.</p>\n";
+            out += "<h2>Fields: " + experiment.name + "</h2>\n<p>" + shown + "measured, simulated, and the difference, five times as long.</p>\n";
         }
         for (const auto& picture : film ? write_pictures(folder, file, experiment, run) : write_field_pictures(folder, experiment, run)) {
             out += "<figure><img src=\"" + picture.file + "\" alt=\"" + picture.caption + "\"><figcaption>" + picture.caption + "</figcaption></figure>\n";
@@ -209,13 +219,29 @@ std::string curves_text(const std::vector<FlowCurveBand>& curves) {
     return out;
 }
 
+std::string compared_text(const ComparedCurve& compared, const StudyFile& file) {
+    std::string out = "<h2>Run at the measured curve</h2>\n";
+    for (const auto& line : describe(compared, file)) out += "<p>" + line + "</p>\n";
+    return out;
+}
+
 std::string curves_yaml(const std::vector<FlowCurveBand>& curves) {
     std::string out = curves.empty() ? "" : "flow_curves:\n";
     for (const auto& curve : curves) out += yaml(curve);
     return out;
 }
 
-std::string html(const StudyFile& file, const Identification& identification, const std::string& pictures) {
+std::string trial_row(const Trial& trial, std::size_t number) {
+    std::string runs;
+    for (const auto run : trial.runs) runs += (runs.empty() ? "" : ", ") + std::to_string(run);
+    std::vector<std::string> cells{std::to_string(number), trial.purpose, runs};
+    for (const double value : trial.values) cells.push_back(std::isnan(value) ? "as measured" : digits(value, 6));
+    cells.push_back(trial.bound ? "stopped early, E &ge; " + digits(*trial.bound, 4) : std::isnan(trial.objective) ? "failed" : digits(trial.objective, 5));
+    for (const double one : trial.mismatches) cells.push_back(digits(one, 4));
+    return row(cells);
+}
+
+std::string html(const StudyFile& file, const Identification& identification, const std::string& pictures, const std::optional<Trial>& at_curve) {
     const auto title = file.study.title.empty() ? std::string("Identification") : file.study.title;
     std::string out = "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>" + title +
                       "</title><style>body{font-family:sans-serif;max-width:60em;margin:2em auto;color:#222}table{border-collapse:collapse}"
@@ -246,10 +272,10 @@ std::string html(const StudyFile& file, const Identification& identification, co
                std::to_string(estimate.blocks) + " independent blocks.</p>\n";
         for (std::size_t e = 0; e < file.experiments.size(); ++e) {
             const auto& one = file.experiments[e];
-            out += "<p>" + one.name + ": a noise of " + digits(estimate.noise[e], 2) + " " + unit_of(one.kind) + (has_masks(one.kind) ? " a segment" : "") + ".</p>\n";
+            out += "<p>" + one.name + ": a noise of " + digits(estimate.noise[e], 2) + " " + misfit_unit(one.kind) + (has_masks(one.kind) ? " a segment" : "") + ".</p>\n";
             out += svg(misfit_chart(file, estimate, e));
         }
-        out += rungs_text(file, identification);
+        out += drift_html(file, identification) + rungs_text(file, identification);
     }
     out += pictures + "<h2>The search</h2>\n" + svg(objective_chart(file, identification, {}));
     for (std::size_t e = 0; e < file.experiments.size(); ++e) out += svg(objective_chart(file, identification, e));
@@ -260,16 +286,8 @@ std::string html(const StudyFile& file, const Identification& identification, co
     head.push_back("objective");
     for (const auto& one : file.experiments) head.push_back(mismatch_title(one));
     out += row(head, "th");
-    for (std::size_t i = 0; i < identification.trials.size(); ++i) {
-        const auto& trial = identification.trials[i];
-        std::string runs;
-        for (const auto run : trial.runs) runs += (runs.empty() ? "" : ", ") + std::to_string(run);
-        std::vector<std::string> cells{std::to_string(i + 1), trial.purpose, runs};
-        for (const double value : trial.values) cells.push_back(digits(value, 6));
-        cells.push_back(trial.bound ? "stopped early, E &ge; " + digits(*trial.bound, 4) : std::isnan(trial.objective) ? "failed" : digits(trial.objective, 5));
-        for (const double one : trial.mismatches) cells.push_back(digits(one, 4));
-        out += row(cells);
-    }
+    for (std::size_t i = 0; i < identification.trials.size(); ++i) out += trial_row(identification.trials[i], i + 1);
+    if (at_curve) out += trial_row(*at_curve, identification.trials.size() + 1);
     return out + "</table>\n</body></html>\n";
 }
 
@@ -282,13 +300,15 @@ std::string yaml(const StudyFile& file, const Identification& identification) {
                "\n    identifiability: \"" + identifiability(file, identification, k) +
                "\"\n    interval_90: [" + parameter.word(identification.low[k]) + ", " + parameter.word(identification.high[k]) + "]\n    deviations:\n";
         for (const auto& [name, part] : shares(parts, file)) out += "      " + name + ": " + format_number(std::sqrt(part)) + "\n";
+        out += "    if_pixels_were_independent: " + format_number(identification.estimate->naive[k]) + "\n";
     }
     if (identification.estimate) {
         out += "misfits:\n";
         for (std::size_t e = 0; e < file.experiments.size(); ++e) {
-            out += "  - {name: " + file.experiments[e].name + ", " + unit_of(file.experiments[e].kind) + ": " + format_number(misfit_of(*identification.estimate, e)) + "}\n";
+            out += "  - {name: " + file.experiments[e].name + ", " + misfit_unit(file.experiments[e].kind) + ": " + format_number(misfit_of(*identification.estimate, e)) + "}\n";
         }
     }
+    out += drift_yaml(file, identification);
     if (file.temperature.stated()) out += "temperature: " + file.temperature.value + "\ntemperature_plus_minus: " + file.temperature.plus_minus + "\n";
     out += "trials: " + std::to_string(identification.trials.size()) + "\n";
     if (!identification.problem.empty()) out += "problem: \"" + identification.problem + "\"\n";
@@ -356,7 +376,7 @@ std::string verdict(const StudyFile& file, const Identification& identification)
         const double misfit = misfit_of(*identification.estimate, e), usual = usual_noise(one.kind);
         if (misfit <= 1.5 * usual) continue;
         const std::string what = one.kind == ExperimentKind::contours ? "the video: the contours differ" : one.kind == ExperimentKind::occupancy ? "how often pixels are liquid: the contours differ" : one.kind == ExperimentKind::piv ? "the fields: velocities differ" : "the series: values differ";
-        out += (out.empty() ? "" : " ") + std::string("The model does not explain ") + what + " by " + digits(misfit, 2) + " " + unit_of(one.kind) +
+        out += (out.empty() ? "" : " ") + std::string("The model does not explain ") + what + " by " + digits(misfit, 2) + " " + misfit_unit(one.kind) +
                " at the best values, where " + digits(usual, 2) + (one.kind == ExperimentKind::contours ? " px are" : " is") + " usual (" + one.name +
                "). The interval holds if what is left over is without a trend in time; look at the frames.";
     }
@@ -368,6 +388,10 @@ std::vector<std::string> notes(const StudyFile& file) {
     if (const auto once = observed_once(file); !once.empty()) {
         out.push_back("Observed once: " + join(once, ", ") + ". Filled and filmed anew, the answer would be another by what differs from one time to the next (how the liquid "
                       "is let go, what it did before, its temperature), which one clip does not tell: the interval lacks it. Three clips tell it; name the first of them under `repeats`.");
+    }
+    if (std::ranges::any_of(file.study.parameters, [](const auto& one) { return one.key.ends_with(".surface_tension"); })) {
+        out.push_back("Runs have the surface tension, but no angle at which the liquid meets walls: edges that wetting drives or holds, thinner than the capillary length, "
+                      "may move otherwise.");
     }
     const bool falls = std::ranges::any_of(file.experiments, [](const auto& one) { return one.kind == ExperimentKind::piv && !prescribes(one); });
     if (!falls) return out;
@@ -381,9 +405,10 @@ std::vector<std::string> notes(const StudyFile& file) {
 void write_report(const std::filesystem::path& folder, const StudyFile& file, const Identification& identification,
                   const std::function<std::filesystem::path(std::int64_t)>& folder_of, const ReportParts& parts) {
     std::filesystem::create_directories(folder);
-    const auto pictures = pictures_text(folder, file, identification, folder_of);
-    write_file_atomically(folder / "result.yaml", yaml(file, identification) + curves_yaml(parts.curves) + yaml(parts.materials));
-    write_file_atomically(folder / "index.html", html(file, identification, curves_text(parts.curves) + rates_text(file, identification, folder_of) + pictures + hidden_text(parts.hidden)));
+    const auto at_curve = parts.compared ? parts.compared->trial : std::nullopt;
+    const auto pictures = pictures_text(folder, file, identification, folder_of, at_curve);
+    write_file_atomically(folder / "result.yaml", yaml(file, identification) + curves_yaml(parts.curves) + (parts.compared ? yaml(*parts.compared, file) : "") + yaml(parts.materials));
+    write_file_atomically(folder / "index.html", html(file, identification, curves_text(parts.curves) + (parts.compared ? compared_text(*parts.compared, file) : "") + rates_text(file, identification, folder_of) + pictures + hidden_text(parts.hidden), at_curve));
 }
 
 } // namespace treacle::identify

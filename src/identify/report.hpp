@@ -1,6 +1,5 @@
 #pragma once
-#include "identify/flow_curve_band.hpp"
-#include "identify/identification.hpp"
+#include "identify/compared_curve.hpp"
 #include "identify/material.hpp"
 #include "identify/report_pictures.hpp"
 
@@ -14,6 +13,7 @@ struct ReportParts {
     std::vector<FlowCurveBand> curves;
     std::vector<Material> materials;
     std::vector<ReportPicture> hidden; // pressure and speed; may be none
+    std::optional<ComparedCurve> compared; // the run at a rheometer's curve
 };
 
 // Writes into `folder`, each file as a whole:

@@ -6,14 +6,17 @@
 #include "video/contour_overlay.hpp"
 #include "video/frame_source.hpp"
 #include "video/movie.hpp"
+#include "video/overlay.hpp"
 
 #include <algorithm>
+#include <cstdio>
 
 namespace treacle::identify {
 
 namespace {
 constexpr std::size_t most_columns = 6;
-constexpr int row_count = 4, cell_width = 260, gap = 4; // [pixels]
+constexpr int cell_width = 260, gap = 4, label_height = 18, capitals = 9; // [pixels]
+constexpr video::Rgb8 ink{40, 40, 40};
 
 // Part of the picture in which there is liquid at some time, with a margin.
 struct Crop {
@@ -66,10 +69,37 @@ video::Image filled(const video::Mask& mask) {
     return out;
 }
 
-void place(video::Image& onto, const video::Image& cell, int left, int top) {
-    for (int y = 0; y < cell.height; ++y)
-        std::copy_n(cell.at(0, y), 3 * cell.width, onto.pixels.begin() + 3 * (std::ptrdiff_t(top + y) * onto.width + left));
-}
+// Pictures in rows below each other, a column a frame, a line for the label above each row and one for the times above all.
+class FrameRows {
+public:
+    FrameRows(const Crop& crop, std::size_t columns, const std::vector<std::string>& labels) : crop_(crop) {
+        height_ = std::max(1, cell_width * (crop.bottom - crop.top) / std::max(1, crop.right - crop.left));
+        image_.width = int(columns) * (cell_width + gap) - gap;
+        image_.height = label_height + int(labels.size()) * (label_height + height_);
+        image_.pixels.assign(3 * std::size_t(image_.width) * std::size_t(image_.height), 255);
+        for (std::size_t row = 0; row < labels.size(); ++row) video::draw_words(image_, labels[row], gap, top(int(row)) - gap, capitals, ink);
+    }
+    void add_column(double time, const std::vector<video::Image>& pictures) {
+        const int left = column_++ * (cell_width + gap);
+        char text[32];
+        std::snprintf(text, sizeof text, "%.3f s", time);
+        video::draw_words(image_, text, left + gap, label_height - gap, capitals, ink);
+        int row = 0;
+        for (const auto& one : pictures) place(scaled(one, crop_, cell_width, height_), left, top(row++));
+    }
+    const video::Image& image() const { return image_; }
+
+private:
+    int top(int row) const { return label_height + row * (label_height + height_) + label_height; }
+    void place(const video::Image& cell, int left, int top) {
+        for (int y = 0; y < cell.height; ++y)
+            std::copy_n(cell.at(0, y), 3 * cell.width, image_.pixels.begin() + 3 * (std::ptrdiff_t(top + y) * image_.width + left));
+    }
+
+    Crop crop_;
+    int height_ = 0, column_ = 0;
+    video::Image image_;
+};
 
 // Frames of the film one after the other; masks in their place where there is none.
 class Film {
@@ -115,48 +145,47 @@ std::filesystem::path film_of(const std::filesystem::path& masks) {
     return {};
 }
 
-std::optional<ReportFilm> write_film(const std::filesystem::path& folder, const StudyFile& file, const Experiment& experiment, const std::filesystem::path& run) {
-    const auto masks = run / ("masks_" + experiment.name);
-    if (!std::filesystem::exists(masks)) return {}; // of another study that did not keep them
+ReportFilm write_film(const std::filesystem::path& folder, const StudyFile& file, const Experiment& experiment, const FilmRuns& runs) {
     const auto frames = observed_frames(experiment, file.beside(experiment.masks));
-    const auto simulated = [&](const ObservedFrame& frame) { return video::read_mask(masks / frame.mask.filename()); };
+    const bool compared = !runs.at_curve.empty();
+    const auto drawn = [](const std::filesystem::path& masks, const ObservedFrame& frame) { return video::read_mask(masks / frame.mask.filename()); };
     Crop crop;
     std::size_t columns = 0;
     for (std::size_t k = 0; k < frames.size(); ++k) {
         if (!is_shown(k, frames.size())) continue;
         crop.add(video::read_mask(frames[k].mask));
-        crop.add(simulated(frames[k]));
+        crop.add(drawn(runs.answer, frames[k]));
+        if (compared) crop.add(drawn(runs.at_curve, frames[k]));
         ++columns;
     }
     const auto first = video::read_mask(frames.front().mask);
-    crop = crop.widened(first.width, first.height);
-    const int height = std::max(1, cell_width * (crop.bottom - crop.top) / std::max(1, crop.right - crop.left));
-    video::Image rows{int(columns) * (cell_width + gap) - gap, row_count * (height + gap) - gap, {}};
-    rows.pixels.assign(3 * std::size_t(rows.width) * std::size_t(rows.height), 255);
-
     ReportFilm out{experiment.name + "_contours.mp4", experiment.name + "_rows.png", false};
     Film film(film_of(file.beside(experiment.masks)));
     out.has_film = film.is_there();
+    const std::vector<std::string> usual{"film", "run", "contours of film (blue) and run (red)", "differences: film only (blue), run only (red)"};
+    const std::vector<std::string> both{"film", "run at the answer", "run at the measured curve",
+                                        "film only (blue), answer only (red)", "film only (blue), curve only (red)", "answer only (blue), curve only (red)"};
+    FrameRows rows(crop.widened(first.width, first.height), columns, compared ? both : usual);
     video::ClipOptions options;
     options.width = first.width / 2 * 2;
     options.height = first.height / 2 * 2;
     options.quality = 20;
     video::ClipWriter writer(folder / out.overlay, options);
-    int column = 0;
     for (std::size_t k = 0; k < frames.size(); ++k) {
-        const auto observed = video::read_mask(frames[k].mask), shown = simulated(frames[k]);
+        const auto observed = video::read_mask(frames[k].mask), answer = drawn(runs.answer, frames[k]);
         const auto picture = film.at(frames[k].number, observed);
-        const auto contours = video::draw_contours(picture, observed, shown);
+        const auto contours = video::draw_contours(picture, observed, answer);
         writer.add(contours, frames[k].time - frames.front().time);
         if (!is_shown(k, frames.size())) continue;
-        int row = 0;
-        for (const auto& one : {picture, filled(shown), contours, draw_differences(observed, shown)}) {
-            place(rows, scaled(one, crop, cell_width, height), column * (cell_width + gap), row++ * (height + gap));
+        if (!compared) {
+            rows.add_column(frames[k].time, {picture, filled(answer), contours, draw_differences(observed, answer)});
+            continue;
         }
-        ++column;
+        const auto curve = drawn(runs.at_curve, frames[k]);
+        rows.add_column(frames[k].time, {picture, filled(answer), filled(curve), draw_differences(observed, answer), draw_differences(observed, curve), draw_differences(answer, curve)});
     }
     writer.finish();
-    video::write_png(folder / out.rows, rows);
+    video::write_png(folder / out.rows, rows.image());
     return out;
 }
 

@@ -7,7 +7,7 @@
 
 namespace treacle::study {
 
-std::vector<Assignment> assignments_of(const Study& study, const StudyScene& scene, const Point& values) {
+std::vector<Assignment> assignments_of(const Study& study, const StudyScene& scene, const Point& values, const std::vector<std::string>& changes) {
     std::vector<Assignment> out;
     for (const auto& text : scene.set) out.push_back({text, scene.where + ": set " + text});
     for (const auto& one : study.measured) out.push_back({one.key + "=" + one.value, one.where + ": " + one.name});
@@ -15,6 +15,7 @@ std::vector<Assignment> assignments_of(const Study& study, const StudyScene& sce
         const auto& parameter = study.parameters[i];
         out.push_back({parameter.key + "=" + values.at(i), parameter.where + ": " + parameter.name + " = " + values[i]});
     }
+    for (const auto& text : changes) out.push_back({text, "change of the run: " + text});
     return out;
 }
 
@@ -34,9 +35,9 @@ JournalOwner owner_of(const Study& study, const std::string& program) {
     return {io::text_hash(text), program};
 }
 
-Candidate candidate_of(const Study& study, const StudyScene& scene, const Point& values, const SceneReader& read_scene) {
-    const auto facts = read_scene(study.scene_file(scene), assignments_of(study, scene, values));
-    return {scene.name, values, run_key(facts, study.runs.ranks, program_identity()), facts.end, facts.work};
+Candidate candidate_of(const Study& study, const StudyScene& scene, const Point& values, const SceneReader& read_scene, const std::vector<std::string>& changes) {
+    const auto facts = read_scene(study.scene_file(scene), assignments_of(study, scene, values, changes));
+    return {scene.name, values, run_key(facts, study.runs.ranks, program_identity()), facts.end, facts.work, changes};
 }
 
 namespace {

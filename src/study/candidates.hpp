@@ -21,8 +21,8 @@ struct SceneFacts {
 };
 using SceneReader = std::function<SceneFacts(const std::filesystem::path& scene, const std::vector<Assignment>& assignments)>;
 
-// The keys that a run of the study sets in its scene: those of the scene's entry, measured values, parameters.
-std::vector<Assignment> assignments_of(const Study& study, const StudyScene& scene, const Point& values);
+// The keys that a run of the study sets in its scene: those of the scene's entry, measured values, parameters, and then the run's own changes.
+std::vector<Assignment> assignments_of(const Study& study, const StudyScene& scene, const Point& values, const std::vector<std::string>& changes = {});
 
 // Hash of all that a run's result depends on: the scene's content, ranks, and the program's version and sources.
 std::string run_key(const SceneFacts& facts, int ranks, const std::string& program);
@@ -37,10 +37,11 @@ struct Candidate {
     std::string key;
     double end = 0;  // [s] of simulated time
     double work = 0; // as in SceneFacts
+    std::vector<std::string> changes = {}; // as in RunRequest
     double cut = no_cut; // it may stop early once its objective is above
 };
-// Throws InputError when the scene refuses the values.
-Candidate candidate_of(const Study& study, const StudyScene& scene, const Point& values, const SceneReader& read_scene);
+// Throws InputError when the scene refuses the values or changes.
+Candidate candidate_of(const Study& study, const StudyScene& scene, const Point& values, const SceneReader& read_scene, const std::vector<std::string>& changes = {});
 // Of every point in every scene, the scenes of a point side by side. Throws InputError with what is wrong in all of them.
 std::vector<Candidate> candidates_of(const Study& study, const std::vector<Point>& points, const SceneReader& read_scene);
 

@@ -51,6 +51,14 @@ struct Span {
     bool shows(double value) const { return std::isfinite(value) && (scale == AxisScale::linear || value > 0); }
 };
 
+// Room for the legend to the right of the axes [pixels]: a box, and the longest name in letters of 12 pixels; 0 without names.
+double legend_width(const Chart& chart) {
+    constexpr double box = 22, letter = 7.5;
+    std::size_t longest = 0;
+    for (const auto& series : chart.series) longest = std::max(longest, series.name.size());
+    return longest > 0 ? box + letter * double(longest) : 0;
+}
+
 Span span_of(const ChartAxis& axis, const std::vector<const std::vector<double>*>& lists) {
     Span span;
     span.scale = axis.scale;
@@ -109,7 +117,7 @@ std::string svg(const Chart& chart) {
     }
     auto x = span_of(chart.x, xs), y = span_of(chart.y, ys);
     x.first = 78;
-    x.last = chart.width - 18.0;
+    x.last = chart.width - 18.0 - legend_width(chart);
     y.first = chart.height - 52.0;
     y.last = 34;
     std::string out = "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"" + std::to_string(chart.width) + "\" height=\"" +
@@ -135,6 +143,7 @@ std::string svg(const Chart& chart) {
     const auto middle = pixel((y.first + y.last) / 2);
     text(16, (y.first + y.last) / 2, "middle", chart.y.label, " transform=\"rotate(-90 16 " + middle + ")\"");
     text((x.first + x.last) / 2, 20, "middle", chart.title, " font-weight=\"bold\"");
+    double entries = 0; // of the legend, to the right of the axes, where nothing is drawn
     for (std::size_t k = 0; k < chart.series.size(); ++k) {
         const auto& series = chart.series[k];
         const std::string colour = colours[k % colours.size()];
@@ -147,8 +156,9 @@ std::string svg(const Chart& chart) {
         }
         out += series.line ? "<polyline points=\"" + path + "\" fill=\"none\" stroke=\"" + colour + "\" stroke-width=\"1.6\"/>\n" : dots;
         if (series.name.empty()) continue;
-        out += "<rect x=\"" + pixel(x.last - 12) + "\" y=\"" + pixel(y.last + 6 + 18 * double(k)) + "\" width=\"10\" height=\"10\" fill=\"" + colour + "\"/>\n";
-        text(x.last - 18, y.last + 15 + 18 * double(k), "end", series.name);
+        out += "<rect x=\"" + pixel(x.last + 12) + "\" y=\"" + pixel(y.last + 6 + 18 * entries) + "\" width=\"10\" height=\"10\" fill=\"" + colour + "\"/>\n";
+        text(x.last + 28, y.last + 15 + 18 * entries, "start", series.name);
+        ++entries;
     }
     return out + "</svg>\n";
 }

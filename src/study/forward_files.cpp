@@ -21,7 +21,7 @@ using Json = nlohmann::ordered_json;
 struct RequestFile {
     int schema_version = 1, number = 0;
     std::string study, scene, key;
-    std::vector<std::string> parameters, values, overrides;
+    std::vector<std::string> parameters, values, changes, overrides;
     double cut = 0;
 
     void declare(Declaration& d) {
@@ -34,6 +34,7 @@ struct RequestFile {
         d.text("key", key, "Hash of all that the result depends on, when the run was asked for.");
         d.texts("parameters", parameters, "Names of the study's parameters.");
         d.texts("values", values, "Value of each, as it stands in the scene.");
+        d.texts("changes", changes, "Keys of the scene that this run sets after the parameters.");
         d.number("cut", cut, unit::none, range_at_least(0), "Objective above which the run stops early: the sum of (6.9) over its films; 0: it does not.");
         d.texts("set", overrides, "Keys of the study that were overridden, as for --set.");
         d.check(parameters.size() == values.size(), "values", {"must be as many as the parameters", "", "give one for each"});
@@ -78,6 +79,7 @@ void write_request(const std::filesystem::path& folder, const ForwardRequest& re
     file.key = request.run.key;
     file.parameters = request.parameters;
     file.values = request.run.values;
+    file.changes = request.run.changes;
     file.overrides = request.overrides;
     if (request.cut < no_cut) file.cut = request.cut;
     write_file_atomically(folder / "params.in", dakota_parameters(request), durability);
@@ -92,7 +94,7 @@ ForwardRequest read_request(const std::filesystem::path& folder) {
     }
     RequestFile file;
     parse(Document::load(path), file);
-    return {file.study, {file.number, file.scene, file.values, file.key}, file.parameters, file.overrides, file.cut > 0 ? file.cut : no_cut};
+    return {file.study, {file.number, file.scene, file.values, file.key, file.changes}, file.parameters, file.overrides, file.cut > 0 ? file.cut : no_cut};
 }
 
 void write_result(const std::filesystem::path& folder, const ForwardResult& result) {

@@ -21,7 +21,9 @@ Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nul
 double number(const Json& value) { return value.is_null() ? std::nan("") : value.get<double>(); }
 
 Json json_of(const RunRequest& run) {
-    return {{"asked", run.number}, {"scene", run.scene}, {"values", run.values}, {"key", run.key}};
+    Json out{{"asked", run.number}, {"scene", run.scene}, {"values", run.values}, {"key", run.key}};
+    if (!run.changes.empty()) out["changes"] = run.changes;
+    return out;
 }
 
 Json json_of(const RunOutcome& outcome) {
@@ -81,7 +83,7 @@ void Journal::read_line(const std::string& line, int count) {
             owner_ = {json.at("study").get<std::string>(), json.at("program").get<std::string>()};
         } else if (json.contains("asked")) {
             RunRequest run{json.at("asked").get<std::int64_t>(), json.at("scene").get<std::string>(), json.at("values").get<Point>(),
-                           json.at("key").get<std::string>()};
+                           json.at("key").get<std::string>(), json.value("changes", std::vector<std::string>())};
             if (run.number != std::int64_t(runs_.size()) + 1) throw std::runtime_error("its number is out of order");
             numbers_[run.key] = run.number;
             runs_.push_back(std::move(run));
@@ -147,8 +149,8 @@ void Journal::append(const std::string& line) {
     throw SimulationError({path_.string(), "cannot be written", std::strerror(errno), "free some space; the study goes on where it stopped"});
 }
 
-const RunRequest& Journal::ask(const std::string& scene, const Point& values, const std::string& key) {
-    runs_.push_back({std::int64_t(runs_.size()) + 1, scene, values, key});
+const RunRequest& Journal::ask(const std::string& scene, const Point& values, const std::string& key, const std::vector<std::string>& changes) {
+    runs_.push_back({std::int64_t(runs_.size()) + 1, scene, values, key, changes});
     numbers_[key] = runs_.back().number;
     append(text_of(json_of(runs_.back())) + "\n");
     return runs_.back();

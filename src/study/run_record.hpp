@@ -23,6 +23,7 @@ struct RunRequest {
     std::string scene;       // name of the study's scene
     Point values;
     std::string key;         // hash of all that its result depends on
+    std::vector<std::string> changes = {}; // of the scene after the parameters: "a.b.c=value"
 };
 
 struct Figure {

@@ -24,7 +24,7 @@ std::optional<LaneTask> Speculation::next(const Journal& journal) {
         const auto folder = folder_ / one.key;
         if (asked || tried_.contains(one.key) || is_under_way(one.key) || read_result(folder, one.key)) continue;
         std::filesystem::remove_all(folder);
-        write_request(folder, request_of(study_, {0, one.scene, one.values, one.key}), Durability::cached);
+        write_request(folder, request_of(study_, {0, one.scene, one.values, one.key, one.changes}), Durability::cached);
         tried_.insert(one.key);
         running_[--last_] = {one.key};
         offered_.pop_front();

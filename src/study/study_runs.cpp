@@ -96,10 +96,15 @@ StudyRuns::StudyRuns(const Study& study, StudySetup setup, Log& log)
 
 std::filesystem::path StudyRuns::run_folder(std::int64_t number) const { return setup_.folder / "runs" / request_folder(number); }
 
+std::filesystem::path StudyRuns::folder_of(std::int64_t number) const {
+    const auto* outcome = journal_.outcome(number);
+    return outcome && !outcome->folder.empty() ? std::filesystem::path(outcome->folder) : run_folder(number);
+}
+
 std::int64_t StudyRuns::ask(const Candidate& candidate) {
     simulated_end_ = candidate.end;
     const auto* known = journal_.find(candidate.key);
-    const auto number = known ? known->number : journal_.ask(candidate.scene, candidate.values, candidate.key).number;
+    const auto number = known ? known->number : journal_.ask(candidate.scene, candidate.values, candidate.key, candidate.changes).number;
     work_[number] = candidate.work;
     cuts_.erase(number);
     if (candidate.cut < no_cut) cuts_[number] = candidate.cut;
@@ -225,7 +230,7 @@ RunOutcome StudyRuns::settle(const LaneResult& result) const {
 void StudyRuns::read_again(std::int64_t number) {
     const auto* outcome = journal_.outcome(number);
     if (!outcome || outcome->status != RunStatus::done || are_read(study_, outcome->figures)) return;
-    const auto run = (outcome->folder.empty() ? run_folder(number) : std::filesystem::path(outcome->folder)) / "run";
+    const auto run = folder_of(number) / "run";
     if (!std::filesystem::exists(run / "steps.csv")) {
         log_.warn("run " + std::to_string(number) + " has other figures than the study reads, and its tables were not kept");
         return;

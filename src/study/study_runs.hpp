@@ -60,6 +60,7 @@ public:
     const Journal& journal() const { return journal_; }
     const Study& study() const { return study_; }
     std::filesystem::path run_folder(std::int64_t number) const; // with the request and the result
+    std::filesystem::path folder_of(std::int64_t number) const;  // likewise, be it that of another study which has done it
     int lanes() const { return lane_count_; }
 
 private:

@@ -74,7 +74,8 @@ Table table_of(const Study& study, const Journal& journal, std::span<const std::
             row.push_back(figure == outcome->figures.end() || !std::isfinite(figure->value) ? "" : format_number(figure->value));
         }
         row.push_back(outcome ? rounded(outcome->seconds) : "");
-        row.push_back(outcome ? outcome->reason : "");
+        const auto changes = join(run.changes, "; ");
+        row.push_back(outcome && !outcome->reason.empty() ? outcome->reason : changes.empty() ? "" : "with " + changes);
         out.rows.push_back(std::move(row));
     }
     return out;

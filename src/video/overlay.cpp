@@ -97,6 +97,10 @@ void draw_colour_bar(Image& image, const Legend& legend, const Rgb8& ink) {
     draw_text(image, {legend.title, image.width - 16 * unit, top - 24 * unit, 11 * unit, Align::right}, ink);
 }
 
+void draw_words(Image& image, const std::string& words, int left, int baseline, int height, const Rgb8& ink) {
+    draw_text(image, {words, double(left), double(baseline), double(height)}, ink);
+}
+
 void draw_caption(Image& image, const std::string& caption, const Rgb8& ink) {
     const double unit = image.height / 720.0;
     draw_text(image, {caption, 20 * unit, image.height - 20 * unit, 12 * unit}, ink);

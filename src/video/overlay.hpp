@@ -16,6 +16,9 @@ struct Legend {
 // At the right, with title and ticks.
 void draw_colour_bar(Image& image, const Legend& legend, const Rgb8& ink);
 
+// Words whose capitals are `height` pixels high, their left end and baseline at (left, baseline) [pixels]. Plain ASCII, as below.
+void draw_words(Image& image, const std::string& words, int left, int baseline, int height, const Rgb8& ink);
+
 // Bottom left. Plain ASCII; other characters are drawn as '?'.
 void draw_caption(Image& image, const std::string& caption, const Rgb8& ink);
 

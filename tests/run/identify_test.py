@@ -159,6 +159,19 @@ class Next(Workplace):
         again = self.treacle("next", "study.yaml", "--out", "out", "--rates", 1, 30)
         self.assertEqual(re.findall(r"with .*", again.stdout), re.findall(r"with .*", done.stdout))
 
+        # A rheometer's curve takes the place of both parameters, and of the law of the scene.
+        self.treacle("identify", "study.yaml", "--out", "out")
+        with open(self.path("curve.csv"), "w") as file:
+            file.write("shear rate [1/s],viscosity [Pa.s]\n" + "".join(f"{rate},{2 / rate + 9 * rate ** -0.4}\n" for rate in (0.1, 1, 3, 10, 30, 100, 300)))
+        told = self.treacle("identify", "study.yaml", "--out", "out", "--compare-curve", "curve.csv").stdout
+        self.assertRegex(told, r"\(measured curve\)  K 9\.?0* Pa s at 1/s, n 0\.6, yield stress 2 Pa  objective [0-9.]+")
+        with open(self.path("out", "journal.jsonl")) as file:
+            last = [line for line in map(json.loads, file) if "asked" in line][-1]
+        with open(self.path("out", "runs", f"{last['asked']:04d}", "run", "effective.yaml")) as file:
+            text = file.read()
+        for line in ("viscosity: 9(.0+[0-9]*)? Pa s", "law: herschel_bulkley", "exponent: 0.6(0+[0-9]*)?", "yield_stress: (2(.0+[0-9]*)?|1.99+[0-9]*) Pa"):
+            self.assertRegex(text, rf"(?m)^ +{line}$")
+
     def test_a_study_without_candidates_is_told_how_to_list_them(self):
         with open(self.path("study.yaml"), "w") as file:
             file.write(TWO.replace(TWO[TWO.index("candidates:"):TWO.index("search:")], ""))
@@ -285,6 +298,7 @@ class Identify(Workplace):
             told = json.load(file)["materials"][0]
         self.assertEqual((told["liquid"], told["material"], told["density [kg/m3]"]), ("honey", "syrup", 1400))
         self.assertIn("90 % interval", told["found"][0])
+        self.compares_with_a_curve("one", text)
         # Killed when some runs are done, on four lanes, one of which speculates; the rest on two.
         process = self.start("identify", "study.yaml", "--out", "two", "--set", "runs.lanes=4")
         journal = self.path("two", "journal.jsonl")
@@ -299,6 +313,54 @@ class Identify(Workplace):
         ended = self.ended(journal)
         self.assertGreaterEqual(done, 1)
         self.assertEqual(len(ended), len(set(ended)), "no finished run is repeated")
+
+    def write_curve(self, law):
+        self.write("curve.csv", "shear rate [1/s],viscosity [Pa.s]\n" + "".join(f"{rate},{law(rate)}\n" for rate in (0.1, 0.3, 1, 3, 10, 30, 100, 300)))
+
+    def compares_with_a_curve(self, out, before):
+        """A study that is done has one more run at a measured curve, which leaves the answer as it is."""
+        def compared(*words):
+            done = self.treacle("identify", "study.yaml", "--out", out, "--compare-curve", "curve.csv", *words)
+            text = self.result(out)[3]
+            for block in ("identified", "misfits", "trials", "materials"):
+                self.assertEqual(*(re.search(rf"(?m)^{block}:.*(\n .*)*", one).group() for one in (before, text)))
+            block = re.search(r"(?m)^compared_curve:(\n .*)*", text).group()
+            return done.stdout, block, len(self.ended(self.path(out, "journal.jsonl")))
+
+        def rows():
+            with open(self.path(out, "report", "block_rows.png"), "rb") as file:
+                return int.from_bytes(file.read(24)[20:], "big")
+
+        def misfits(block):
+            return map(float, re.search(r"name: block, unit: px, curve: ([0-9.e+-]+), answer: ([0-9.e+-]+)", block).groups())
+
+        runs, height = len(self.ended(self.path(out, "journal.jsonl"))), rows()
+        self.write_curve(lambda rate: 30)
+        said, block, count = compared()
+        self.assertEqual(count, runs + 1)
+        law = dict(re.findall(r"(\w+): ([0-9.e+-]+)", re.search(r"fit: {(.*)}", block).group(1)))
+        self.assertAlmostEqual(float(law["consistency"]), 30, 3)
+        self.assertAlmostEqual(float(law["exponent"]), 1, 4)
+        at_curve, at_answer = misfits(block)
+        self.assertGreater(at_curve, 2 * at_answer) # three times the film's viscosity
+        self.assertGreater(rows(), 1.3 * height)
+        self.assertIn("(measured curve)", said)
+        self.assertIn("the run at the measured curve is", said)
+        self.assertEqual(compared()[1:], (block, count), "done once")
+        with open(self.path(out, "table.csv")) as file:
+            self.assertNotIn("herschel", file.read())
+        # Near to the film's: as well as the answer does, or nearly.
+        self.write_curve(lambda rate: 10)
+        at_curve, at_answer = misfits(compared()[1])
+        self.assertLess(at_curve, 1.5 * at_answer + 0.1)
+        # One that takes too long is told, and so is a curve that no such law is near to.
+        self.write_curve(lambda rate: 20)
+        self.assertIn("timed out", compared("--set", "runs.time_limit=1 ms")[1])
+        self.write_curve(lambda rate: 10 if rate < 5 else 1)
+        said, block, last = compared()
+        self.assertIn("no law of Herschel and Bulkley", block)
+        self.assertEqual(last, count + 2)
+        self.assertEqual(rows(), height)
 
     def test_bad_input_is_told_before_anything_is_run(self):
         self.film("10 Pa.s")

@@ -1,11 +1,8 @@
 """Rows of `identify`: viscosities from films whose truth is known."""
 
-import math
-import random
 import re
-import statistics
 
-from . import identify_coils, identify_container, identify_piv, identify_real, identify_rheology, identify_templates, identify_trust
+from . import identify_coils, identify_container, identify_honest, identify_piv, identify_real, identify_rheology, identify_templates, identify_trust
 from .run import built, execute, scratch
 from .table import Figure, Table, Unmeasured
 
@@ -96,64 +93,7 @@ def piv_files(context):
     return Figure("; ".join(wrong) or "all five as they are", not wrong)
 
 
-CAMERA = ("  - {{name: {name}, position: [{x:.6f}, {y:.6f}, {z:.6f}], target: [{tx:.6f}, {ty:.6f}, 0], up: [{roll:.6f}, 1, 0], width: 640, height: 360, "
-          "field_of_view: {view:.5f} deg}}\n")
-
-
-def cameras_drawn(count, draw):
-    """Cameras that differ from the one that the study states by a millimetre, a milliradian and a thousandth of the focal length."""
-    text = ""
-    for k in range(count):
-        x, y, z = 0.13 + draw.gauss(0, 1e-3), 0.05 + draw.gauss(0, 1e-3), 0.6 + draw.gauss(0, 1e-3)
-        text += CAMERA.format(name=f"film{k}", x=x, y=y, z=z, tx=x + draw.gauss(0, 0.6e-3), ty=y + draw.gauss(0, 0.6e-3), roll=draw.gauss(0, 1e-3),
-                              view=28 * (1 + draw.gauss(0, 1e-3)))
-    return text
-
-
-def trial(context, folder, viscosity, k, draw):
-    """z and whether the 90 % interval holds the truth, of one film of a run; camera, noise, exposure and time zero are drawn."""
-    treacle = built(context, "treacle")
-    work = folder / f"film{k}"
-    execute(context, [treacle, "film", folder / "truth", "--out", work / "film", "--camera", f"film{k}", "--lead", 0.5, "--still", 0.2,
-                      "--phase", f"{draw.random():.3f}", "--blur", f"{draw.uniform(0.5, 1.5):.2f}", "--noise", f"{draw.uniform(0.5, 3):.2f}",
-                      "--drift", f"{draw.uniform(0, 0.1):.3f}", "--seed", draw.randrange(1, 10**6)])
-    execute(context, [treacle, "silhouettes", work / "film/film.mp4", "--out", work / "masks", "--no-overlay"])
-    (work / "scene.yaml").write_text(SCENE)
-    (work / "study.yaml").write_text(STUDY.replace("time_zero: 0.71 s", f"time_zero: {0.7 + draw.gauss(0, 5e-3):.4f} s").replace("time_zero: 10 ms", "time_zero: 5 ms"))
-    execute(context, [treacle, "identify", work / "study.yaml", "--out", work / "out"])
-    text = (work / "out/report/result.yaml").read_text()
-    value = float(re.search(r"value: (\S+)", text).group(1))
-    low, high = map(float, re.search(r"interval_90: \[(\S+) Pa.s, (\S+) Pa.s", text).groups())
-    deviation = float(re.search(r"all: (\S+)", text).group(1))
-    return math.log(value / viscosity) / deviation, low <= viscosity <= high, math.log(high / low) / 2
-
-
-@TABLE.row("interval honest, in the plane", claim="20 viscosities of 0.3 to 30 Pa s, 10 films each at 2 times the finest rung's resolution",
-           asked="90 % holds the truth in 165 to 192 of 200, 50 % in 80 to 120; z: s.d. 0.75 to 1.3, mean within 0.3; half-width <= 6 % (median)")
-def honest(context):
-    count, films = (4, 3) if context.quick else (20, 10)
-    draw = random.Random(17)
-    zs, inside, halves = [], 0, []
-    for i in range(count):
-        viscosity = 0.3 * 100 ** ((i + draw.random()) / count)
-        with scratch(context, "honest") as folder:
-            (folder / "scene.yaml").write_text(SCENE + cameras_drawn(films, draw))
-            execute(context, [built(context, "treacle"), "run", folder / "scene.yaml", "--out", folder / "truth", "--set", "domain.spacing=1.75 mm",
-                              "--set", "time.cfl=2", "--set", "output.interval=4 ms", "--set", f"liquids.syrup.viscosity={viscosity:.6g} Pa.s"])
-            for k in range(films):
-                (folder / f"film{k}").mkdir()
-                z, held, half = trial(context, folder, viscosity, k, draw)
-                zs.append(z)
-                inside += held
-                halves.append(half)
-    total = count * films
-    half_inside = sum(abs(z) < 0.6745 for z in zs)
-    deviation, mean, width = statistics.stdev(zs), statistics.fmean(zs), statistics.median(halves)
-    ok = (165 <= 200 * inside / total <= 192 and 80 <= 200 * half_inside / total <= 120 and 0.75 <= deviation <= 1.3 and abs(mean) <= 0.3
-          and width <= 0.06)
-    return Figure(f"90 %: {inside} of {total}, 50 %: {half_inside}; z: s.d. {deviation:.2f}, mean {mean:+.2f}; half-width {100 * width:.1f} %", ok)
-
-
+identify_honest.add_rows(TABLE)
 identify_container.add_rows(TABLE)
 identify_coils.add_rows(TABLE)
 identify_piv.add_rows(TABLE)

@@ -23,7 +23,7 @@ protected:
     void two_runs() const {
         auto journal = Journal::open(folder_.path(), owner_);
         journal.ask("weir", {"1 Pa.s", "sph"}, "aa");
-        journal.ask("weir", {"2 Pa.s", "sph"}, "bb");
+        journal.ask("weir", {"2 Pa.s", "sph"}, "bb", {"a.b={c: 1, d: 2}", "e=3"});
         RunOutcome outcome{1, RunStatus::done, "", {{"front [m]", 1.0 / 3}, {"gone", std::nan("")}}, 2.5, 1e6, 2e3, 1, "then", "here", ""};
         journal.finish(outcome);
         outcome = {2, RunStatus::hung, "took no step, \"really\"\n", {}, 2.5, 1e6, 2e3, 0, "then", "here", ""};
@@ -40,6 +40,8 @@ TEST_F(JournalTest, WhatIsWrittenIsReadBackBitForBit) {
     EXPECT_EQ(journal.find("bb")->number, 2);
     EXPECT_EQ(journal.find("cc"), nullptr);
     EXPECT_EQ(journal.runs()[0].values, (Point{"1 Pa.s", "sph"}));
+    EXPECT_TRUE(journal.runs()[0].changes.empty());
+    EXPECT_EQ(journal.runs()[1].changes, (std::vector<std::string>{"a.b={c: 1, d: 2}", "e=3"}));
     const auto& first = *journal.outcome(1);
     EXPECT_EQ(first.figures[0].value, 1.0 / 3);
     EXPECT_TRUE(std::isnan(first.figures[1].value));

@@ -1,5 +1,6 @@
 #include "base/file.hpp"
 #include "sample.hpp"
+#include "study/forward_files.hpp"
 #include "study/study_runs.hpp"
 #include "study/table.hpp"
 
@@ -144,6 +145,23 @@ TEST_F(StudyRunsTest, NothingIsRunTwiceAndFailuresOnlyWhenAsked) {
     EXPECT_EQ(starts(), 4u);
     EXPECT_EQ(runs.journal().outcome(2)->status, RunStatus::done);
     EXPECT_EQ(runs.journal().outcome(2)->figures[0].value, 64);
+}
+
+TEST_F(StudyRunsTest, ARunWithChangesIsAnotherRunThatItsRequestTells) {
+    StudyRuns runs(study_, setup(), log_);
+    const std::vector<std::string> changes{"a.law={n: 2}", "a.b=7"};
+    const auto plain = runs.ask(candidate_of(study_, study_.scenes.front(), {"2"}, facts));
+    const auto changed = runs.ask(candidate_of(study_, study_.scenes.front(), {"2"}, facts, changes));
+    EXPECT_NE(plain, changed);
+    EXPECT_EQ(runs.ask(candidate_of(study_, study_.scenes.front(), {"2"}, facts, changes)), changed);
+    runs.run(std::vector{plain, changed});
+    EXPECT_TRUE(read_request(runs.run_folder(plain)).run.changes.empty());
+    EXPECT_EQ(read_request(runs.run_folder(changed)).run.changes, changes);
+    const auto last = assignments_of(study_, study_.scenes.front(), {"2"}, changes).back();
+    EXPECT_EQ(last.text, "a.b=7"); // after the parameter, and so it counts
+    const auto rows = table_of(study_, runs.journal(), std::vector{plain, changed}).rows;
+    EXPECT_EQ(rows[0].back(), "");
+    EXPECT_EQ(rows[1].back(), "with a.law={n: 2}; a.b=7");
 }
 
 // A study killed at any moment goes on from its journal; a result that was there counts although the journal lacks it.
