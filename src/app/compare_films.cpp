@@ -1,6 +1,6 @@
 #include "app/compare_films.hpp"
 
-#include "app/film_drawer.hpp"
+#include "app/bodies.hpp"
 #include "app/picture.hpp"
 #include "app/scenery.hpp"
 #include "base/error.hpp"
@@ -19,6 +19,8 @@ namespace treacle::app {
 namespace {
 using identify::Experiment;
 using identify::StudyFile;
+
+constexpr double same_frame = 1e-6; // [s] between masks that share a frame of the run
 
 // A comparison as numbers, to be sent.
 std::vector<double> packed(const identify::FrameComparison& one) {
@@ -44,34 +46,6 @@ identify::FrameComparison unpacked(const double*& at) {
         at += s.by_view.size();
         out.segments.push_back(s);
     }
-    return out;
-}
-
-identify::RunResiduals compare(const Comm& comm, const StudyFile& file, const Experiment& experiment, const RunView& run, const std::filesystem::path& masks) {
-    std::optional<FilmDrawer> film;
-    comm.guard([&] { film.emplace(file, experiment, run); });
-    comm.guard_root([&] { std::filesystem::create_directories(masks); });
-    identify::RunResiduals out;
-    const auto ranks = std::size_t(comm.size());
-    const auto& frames = film->frames();
-    for (std::size_t begin = 0; begin < frames.size(); begin += ranks) {
-        const auto mine = begin + std::size_t(comm.rank());
-        std::vector<double> numbers;
-        comm.guard([&] {
-            if (mine >= frames.size()) return;
-            const auto simulated = film->draw(mine);
-            video::write_mask(masks / frames[mine].mask.filename(), simulated.now.mask);
-            numbers = packed(identify::compare_frame(frames[mine], video::read_mask(frames[mine].mask), simulated, film->camera()));
-        });
-        const auto all = comm.all_gather(std::span<const double>(numbers));
-        for (const double* at = all.data(); at < all.data() + all.size();) {
-            auto one = unpacked(at);
-            out.segments.insert(out.segments.end(), one.segments.begin(), one.segments.end());
-            one.segments.clear();
-            out.frames.push_back(std::move(one));
-        }
-    }
-    out.observed = frames;
     return out;
 }
 
@@ -116,9 +90,61 @@ ExperimentCamera experiment_camera(const StudyFile& file, const Experiment& expe
     return out;
 }
 
-void compare_with_film(const Comm& comm, const StudyFile& file, const Experiment& experiment, const RunView& run, const std::filesystem::path& folder) {
-    const auto residuals = compare(comm, file, experiment, run, folder / ("masks_" + experiment.name));
-    comm.guard_root([&] { identify::write_residuals(folder, experiment.name, residuals); });
+FilmComparison::FilmComparison(const Comm& comm, const StudyFile& file, const Experiment& experiment, std::filesystem::path folder)
+    : comm_(comm), file_(file), experiment_(experiment), folder_(std::move(folder)), masks_(folder_ / ("masks_" + experiment.name)) {
+    comm_.guard([&] { frames_ = identify::observed_frames(experiment_, file_.beside(experiment_.masks)); });
+}
+
+void FilmComparison::look_at(const RunView& run) {
+    if (film_ && drawn_ == &run && !any_moves(run.input)) return; // else bodies are elsewhere by now
+    comm_.guard([&] { film_.emplace(file_, experiment_, run); });
+    comm_.guard_root([&] { std::filesystem::create_directories(masks_); });
+    drawn_ = &run;
+}
+
+void FilmComparison::compare_reached(const RunView& run) {
+    const double reached = run.frames.back().time + same_frame;
+    const auto due = std::size_t(std::ranges::upper_bound(frames_, reached, {}, &identify::ObservedFrame::time) - frames_.begin());
+    const auto turn = std::size_t(comm_.size());
+    if (residuals_.frames.size() + turn > due) return;
+    look_at(run);
+    while (residuals_.frames.size() + turn <= due) compare_turn();
+}
+
+void FilmComparison::complete(const RunView& run) {
+    look_at(run);
+    while (residuals_.frames.size() < frames_.size()) compare_turn();
+    residuals_.observed = frames_;
+    comm_.guard_root([&] { identify::write_residuals(folder_, experiment_.name, residuals_); });
+}
+
+void FilmComparison::compare_turn() {
+    const auto mine = residuals_.frames.size() + std::size_t(comm_.rank());
+    std::vector<double> numbers;
+    comm_.guard([&] {
+        if (mine >= frames_.size()) return;
+        const auto simulated = film_->draw(mine);
+        video::write_mask(masks_ / frames_[mine].mask.filename(), simulated.now.mask);
+        numbers = packed(identify::compare_frame(frames_[mine], video::read_mask(frames_[mine].mask), simulated, film_->camera()));
+    });
+    const auto all = comm_.all_gather(std::span<const double>(numbers));
+    for (const double* at = all.data(); at < all.data() + all.size();) {
+        auto one = unpacked(at);
+        residuals_.segments.insert(residuals_.segments.end(), one.segments.begin(), one.segments.end());
+        one.segments.clear();
+        residuals_.frames.push_back(std::move(one));
+    }
+}
+
+identify::FilmMismatches FilmComparison::mismatches() const {
+    identify::FilmMismatches out;
+    out.masks = frames_.size();
+    for (std::size_t i = 0; i < residuals_.frames.size(); ++i) {
+        out.times.push_back(frames_[i].time);
+        out.mismatches.push_back(identify::mismatch_objective(residuals_.frames[i]));
+    }
+    if (out.times.size() < frames_.size()) out.next = frames_[out.times.size()].time;
+    return out;
 }
 
 ObservationNeeds film_needs(const StudyFile& file, const Experiment& experiment, const Input& input) {

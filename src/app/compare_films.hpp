@@ -1,8 +1,11 @@
 #pragma once
-#include "app/frame_set.hpp"
+#include "app/film_drawer.hpp"
 #include "app/observation_needs.hpp"
 #include "identify/identification.hpp"
+#include "identify/mismatch_sum.hpp"
 #include "mpi/comm.hpp"
+
+#include <optional>
 
 namespace treacle::app {
 
@@ -15,10 +18,33 @@ struct ExperimentCamera {
 // Throws InputError for a camera that is neither a file beside the study nor one of the scene's.
 ExperimentCamera experiment_camera(const identify::StudyFile& file, const identify::Experiment& experiment, const Input& input);
 
-// Compares a finished run with the masks of a film, and writes residuals_NAME.csv, mismatches_NAME.csv and the masks that the
-// camera would see, masks_NAME/, into the folder. Collective; each rank draws some of the frames.
-void compare_with_film(const Comm& comm, const identify::StudyFile& file, const identify::Experiment& experiment, const RunView& run,
-                       const std::filesystem::path& folder);
+// Compares a run, be it under way, with the masks of a film; the masks that the camera would see go into masks_NAME/ in the folder.
+// Collective; each rank draws some of the frames.
+class FilmComparison {
+public:
+    // The study must stay. Throws InputError.
+    FilmComparison(const Comm& comm, const identify::StudyFile& file, const identify::Experiment& experiment, std::filesystem::path folder);
+
+    // Of the masks that are not compared yet those that a run under way has reached, in turns of a mask a rank; others wait.
+    void compare_reached(const RunView& run);
+    // All others, and then writes residuals_NAME.csv and mismatches_NAME.csv. The run has ended.
+    void complete(const RunView& run);
+    identify::FilmMismatches mismatches() const; // so far
+    const identify::Experiment& experiment() const { return experiment_; }
+
+private:
+    void look_at(const RunView& run);
+    void compare_turn();
+
+    Comm comm_;
+    const identify::StudyFile& file_;
+    const identify::Experiment& experiment_;
+    std::filesystem::path folder_, masks_;
+    std::vector<identify::ObservedFrame> frames_;
+    std::optional<FilmDrawer> film_;
+    const RunView* drawn_ = nullptr; // the run that is drawn
+    identify::RunResiduals residuals_;
+};
 
 // Needs of a film of its run: frames at the times of the masks. Throws InputError for a film that is longer than the run, and
 // masks of another size than the camera's pictures.

@@ -37,14 +37,9 @@ std::string six_digits(double value) {
     return text;
 }
 
-std::filesystem::path folder_of(const study::StudyRuns& runs, std::int64_t number) {
-    const auto* outcome = runs.journal().outcome(number);
-    return outcome && !outcome->folder.empty() ? std::filesystem::path(outcome->folder) : runs.run_folder(number);
-}
-
 identify::CurveFit fit_over_flow(const identify::ViscositiesByRate& measured, const identify::Trial& answer, const study::StudyRuns& runs) {
     identify::ShearRates flow;
-    for (const auto run : answer.runs) flow.add(identify::read_shear_rates(folder_of(runs, run)).weights());
+    for (const auto run : answer.runs) flow.add(identify::read_shear_rates(runs.folder_of(run)).weights());
     return flow.empty() ? identify::fit_flow_curve(measured) : identify::fit_flow_curve(measured, flow.quantile(0.05), flow.quantile(0.95));
 }
 

@@ -35,6 +35,17 @@ std::vector<std::string> numbers_apart(std::vector<double> times) {
 
 Input input_of(const StudyFile& file, const study::StudyScene& scene) { return load_scene({file.study.scene_file(scene), scene.set, {}, {}, {}}); }
 
+// Goes on with the comparison that has begun, where one has.
+void compare_with_film(const Comm& comm, const StudyFile& file, const Experiment& experiment, const RunView& run, const std::filesystem::path& folder,
+                       std::list<FilmComparison>* begun) {
+    if (begun) {
+        const auto one = std::ranges::find_if(*begun, [&](const FilmComparison& other) { return &other.experiment() == &experiment; });
+        if (one != begun->end()) return one->complete(run);
+    }
+    FilmComparison(comm, file, experiment, folder).complete(run);
+}
+} // namespace
+
 std::vector<const Experiment*> experiments_of(const StudyFile& file, const study::StudyScene& scene) {
     std::vector<const Experiment*> out;
     for (const auto& one : file.experiments) {
@@ -42,8 +53,6 @@ std::vector<const Experiment*> experiments_of(const StudyFile& file, const study
     }
     return out;
 }
-} // namespace
-
 void check_end(const std::string& where, const std::string& name, double last, double end) {
     if (last <= end * (1 + 1e-9)) return;
     throw InputError({where, name + " is compared up to " + format_number(last) + " s", "the scene ends at " + format_number(end) + " s", "give `to`, or a longer time.end"});
@@ -66,7 +75,8 @@ identify::Priors experiment_priors(const StudyFile& file) {
     return out;
 }
 
-void compare_with_experiments(const Comm& comm, const StudyFile& file, const study::StudyScene& scene, const std::filesystem::path& folder) {
+void compare_with_experiments(const Comm& comm, const StudyFile& file, const study::StudyScene& scene, const std::filesystem::path& folder,
+                              std::list<FilmComparison>* begun) {
     const auto experiments = experiments_of(file, scene);
     if (experiments.empty()) return;
     const auto run = open_run(comm, folder / "run");
@@ -81,7 +91,7 @@ void compare_with_experiments(const Comm& comm, const StudyFile& file, const stu
         } else if (experiment->kind == ExperimentKind::occupancy) {
             compare_occupancy(comm, file, *experiment, run, folder);
         } else {
-            compare_with_film(comm, file, *experiment, run, folder);
+            compare_with_film(comm, file, *experiment, run, folder, begun);
         }
     }
     if (run.frames.empty()) return;

@@ -1,16 +1,24 @@
 #pragma once
+#include "app/compare_films.hpp"
 #include "app/input.hpp"
 #include "app/observation_needs.hpp"
 #include "identify/identification.hpp"
 #include "mpi/comm.hpp"
+
+#include <list>
 
 namespace treacle::app {
 
 // Priors of the views of all experiments. Throws InputError.
 identify::Priors experiment_priors(const identify::StudyFile& file);
 
+// Experiments of a scene of the study, in their order.
+std::vector<const identify::Experiment*> experiments_of(const identify::StudyFile& file, const study::StudyScene& scene);
+
 // Compares a finished run of a scene with the experiments of that scene, and writes their residuals into the folder. Collective.
-void compare_with_experiments(const Comm& comm, const identify::StudyFile& file, const study::StudyScene& scene, const std::filesystem::path& folder);
+// begun: comparisons that began while it was under way; null: none.
+void compare_with_experiments(const Comm& comm, const identify::StudyFile& file, const study::StudyScene& scene, const std::filesystem::path& folder,
+                              std::list<FilmComparison>* begun = nullptr);
 
 // Needs of a scene's experiments of its run together; their content as a hash. Throws InputError for observations that do not
 // fit the scene.

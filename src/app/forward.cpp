@@ -1,6 +1,7 @@
 #include "app/forward.hpp"
 
 #include "app/experiments.hpp"
+#include "app/mismatch_watch.hpp"
 #include "app/run.hpp"
 #include "app/study_scenes.hpp"
 #include "study/child_process.hpp"
@@ -71,13 +72,20 @@ ExitCode run_asked(const Comm& comm, const std::filesystem::path& folder, const 
     request.existing = io::ExistingFiles::overwrite;
     request.command = {"treacle", "forward", folder.string()};
     request.company = company;
+    std::optional<MismatchWatch> watch;
+    if (asked.request.cut < study::no_cut) {
+        watch.emplace(comm, asked.file, *asked.scene, folder, asked.request.cut);
+        request.company.told_enough = [&] { return watch->look(); };
+    }
     const auto code = run_scene(comm, request);
     if (code != ExitCode::ok) return code;
-    compare_with_experiments(comm, asked.file, *asked.scene, folder);
+    const auto bound = watch ? watch->bound() : std::nullopt;
+    if (!bound) compare_with_experiments(comm, asked.file, *asked.scene, folder, watch ? &watch->comparisons() : nullptr);
     const double peak = peak_bytes(comm);
     comm.guard_root([&] {
         const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-        study::write_result(folder, {asked.request.run.number, asked.request.run.key, figures_of(asked.file.study, folder / "run"), seconds, peak});
+        const auto figures = bound ? std::vector<study::Figure>() : figures_of(asked.file.study, folder / "run");
+        study::write_result(folder, {asked.request.run.number, asked.request.run.key, figures, seconds, peak, bound});
     });
     return code;
 }
@@ -92,7 +100,8 @@ ExitCode answer(const Comm& comm, const std::filesystem::path& folder, const Com
                               "the study's runs have " + std::to_string(asked.file.study.runs.ranks) + " (runs.ranks), and digits may differ between numbers of ranks",
                               "start it with mpiexec -n " + std::to_string(asked.file.study.runs.ranks) + ", or change the study"});
         }
-        done = study::read_result(folder, asked.request.run.key).has_value();
+        const auto result = study::read_result(folder, asked.request.run.key);
+        done = result && (!result->bound || *result->bound > asked.request.cut);
     });
     if (done) {
         if (comm.is_root()) std::printf("%s is done\n", folder.c_str());

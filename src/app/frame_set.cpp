@@ -77,12 +77,16 @@ RunView open_run(const Comm& comm, const std::filesystem::path& path) {
     run.folder = io::open_run_folder(comm, path);
     comm.guard([&] {
         run.input = load_input({run.folder.effective_scene(), {}, {}, {}, {}});
-        const auto series = run.folder.frames() / (run.input.scene.output.name + ".hdf.series");
-        if (std::filesystem::exists(series)) run.frames = io::read_series(series);
-        const auto solids = run.folder.frames() / "solid.hdf.series";
-        if (std::filesystem::exists(solids)) run.solids = io::read_series(solids);
+        look_again(run);
     });
     return run;
+}
+
+void look_again(RunView& run) {
+    const auto series = run.folder.frames() / (run.input.scene.output.name + ".hdf.series");
+    if (std::filesystem::exists(series)) run.frames = io::read_series(series);
+    const auto solids = run.folder.frames() / "solid.hdf.series";
+    if (std::filesystem::exists(solids)) run.solids = io::read_series(solids);
 }
 
 std::optional<std::filesystem::path> RunView::solids_of(std::size_t i) const {

@@ -41,6 +41,9 @@ std::size_t nearest_frame(const RunView& run, double time);
 // Collective. Throws InputError on every rank when it is no run's folder.
 RunView open_run(const Comm& comm, const std::filesystem::path& path);
 
+// Finds the frames that a run under way has written meanwhile. On this rank alone.
+void look_again(RunView& run);
+
 // Throws InputError when the run has no frame.
 void require_frames(const RunView& run);
 

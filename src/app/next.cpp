@@ -75,7 +75,7 @@ std::vector<std::filesystem::path> run_points(const identify::StudyFile& file, c
     for (const auto number : numbers) {
         const auto* outcome = runs.journal().outcome(number);
         if (!outcome || outcome->status != study::RunStatus::done) throw SimulationError({runs.run_folder(number).string(), "a run of the candidate failed", outcome ? outcome->reason : "", "its log.txt says more"});
-        out.push_back(outcome->folder.empty() ? runs.run_folder(number) : std::filesystem::path(outcome->folder));
+        out.push_back(runs.folder_of(number));
     }
     return out;
 }

@@ -61,7 +61,7 @@ int drop(Journal& journal, const std::filesystem::path& folder, const std::strin
     int dropped = 0;
     for (const auto& run : journal.runs()) {
         const auto* outcome = journal.outcome(run.number);
-        if (!outcome || (wanted ? double(run.number) != *wanted : outcome->status == RunStatus::done)) continue;
+        if (!outcome || (wanted ? double(run.number) != *wanted : !study::is_failure(outcome->status))) continue;
         journal.drop(run.number);
         journal.sync();
         std::filesystem::remove_all(folder / "runs" / study::request_folder(run.number)); // or its result would be found again

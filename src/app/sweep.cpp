@@ -36,7 +36,7 @@ io::TableFile hdf5_of(const study::Table& table) {
 void tell_failures(Log& log, const study::Journal& journal, const std::vector<std::int64_t>& runs) {
     for (const auto number : runs) {
         const auto* outcome = journal.outcome(number);
-        if (!outcome || outcome->status == study::RunStatus::done) continue;
+        if (!outcome || !study::is_failure(outcome->status)) continue;
         log.warn("run " + std::to_string(number) + " (" + join(journal.runs()[std::size_t(number - 1)].values, ", ") + ") " +
                  study::word(outcome->status) + ": " + outcome->reason);
     }

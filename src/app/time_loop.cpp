@@ -141,6 +141,7 @@ void TimeLoop::write_due(Outputs& outputs, const StepFigures& report) {
         outputs.write_solids(progress_);
         next_frame_ = output.next_frame(now);
         line = line || output.log_interval == 0;
+        if (setup_.company.told_enough && !finished()) told_enough_ = setup_.company.told_enough();
     }
     if (output.log_interval > 0 && now >= next_line_) {
         next_line_ += output.log_interval;
@@ -249,7 +250,7 @@ ExitCode TimeLoop::run(Opening opening) {
     }
     count_due();
     auto reason = StopControl::Reason::none;
-    while (!finished() && reason == StopControl::Reason::none) {
+    while (!finished() && !told_enough_ && reason == StopControl::Reason::none) {
         take_step(outputs);
         if (setup_.company.between_steps) setup_.company.between_steps();
         reason = stop_.ask();
@@ -258,6 +259,11 @@ ExitCode TimeLoop::run(Opening opening) {
     if (finished()) {
         write_summary("finished");
         log_.line("finished: " + setup_.folder.root.string());
+        return ExitCode::ok;
+    }
+    if (told_enough_) {
+        write_summary("ended early");
+        log_.line("ended early: " + setup_.folder.root.string());
         return ExitCode::ok;
     }
     if (saved_step_ != progress_.step) save(outputs);

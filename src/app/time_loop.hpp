@@ -49,6 +49,7 @@ private:
     double next_wall_save_ = 0;   // [s] of the clock
     std::int64_t start_step_ = 0;
     std::int64_t saved_step_ = -1; // of the newest checkpoint
+    bool told_enough_ = false;
     bool stale_ = false; // particles were taken out after the densities had been computed
     std::int64_t iterations_ = 0;
 };

@@ -59,9 +59,21 @@ void Experiment::declare(Declaration& d) {
 void SearchSettings::declare(Declaration& d) {
     d.choice<Method>("method", method,
                      {{"automatic", Method::automatic}, {"bracketing", Method::bracketing}, {"gauss_newton", Method::gauss_newton}, {"cma_es", Method::cma_es}, {"dissertation", Method::dissertation}},
-                     "automatic: bracketing for one parameter, gauss_newton for several; bracketing: from both sides, then Brent's method; gauss_newton: by "
+                     "automatic: bracketing for one parameter, gauss_newton for several, or cma_es where the objective is the mismatch; bracketing: from both sides, then Brent's method; gauss_newton: by "
                      "the residuals of each segment, in some 15 runs of three parameters; cma_es: by the objective alone, in hundreds; dissertation: that of its "
                      "section 6.5.5, CMA-ES without a logarithm.");
+    d.choice<Objective>("objective", objective, {{"displacements", Objective::displacements}, {"mismatch", Objective::mismatch}},
+                        "displacements: of contours, with the view that suits each run best; mismatch: half the share of pixels that differ, (6.9) of the "
+                        "dissertation, mean over masks and films. The answer and its interval are those of the displacements either way.");
+    d.check(objective == Objective::displacements || method != Method::gauss_newton, "objective",
+            {"must be displacements", "gauss_newton goes by them, segment by segment", "leave it out, or write method: cma_es"});
+    d.boolean("early_stop", early_stop,
+              "Whether cma_es and dissertation, with objective: mismatch, end a run once its frames so far are worse than the worst run of the generation "
+              "before. Its value is then a lower bound, which ranks but enters no fit.");
+    const bool grows = objective == Objective::mismatch && (method == Method::automatic || method == Method::cma_es || method == Method::dissertation);
+    d.check(!d.given("early_stop") || !early_stop || grows, "early_stop",
+            {"has no effect", "only the mismatch grows from frame to frame whatever the frames to come are, and only cma_es and dissertation have cuts",
+             "leave it out, or write method: cma_es, objective: mismatch"});
     d.integer("evaluations", evaluations, range_at_least(3), "Runs of each scene at most.");
     d.number("tolerance", tolerance, unit::none, range_above(0), "Relative change of the parameters at which the search ends.");
     d.integer("seed", seed, range_at_least(0), "Of the random numbers of cma_es.");

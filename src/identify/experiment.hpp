@@ -54,11 +54,19 @@ struct Experiment {
 
 enum class Method { automatic, bracketing, gauss_newton, cma_es, dissertation };
 
+// What the search makes least.
+enum class Objective {
+    displacements, // residual_objective, of contours, fields and series
+    mismatch,      // mean over films of (6.9)
+};
+
 // Spacing at which the answer is read off the rungs.
 enum class Answer { extrapolated, finest };
 
 struct SearchSettings {
     Method method = Method::automatic;
+    Objective objective = Objective::displacements;
+    bool early_stop = true;  // of runs that are hopeless; see stops_early
     int evaluations = 20;    // at most
     double tolerance = 0.03; // of the parameters, relative
     int seed = 1;
@@ -67,6 +75,8 @@ struct SearchSettings {
     int noise_runs = 4;             // of the search's spacing, changed a little, that measure the numerical noise
 
     void declare(Declaration& d);
+    // Whether runs of a search that has cuts may stop early: those of an objective that only grows from frame to frame.
+    bool stops_early() const { return early_stop && objective == Objective::mismatch; }
 };
 
 } // namespace treacle::identify

@@ -3,6 +3,7 @@
 #include "base/error.hpp"
 #include "base/text.hpp"
 #include "identify/directions.hpp"
+#include "identify/early_stop.hpp"
 #include "identify/profile.hpp"
 #include "identify/repeats.hpp"
 #include "search/bracketing.hpp"
@@ -13,6 +14,7 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <functional>
 #include <limits>
 #include <memory>
 
@@ -67,7 +69,7 @@ std::unique_ptr<search::Search> search_of(const StudyFile& file) {
         throw InputError({file.study.path.string(), "search.method = bracketing, for " + std::to_string(axes.size()) + " parameters", "it brackets one",
                           "write search: gauss_newton"});
     }
-    if (file.search.method == Method::gauss_newton || automatic) {
+    if (file.search.method == Method::gauss_newton || (automatic && file.search.objective == Objective::displacements)) {
         search::GaussNewtonOptions options;
         options.limits = limits;
         return std::make_unique<search::GaussNewton>(axes, options);
@@ -93,9 +95,11 @@ public:
     Trials(const StudyFile& file, const Priors& priors, study::StudyRuns& runs, const study::SceneReader& read_scene, Log& log, Identification& out)
         : file_(file), priors_(priors), runs_(runs), read_scene_(read_scene), log_(log), out_(out) {}
 
-    // Of each point and its variation: nothing where a run failed. Throws Stopped when asked to stop.
+    // Of each point and its variation: nothing where a run failed or stopped early. Runs may do that where the search's objective of the k-th
+    // point is above cut(k), infinite where it may not. Throws Stopped when asked to stop.
     struct Stopped {};
-    std::vector<std::optional<EvaluatedRun>> run(Wanted wanted) {
+    using Cuts = std::function<double(std::size_t)>;
+    std::vector<std::optional<EvaluatedRun>> run(Wanted wanted, const Cuts& cut = {}) {
         std::vector<std::int64_t> numbers;
         std::vector<Trial> fresh;
         for (auto& [point, variation] : wanted) {
@@ -103,7 +107,8 @@ public:
             auto& trial = fresh.emplace_back();
             trial.purpose = variation.purpose;
             trial.values = values_at(point, variation);
-            for (const auto& candidate : candidates_at(trial.values)) {
+            for (auto& candidate : candidates_at(trial.values)) {
+                if (cut) candidate.cut = cut(fresh.size() - 1) * double(file_.experiments.size()); // a mean over films: the others add to it
                 trial.runs.push_back(runs_.ask(candidate));
                 numbers.push_back(trial.runs.back());
             }
@@ -161,6 +166,7 @@ private:
     }
     std::optional<EvaluatedRun> evaluate(Trial& trial, const search::Point& point) const {
         trial.objective = none;
+        trial.bound = bound_of_runs(file_, runs_, trial.runs);
         auto run = evaluated_runs(file_, runs_, trial.runs);
         if (!run) return {};
         run->point = Eigen::Map<const Eigen::VectorXd>(point.data(), Eigen::Index(point.size()));
@@ -171,7 +177,8 @@ private:
     void tell(const Trial& trial) const {
         std::string line = "trial " + std::to_string(out_.trials.size() + 1) + " (" + trial.purpose + ")";
         for (std::size_t k = 0; k < trial.values.size(); ++k) line += "  " + file_.study.parameters[k].name + " " + short_word(file_.study.parameters[k], trial.values[k]);
-        log_.line(line + (std::isnan(trial.objective) ? "  failed" : "  objective " + short_number(trial.objective)));
+        const std::string what = file_.search.objective == Objective::mismatch ? "  E " : "  objective ";
+        log_.line(line + (trial.bound ? what + ">= " + short_number(*trial.bound) + ", stopped early" : std::isnan(trial.objective) ? "  failed" : what + short_number(sought(file_, trial))));
     }
     static std::string short_number(double value) {
         char text[32];
@@ -445,11 +452,12 @@ void search_and_estimate(const StudyFile& file, const Priors& priors, Trials& tr
         for (const auto& point : search->ask()) wanted.push_back({point, {}});
         trials.offer(expected_runs(file, priors, trials, *search));
         const auto before = out.trials.size();
-        const auto evaluated = trials.run(wanted);
-        if (search->uses_residuals()) search->tell_residuals(residuals_of(evaluated, priors));
+        const auto cut = [&](std::size_t k) { return search->cut(k); };
+        const auto evaluated = trials.run(wanted, file.search.stops_early() ? Trials::Cuts(cut) : Trials::Cuts());
+        if (search->uses_residuals() && file.search.objective == Objective::displacements) search->tell_residuals(residuals_of(evaluated, priors));
         std::vector<search::Value> values;
         for (std::size_t i = before; i < out.trials.size(); ++i) {
-            values.push_back(std::isnan(out.trials[i].objective) ? search::Value::failed() : search::Value::measured(out.trials[i].objective));
+            values.push_back(value_for_search(file, out.trials[i]));
         }
         search->tell(values);
     }
@@ -490,7 +498,7 @@ std::optional<EvaluatedRun> evaluated_runs(const StudyFile& file, const study::S
         const auto number = numbers[std::size_t(&file.scene_of(experiment) - file.study.scenes.data())];
         const auto* outcome = runs.journal().outcome(number);
         if (!outcome || outcome->status != study::RunStatus::done) return {};
-        out.experiments.push_back(read_residuals(outcome->folder.empty() ? runs.run_folder(number) : std::filesystem::path(outcome->folder), experiment.name, experiment.kind));
+        out.experiments.push_back(read_residuals(runs.folder_of(number), experiment.name, experiment.kind));
     }
     return out;
 }

@@ -11,8 +11,9 @@ namespace treacle::identify {
 struct Trial {
     std::vector<double> values;      // of all parameters of the study, in their units
     std::vector<std::int64_t> runs;  // one a scene
-    double objective = 0;            // residual_objective; not a number where a run failed
-    std::vector<double> mismatches;  // by experiment: (6.9), mean over frames; (E.1) [m2/s2]; mean square of a series. Empty where a run failed
+    double objective = 0;            // residual_objective; not a number where a run failed or stopped early
+    std::vector<double> mismatches;  // by experiment: (6.9), mean over frames; (E.1) [m2/s2]; mean square of a series. Empty where a run failed or stopped early
+    std::optional<double> bound = {}; // of the search's objective, where a run stopped early: what it is at least
     std::string purpose;             // "search", "around the answer", "rung 4 mm", "noise", "density"
 };
 

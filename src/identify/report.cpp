@@ -236,7 +236,7 @@ std::string trial_row(const Trial& trial, std::size_t number) {
     for (const auto run : trial.runs) runs += (runs.empty() ? "" : ", ") + std::to_string(run);
     std::vector<std::string> cells{std::to_string(number), trial.purpose, runs};
     for (const double value : trial.values) cells.push_back(std::isnan(value) ? "as measured" : digits(value, 6));
-    cells.push_back(std::isnan(trial.objective) ? "failed" : digits(trial.objective, 5));
+    cells.push_back(trial.bound ? "stopped early, E &ge; " + digits(*trial.bound, 4) : std::isnan(trial.objective) ? "failed" : digits(trial.objective, 5));
     for (const double one : trial.mismatches) cells.push_back(digits(one, 4));
     return row(cells);
 }

@@ -19,6 +19,9 @@ void StudyFile::declare(Declaration& d) {
     if (!d.parsing()) return;
     searched = study.parameters.size();
     if (!experiments.empty()) add_measured_and_rungs(d);
+    const bool films = std::ranges::all_of(experiments, [](const Experiment& one) { return one.kind == ExperimentKind::contours; });
+    d.check(films || search.objective == Objective::displacements, "search",
+            {"must have objective: displacements", "the mismatch (6.9) is that of masks, frame by frame", "leave the objective out"});
     for (std::size_t i = 0; i < experiments.size(); ++i) {
         const auto& one = experiments[i];
         const bool known = one.scene.empty() || std::ranges::find(study.scenes, one.scene, &study::StudyScene::name) != study.scenes.end();

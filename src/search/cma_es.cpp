@@ -85,15 +85,13 @@ void CmaEs::learn(const std::vector<std::vector<double>>& candidates, std::span<
     const auto order = ranking(values);
     std::vector<std::vector<double>> ranked;
     std::size_t valued = 0, measured = 0;
-    double worst = std::numeric_limits<double>::infinity();
+    cut_ = std::numeric_limits<double>::infinity();
     for (const std::size_t k : order) {
         ranked.push_back(candidates[k]);
         if (!values[k].is_failed()) ++valued;
         if (!values[k].is_measured()) continue;
-        ++measured;
-        worst = values[k].value();
+        if (++measured == state_.constants().mu) cut_ = values[k].value();
     }
-    cut_ = measured >= state_.constants().mu ? worst : std::numeric_limits<double>::infinity();
     state_.update(ranked, valued);
 }
 

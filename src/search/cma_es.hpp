@@ -31,7 +31,8 @@ class CmaEs : public Search {
 public:
     explicit CmaEs(std::vector<Axis> axes, CmaOptions options = {});
 
-    // The worst value measured in the last generation; none where most of it ended early, so that cuts do not close in.
+    // The worst value among the parents of the last generation, its better half; none where not all of them were measured, so that cuts do not
+    // close in.
     double cut(std::size_t) const override { return cut_; }
     Point centre() const override;
     Point spread() const override;

@@ -38,6 +38,7 @@ struct Candidate {
     double end = 0;  // [s] of simulated time
     double work = 0; // as in SceneFacts
     std::vector<std::string> changes = {}; // as in RunRequest
+    double cut = no_cut; // it may stop early once its objective is above
 };
 // Throws InputError when the scene refuses the values or changes.
 Candidate candidate_of(const Study& study, const StudyScene& scene, const Point& values, const SceneReader& read_scene, const std::vector<std::string>& changes = {});

@@ -8,6 +8,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 
@@ -21,6 +22,7 @@ struct RequestFile {
     int schema_version = 1, number = 0;
     std::string study, scene, key;
     std::vector<std::string> parameters, values, changes, overrides;
+    double cut = 0;
 
     void declare(Declaration& d) {
         d.integer("schema_version", schema_version, range_between(1, 1), "Version of the layout of this file.");
@@ -33,6 +35,7 @@ struct RequestFile {
         d.texts("parameters", parameters, "Names of the study's parameters.");
         d.texts("values", values, "Value of each, as it stands in the scene.");
         d.texts("changes", changes, "Keys of the scene that this run sets after the parameters.");
+        d.number("cut", cut, unit::none, range_at_least(0), "Objective above which the run stops early: the sum of (6.9) over its films; 0: it does not.");
         d.texts("set", overrides, "Keys of the study that were overridden, as for --set.");
         d.check(parameters.size() == values.size(), "values", {"must be as many as the parameters", "", "give one for each"});
     }
@@ -78,6 +81,7 @@ void write_request(const std::filesystem::path& folder, const ForwardRequest& re
     file.values = request.run.values;
     file.changes = request.run.changes;
     file.overrides = request.overrides;
+    if (request.cut < no_cut) file.cut = request.cut;
     write_file_atomically(folder / "params.in", dakota_parameters(request), durability);
     write_file_atomically(folder / "params.yaml", effective(file), durability);
 }
@@ -90,7 +94,7 @@ ForwardRequest read_request(const std::filesystem::path& folder) {
     }
     RequestFile file;
     parse(Document::load(path), file);
-    return {file.study, {file.number, file.scene, file.values, file.key, file.changes}, file.parameters, file.overrides};
+    return {file.study, {file.number, file.scene, file.values, file.key, file.changes}, file.parameters, file.overrides, file.cut > 0 ? file.cut : no_cut};
 }
 
 void write_result(const std::filesystem::path& folder, const ForwardResult& result) {
@@ -100,7 +104,8 @@ void write_result(const std::filesystem::path& folder, const ForwardResult& resu
         figures[figure.name] = std::isfinite(figure.value) ? Json(figure.value) : Json(nullptr);
         dakota += format_number(figure.value) + " " + dakota_label(figure.name) + "\n";
     }
-    const Json json{{"number", result.number}, {"key", result.key}, {"figures", figures}, {"seconds", result.seconds}, {"peak_bytes", result.peak_bytes}};
+    Json json{{"number", result.number}, {"key", result.key}, {"figures", figures}, {"seconds", result.seconds}, {"peak_bytes", result.peak_bytes}};
+    if (result.bound) json["bound"] = *result.bound;
     write_file_atomically(folder / "results.out", dakota);
     write_file_atomically(folder / "result.json", json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n");
 }
@@ -118,6 +123,7 @@ std::optional<ForwardResult> read_result(const std::filesystem::path& folder, co
         ForwardResult out{json.at("number").get<std::int64_t>(), json.at("key").get<std::string>(), {}, json.at("seconds").get<double>(),
                           json.at("peak_bytes").get<double>()};
         if (out.key != key) return {};
+        if (json.contains("bound")) out.bound = json.at("bound").get<double>();
         for (const auto& [name, value] : json.at("figures").items()) {
             out.figures.push_back({name, value.is_null() ? std::nan("") : value.get<double>()});
         }
@@ -125,6 +131,14 @@ std::optional<ForwardResult> read_result(const std::filesystem::path& folder, co
     } catch (const nlohmann::json::exception& error) {
         throw InputError({path.string(), "cannot be read", error.what(), "remove it and run again"});
     }
+}
+
+void take_result(const ForwardResult& result, RunOutcome& outcome) {
+    outcome.status = result.bound ? RunStatus::stopped_early : RunStatus::done;
+    outcome.reason = result.bound ? "objective >= " + format_number(*result.bound) : "";
+    outcome.bound = result.bound.value_or(0);
+    outcome.figures = result.figures;
+    outcome.peak_bytes = std::max(outcome.peak_bytes, result.peak_bytes);
 }
 
 std::string read_failure(const std::filesystem::path& folder) {

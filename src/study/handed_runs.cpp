@@ -32,11 +32,8 @@ void take_one(const Study& study, Journal& journal, const std::filesystem::path&
         throw InputError({where, "has the result of another run", "its key is not that of its params.yaml", "remove result.json, and run it again"});
     }
     if (result) {
-        outcome.status = RunStatus::done;
-        outcome.reason.clear();
-        outcome.figures = result->figures;
+        take_result(*result, outcome);
         outcome.seconds = result->seconds;
-        outcome.peak_bytes = result->peak_bytes;
     } else if (outcome.reason.empty()) {
         ++(known ? taken.known : taken.open);
         return;
@@ -61,7 +58,7 @@ std::vector<std::int64_t> hand_out(const Study& study, const Journal& journal, s
     for (const auto number : runs) {
         if (int(out.size()) == count) break;
         const auto* outcome = journal.outcome(number);
-        const bool again = outcome && retry_failed && outcome->status != RunStatus::done;
+        const bool again = outcome && ((retry_failed && is_failure(outcome->status)) || !outcome->answers(no_cut));
         const auto own = folder / request_folder(number);
         if (outcome ? !again : std::filesystem::exists(own / "params.yaml")) continue;
         std::filesystem::remove_all(own);

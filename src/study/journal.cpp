@@ -31,6 +31,7 @@ Json json_of(const RunOutcome& outcome) {
     for (const auto& figure : outcome.figures) figures[figure.name] = number(figure.value);
     Json out{{"ended", outcome.number}, {"status", word(outcome.status)}};
     if (!outcome.reason.empty()) out["reason"] = outcome.reason;
+    if (outcome.status == RunStatus::stopped_early) out["bound"] = number(outcome.bound);
     out["figures"] = figures;
     out["seconds"] = number(outcome.seconds);
     out["peak_bytes"] = number(outcome.peak_bytes);
@@ -49,6 +50,7 @@ RunOutcome outcome_of(const Json& line) {
     if (!status) throw std::runtime_error("its status is unknown");
     out.status = *status;
     out.reason = line.value("reason", "");
+    if (out.status == RunStatus::stopped_early) out.bound = number(line.at("bound"));
     for (const auto& [name, value] : line.at("figures").items()) out.figures.push_back({name, number(value)});
     out.seconds = number(line.at("seconds"));
     out.peak_bytes = number(line.at("peak_bytes"));

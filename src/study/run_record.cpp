@@ -6,7 +6,8 @@
 namespace treacle::study {
 
 namespace {
-constexpr std::array<std::pair<RunStatus, const char*>, 7> words{{{RunStatus::done, "done"},
+constexpr std::array<std::pair<RunStatus, const char*>, 8> words{{{RunStatus::done, "done"},
+                                                                  {RunStatus::stopped_early, "stopped early"},
                                                                   {RunStatus::failed, "failed"},
                                                                   {RunStatus::bad_input, "bad input"},
                                                                   {RunStatus::out_of_memory, "out of memory"},
@@ -21,6 +22,8 @@ std::string word(RunStatus status) {
     }
     return "";
 }
+
+bool is_failure(RunStatus status) { return status != RunStatus::done && status != RunStatus::stopped_early; }
 
 std::optional<RunStatus> run_status(const std::string& text) {
     for (const auto& [one, known] : words) {

@@ -2,14 +2,20 @@
 #include "study/points.hpp"
 
 #include <cstdint>
+#include <limits>
 #include <optional>
 
 namespace treacle::study {
 
-// How a run ended. All but `done` are recorded with their reason, and rank worst in a search.
-enum class RunStatus { done, failed, bad_input, out_of_memory, killed, timed_out, hung };
+// How a run ended. One that stopped early is no failure: its objective had passed the cut that it was asked for with. The others but
+// `done` rank worst in a search. All but `done` are recorded with their reason.
+enum class RunStatus { done, stopped_early, failed, bad_input, out_of_memory, killed, timed_out, hung };
 std::string word(RunStatus status);                   // "timed out"
 std::optional<RunStatus> run_status(const std::string& word);
+bool is_failure(RunStatus status);
+
+// A cut that no objective is above.
+constexpr double no_cut = std::numeric_limits<double>::infinity();
 
 // A run that a study has asked for.
 struct RunRequest {
@@ -38,6 +44,10 @@ struct RunOutcome {
     std::string started;     // "2026-11-25T21:04:05.123Z"
     std::string host;
     std::string folder;      // of another study, when the run is one of its; else empty
+    double bound = 0;        // of `stopped_early`: what the objective is at least
+
+    // Whether it tells what is asked of a run that may stop above `cut`.
+    bool answers(double cut) const { return status != RunStatus::stopped_early || bound > cut; }
 };
 
 } // namespace treacle::study

@@ -14,14 +14,14 @@ StudyStatus count_runs(const Journal& journal, std::span<const std::int64_t> run
     for (const auto number : runs) {
         const auto* outcome = journal.outcome(number);
         if (!outcome) continue;
-        if (outcome->status != RunStatus::done) {
+        if (is_failure(outcome->status)) {
             ++out.failed;
             continue;
         }
-        ++out.done;
+        ++(outcome->status == RunStatus::done ? out.done : out.stopped_early);
         sum += outcome->seconds;
     }
-    if (out.done > 0) out.mean_seconds = sum / double(out.done);
+    if (const auto whole = out.done + out.stopped_early; whole > 0) out.mean_seconds = sum / double(whole);
     return out;
 }
 
@@ -31,7 +31,7 @@ double time_left(const StudyStatus& status, std::size_t fresh, double simulated_
         if (whole <= 0 && run.time > 0 && simulated_end > 0) whole = run.seconds * simulated_end / run.time;
     }
     if (whole <= 0) return -1;
-    const auto ended = status.done + status.failed;
+    const auto ended = status.done + status.stopped_early + status.failed;
     double work = double(std::min(fresh, status.asked - std::min(ended, status.asked))) * whole;
     for (const auto& run : status.running) work -= std::min(run.seconds, whole);
     return std::max(0.0, work) / std::max(1, status.lanes);
@@ -40,6 +40,7 @@ double time_left(const StudyStatus& status, std::size_t fresh, double simulated_
 std::string describe(const StudyStatus& status) {
     std::string out = std::to_string(status.done) + " done, " + std::to_string(status.running.size()) + " running";
     if (status.speculative > 0) out += ", " + std::to_string(status.speculative) + " speculative";
+    if (status.stopped_early > 0) out += ", " + std::to_string(status.stopped_early) + " stopped early";
     if (status.failed > 0) out += ", " + std::to_string(status.failed) + " failed";
     out += " of " + std::to_string(status.asked);
     return status.left < 0 ? out : out + ", " + format_duration(status.left) + " left";
@@ -56,6 +57,7 @@ void write_status(const std::filesystem::path& path, const StudyStatus& status) 
                                {"failed", std::int64_t(status.failed)},
                                {"running", running},
                                {"speculative", std::int64_t(status.speculative)}});
+    if (status.stopped_early > 0) out.set("stopped early", std::int64_t(status.stopped_early));
     if (status.lanes > 0) out.set("lanes", status.lanes);
     if (status.seconds > 0) out.set("wall time of this sitting [s]", status.seconds);
     if (status.left >= 0) out.set("time left [s]", status.left);

@@ -96,22 +96,38 @@ StudyRuns::StudyRuns(const Study& study, StudySetup setup, Log& log)
 
 std::filesystem::path StudyRuns::run_folder(std::int64_t number) const { return setup_.folder / "runs" / request_folder(number); }
 
+std::filesystem::path StudyRuns::folder_of(std::int64_t number) const {
+    const auto* outcome = journal_.outcome(number);
+    return outcome && !outcome->folder.empty() ? std::filesystem::path(outcome->folder) : run_folder(number);
+}
+
 std::int64_t StudyRuns::ask(const Candidate& candidate) {
     simulated_end_ = candidate.end;
     const auto* known = journal_.find(candidate.key);
     const auto number = known ? known->number : journal_.ask(candidate.scene, candidate.values, candidate.key, candidate.changes).number;
     work_[number] = candidate.work;
+    cuts_.erase(number);
+    if (candidate.cut < no_cut) cuts_[number] = candidate.cut;
     return number;
+}
+
+double StudyRuns::cut(std::int64_t number) const {
+    const auto found = cuts_.find(number);
+    return found == cuts_.end() ? no_cut : found->second;
 }
 
 // A result that is there although the journal has none: this program was ended in between, or it was speculated about.
 bool StudyRuns::adopt_finished(std::int64_t number) {
     const auto& run = request(number);
     auto result = read_result(run_folder(number), run.key);
-    if (!result && speculation_.take(run.key, run_folder(number))) result = read_result(run_folder(number), run.key);
+    if (result && result->bound && *result->bound <= cut(number)) result.reset();
+    // Speculative runs have no cut. Where one is asked for with a cut, what is recorded would depend on what lanes had time for.
+    const bool may_take = cut(number) == no_cut;
+    if (!result && may_take && speculation_.take(run.key, run_folder(number))) result = read_result(run_folder(number), run.key);
     if (result) {
         tidy(run_folder(number));
-        RunOutcome outcome{number, RunStatus::done, "", result->figures, result->seconds, result->peak_bytes, folder_bytes(run_folder(number)), 0, utc_now(), io::host_name(), ""};
+        RunOutcome outcome{number, RunStatus::done, "", {}, result->seconds, 0, folder_bytes(run_folder(number)), 0, utc_now(), io::host_name(), ""};
+        take_result(*result, outcome);
         journal_.finish(outcome);
         return true;
     }
@@ -132,14 +148,16 @@ void StudyRuns::write_request(std::int64_t number) const {
     check_disk();
     std::filesystem::remove_all(run_folder(number));
     // One that is lost with the machine's power is written again.
-    study::write_request(run_folder(number), request_of(study_, request(number)), Durability::cached);
+    auto asked = request_of(study_, request(number));
+    asked.cut = cut(number);
+    study::write_request(run_folder(number), asked, Durability::cached);
 }
 
 // A run that fails on a full disk has no outcome: it would be as good as any once there is space.
 void StudyRuns::check_space(const RunOutcome& outcome) const {
     std::error_code unknown;
     const auto space = std::filesystem::space(setup_.folder, unknown);
-    if (outcome.status == RunStatus::done || unknown || space.available >= least_space) return;
+    if (!is_failure(outcome.status) || unknown || space.available >= least_space) return;
     throw SimulationError({setup_.folder.string(), "the disk is full: " + format_bytes(space.available) + " are free",
                            "run " + std::to_string(outcome.number) + " " + word(outcome.status) + " there (" + outcome.reason + ")",
                            "free some space, then start again: the same command goes on, and what is done stays"});
@@ -199,8 +217,7 @@ RunOutcome StudyRuns::settle(const LaneResult& result) const {
     std::optional<ForwardResult> read;
     if (result.end == LaneEnd::none && result.ending.signal == 0 && result.ending.exit_code == 0) read = read_result(folder, run.key);
     if (read) {
-        out.figures = read->figures;
-        out.peak_bytes = std::max(out.peak_bytes, read->peak_bytes);
+        take_result(*read, out);
     } else {
         out.status = status_of(result);
         out.reason = reason_of(result, study_.runs, folder);
@@ -213,7 +230,7 @@ RunOutcome StudyRuns::settle(const LaneResult& result) const {
 void StudyRuns::read_again(std::int64_t number) {
     const auto* outcome = journal_.outcome(number);
     if (!outcome || outcome->status != RunStatus::done || are_read(study_, outcome->figures)) return;
-    const auto run = (outcome->folder.empty() ? run_folder(number) : std::filesystem::path(outcome->folder)) / "run";
+    const auto run = folder_of(number) / "run";
     if (!std::filesystem::exists(run / "steps.csv")) {
         log_.warn("run " + std::to_string(number) + " has other figures than the study reads, and its tables were not kept");
         return;
@@ -236,13 +253,17 @@ void StudyRuns::check_disk() const {
                            "raise it, keep less (runs.keep), or remove folders of runs that are done; then start again"});
 }
 
+bool StudyRuns::is_answered(std::int64_t number, bool retry_failed) const {
+    const auto* outcome = journal_.outcome(number);
+    if (!outcome || (retry_failed && is_failure(outcome->status))) return false;
+    return outcome->answers(cut(number));
+}
+
 std::vector<std::int64_t> StudyRuns::waiting(std::span<const std::int64_t> runs, bool retry_failed) {
     journal_.sync();
     std::vector<std::int64_t> waiting;
     for (const auto number : runs) {
-        const auto* outcome = journal_.outcome(number);
-        const bool again = outcome && retry_failed && outcome->status != RunStatus::done;
-        if ((outcome && !again) || (!outcome && adopt_finished(number))) {
+        if (is_answered(number, retry_failed) || (!journal_.outcome(number) && adopt_finished(number))) {
             read_again(number);
             continue;
         }
@@ -282,7 +303,7 @@ void StudyRuns::fill_lanes(std::deque<std::int64_t>& queue, std::set<std::int64_
     };
     for (; !queue.empty(); queue.pop_front()) {
         const auto number = queue.front();
-        if (!speculation_.claim(request(number).key)) {
+        if (cut(number) < no_cut || !speculation_.claim(request(number).key)) {
             if (open_lanes().free() == 0 && !make_room(speculation_.least_wanted())) break;
             write_request(number);
             LaneTask task;
@@ -356,7 +377,7 @@ void StudyRuns::report(std::span<const std::int64_t> runs, std::size_t fresh, st
     write_status(setup_.folder / "status.json", status);
     if (changed_ && setup_.changed) setup_.changed();
     changed_ = false;
-    log_.progress(double(status.done + status.failed) / double(std::max<std::size_t>(1, runs.size())), describe(status));
+    log_.progress(double(status.done + status.stopped_early + status.failed) / double(std::max<std::size_t>(1, runs.size())), describe(status));
 }
 
 } // namespace treacle::study

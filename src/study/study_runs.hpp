@@ -34,7 +34,8 @@ public:
     // another study.
     StudyRuns(const Study& study, StudySetup setup, Log& log);
 
-    // The number of this run: that of the same run asked for before, or the next one.
+    // The number of this run: that of the same run asked for before, or the next one. Its cut holds until it is asked for anew: a run that
+    // stopped early at a bound which is not above it is done again.
     std::int64_t ask(const Candidate& candidate);
     // Does those of the runs that have no outcome yet, on all lanes, in their order. Failed ones stay so, unless they are to
     // be retried. Outcomes are the same on any number of lanes. Throws InputError for a figure that a run's tables do not
@@ -59,10 +60,13 @@ public:
     const Journal& journal() const { return journal_; }
     const Study& study() const { return study_; }
     std::filesystem::path run_folder(std::int64_t number) const; // with the request and the result
+    std::filesystem::path folder_of(std::int64_t number) const;  // likewise, be it that of another study which has done it
     int lanes() const { return lane_count_; }
 
 private:
     RunOutcome settle(const LaneResult& result) const;
+    double cut(std::int64_t number) const;
+    bool is_answered(std::int64_t number, bool retry_failed) const;
     bool adopt_finished(std::int64_t number); // from its folder, or another study's
     Lanes& open_lanes();
     void start(LaneTask task);
@@ -87,6 +91,7 @@ private:
     bool changed_ = false; // runs have ended since the last report
     double simulated_end_ = 0; // [s], of the last run that was asked for
     std::map<std::int64_t, double> work_; // of the runs asked for
+    std::map<std::int64_t, double> cuts_; // of those asked for last, where they have one
     std::chrono::steady_clock::time_point start_, last_report_;
 };
 

@@ -71,6 +71,20 @@ TEST_F(StudyFileTest, WhatDoesNotFitIsRefused) {
               std::string::npos);
 }
 
+TEST_F(StudyFileTest, RunsStopEarlyWhereTheObjectiveOnlyGrows) {
+    const std::string parameter = "parameters:\n  - {key: liquids.syrup.viscosity, range: [1 Pa.s, 9 Pa.s]}\n", masks = "experiments:\n  - {masks: m}\n";
+    const auto stops = [&](const std::string& search) { return load(parameter + masks + "search: " + search + "\n").search.stops_early(); };
+    EXPECT_FALSE(stops("{method: cma_es}")) << "the best view of a run is known at its end";
+    EXPECT_TRUE(stops("{method: cma_es, objective: mismatch}"));
+    EXPECT_TRUE(stops("{method: dissertation, objective: mismatch, early_stop: true}"));
+    EXPECT_FALSE(stops("{method: cma_es, objective: mismatch, early_stop: false}"));
+    EXPECT_NE(refusal(masks + "search: {method: cma_es, early_stop: true}\n").find("search.early_stop = true: has no effect"), std::string::npos);
+    EXPECT_NE(refusal(masks + "search: {method: bracketing, objective: mismatch, early_stop: true}\n").find("has no effect"), std::string::npos);
+    EXPECT_NE(refusal(masks + "search: {method: gauss_newton, objective: mismatch}\n").find("must be displacements"), std::string::npos);
+    EXPECT_NE(refusal("experiments:\n  - {series: {file: front.csv, measurement: front}}\nsearch: {method: cma_es, objective: mismatch}\n").find("must have objective: displacements"),
+              std::string::npos);
+}
+
 TEST_F(StudyFileTest, OccupancyBelongsToMasks) {
     const auto file = load("experiments:\n  - {masks: m, occupancy: {windows: 6, levels: [0.2, 0.8], mirror: x, mirror_at: 1 cm}}\n");
     const auto& one = file.experiments.front();

@@ -4,6 +4,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <limits>
+
 namespace treacle::search {
 namespace {
 
@@ -104,7 +107,7 @@ TEST(CmaEs, EndsWhenNothingHasAValue) {
     EXPECT_FALSE(search.best());
 }
 
-// About 16 % of the candidates end at the cut, and the answer stays.
+// A third of the candidates end at the cut, and the answer stays.
 TEST(CmaEs, FindsTheSameWithRunsThatEndEarly) {
     CmaEs search(axes(5, 1, 1), seeded(3));
     int ended = 0;
@@ -120,7 +123,21 @@ TEST(CmaEs, FindsTheSameWithRunsThatEndEarly) {
         search.tell(values);
     }
     EXPECT_LT(search.best()->value, 1e-9);
-    EXPECT_GT(ended, search.evaluations() / 10);
+    EXPECT_GT(ended, search.evaluations() / 4);
+}
+
+TEST(CmaEs, TakesItsCutFromTheParentsOfTheClosedGeneration) {
+    CmaEs search(axes(2, 1, 1), seeded(3)); // generations of 6, 3 parents
+    const double none = std::numeric_limits<double>::infinity();
+    search.ask();
+    EXPECT_EQ(search.cut(0), none) << "no generation is closed";
+    const auto told = [&](double a, double b, double c) { return std::vector<Value>{Value::at_least(9), Value::measured(a), Value::measured(b), Value::at_least(7), Value::measured(c), Value::failed()}; };
+    search.tell(told(5, 2, 6));
+    search.ask();
+    for (std::size_t k = 0; k < 6; ++k) EXPECT_EQ(search.cut(k), 6);
+    search.tell(told(5, std::nan(""), 3));
+    search.ask();
+    EXPECT_EQ(search.cut(0), none) << "a parent has but a bound";
 }
 
 } // namespace
