@@ -24,7 +24,7 @@ constexpr double same_frame = 1e-6; // [s] between masks that share a frame of t
 
 // A comparison as numbers, to be sent.
 std::vector<double> packed(const identify::FrameComparison& one) {
-    std::vector<double> out{double(one.mismatches), double(one.observed), double(one.simulated), double(one.compared), double(one.segments.size())};
+    std::vector<double> out{double(one.mismatches), double(one.observed), double(one.simulated), double(one.compared), one.beyond, double(one.segments.size())};
     for (const auto& s : one.segments) {
         out.insert(out.end(), {double(s.frame), s.time, s.x, s.y, s.normal_x, s.normal_y, s.points, s.displacement});
         out.insert(out.end(), s.by_view.begin(), s.by_view.end());
@@ -38,6 +38,7 @@ identify::FrameComparison unpacked(const double*& at) {
     out.observed = std::int64_t(*at++);
     out.simulated = std::int64_t(*at++);
     out.compared = std::int64_t(*at++);
+    out.beyond = *at++;
     const auto count = std::size_t(*at++);
     for (std::size_t i = 0; i < count; ++i) {
         identify::SegmentResidual s{int(at[0]), at[1], at[2], at[3], at[4], at[5], at[6], at[7], {}};

@@ -24,6 +24,7 @@ struct FrameComparison {
     std::int64_t mismatches = 0; // pixels that are liquid in one of the masks
     std::int64_t observed = 0, simulated = 0; // pixels of liquid
     std::int64_t compared = 0;   // pixels that are not excluded
+    double beyond = 0;           // [px] how far points of the simulated contour lie from the observed one beyond ten, sum over segments' lengths
 };
 
 // The liquid of a run as the experiment's camera sees it at the time of a mask, and a little later.

@@ -100,6 +100,16 @@ void tell_misfit(Estimate& out, const EvaluatedRun& run, const Layout& layout, c
     }
 }
 
+// By frame of all experiments: how far the run's liquid goes on beyond the observed one, in usual noises, a segment each. Empty where nothing is compared by contours.
+std::vector<double> beyond_contours(const EvaluatedRun& run) {
+    std::vector<double> out;
+    for (const auto& one : run.experiments) {
+        if (one.kind != ExperimentKind::contours) continue;
+        for (const auto& frame : one.frames) out.push_back(frame.beyond / usual_noise(one.kind));
+    }
+    return out;
+}
+
 const EvaluatedRun& least_of(const std::vector<EvaluatedRun>& runs, const std::vector<ViewInformation>& priors) {
     std::vector<double> objectives;
     for (const auto& run : runs) objectives.push_back(residual_objective(run, priors));
@@ -119,6 +129,7 @@ double residual_objective(const EvaluatedRun& run, const std::vector<ViewInforma
         const double u = std::abs(best.left[i]);
         sum += size[i] * (u <= bend ? u * u : 2 * bend * u - bend * bend);
     }
+    for (const double beyond : beyond_contours(run)) sum += 2 * bend * beyond;
     return 0.5 * sum / double(r.size());
 }
 
@@ -137,6 +148,8 @@ std::vector<double> search_residuals(const EvaluatedRun& run, const std::vector<
     for (std::size_t i = 0; i < layout.rows.size(); ++i) {
         out[first[layout.rows[i].experiment] + layout.rows[i].segment] = std::sqrt(size[Eigen::Index(i)]) * best.left[Eigen::Index(i)];
     }
+    const auto beyond = beyond_contours(run);
+    out.insert(out.end(), beyond.begin(), beyond.end());
     const Vector away = information.llt().matrixU() * best.x;
     out.insert(out.end(), away.data(), away.data() + away.size());
     return out;

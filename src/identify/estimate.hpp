@@ -25,11 +25,12 @@ struct RangePrior {
 };
 
 // The search's objective: half of the weighted squares of the residuals in units of their usual noise, mean over segments,
-// with Huber's loss beyond `bend` noises, least over the view's parameters within their priors.
+// with Huber's loss beyond `bend` noises, least over the view's parameters within their priors. Contours of the run that lie far beyond
+// the observed ones add to it, which segments of these do not see.
 double residual_objective(const EvaluatedRun& run, const std::vector<ViewInformation>& priors, double bend = 3);
 
 // Residuals of a run whose mean loss is its objective, for searches that use them: those of all segments at the view that suits the run best,
-// in units of their usual noise (not a number where there is none), and what that view is away from its priors.
+// in units of their usual noise (not a number where there is none), what lies beyond them by frame, and what that view is away from its priors.
 std::vector<double> search_residuals(const EvaluatedRun& run, const std::vector<ViewInformation>& priors, double bend = 3);
 
 // Unit of the misfits of an experiment: "px" of contours, "noises" of the measurement of all others.

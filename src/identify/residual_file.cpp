@@ -14,7 +14,7 @@ std::vector<std::string> segment_columns(ExperimentKind kind) {
     for (const auto& view : view_parameters(kind)) out.push_back(std::string("by ") + view.name);
     return out;
 }
-const std::vector<std::string> contour_frame_columns{"frame", "time [s]", "mismatches [px]", "observed [px]", "simulated [px]", "compared [px]"};
+const std::vector<std::string> contour_frame_columns{"frame", "time [s]", "mismatches [px]", "observed [px]", "simulated [px]", "compared [px]", "beyond [px]"};
 std::vector<std::string> square_columns(ExperimentKind kind) {
     return {"frame", "time [s]", kind == ExperimentKind::piv ? "square difference [m2/s2]" : "square difference [noise2]", "compared"};
 }
@@ -30,6 +30,7 @@ void read_contour_frames(const CsvColumns& frames, RunResiduals& out) {
         f.observed = std::int64_t(at("observed"));
         f.simulated = std::int64_t(at("simulated"));
         f.compared = std::int64_t(at("compared"));
+        f.beyond = at("beyond");
         out.observed.push_back({int(at("frame")), at("time"), {}});
         out.mismatch += mismatch_objective(f) / double(frames.rows());
         out.frames.push_back(std::move(f));
@@ -62,7 +63,7 @@ void write_residuals(const std::filesystem::path& folder, const std::string& exp
     for (std::size_t i = 0; i < residuals.frames.size(); ++i) {
         const auto& f = residuals.frames[i];
         frames.append(std::vector<double>{double(residuals.observed[i].number), residuals.observed[i].time, double(f.mismatches), double(f.observed),
-                                          double(f.simulated), double(f.compared)});
+                                          double(f.simulated), double(f.compared), f.beyond});
     }
     for (const auto& f : residuals.squares) frames.append(std::vector<double>{double(f.number), f.time, f.square, f.count});
     frames.sync();

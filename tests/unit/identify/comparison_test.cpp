@@ -63,6 +63,16 @@ double mean(const FrameComparison& comparison) {
     return sum;
 }
 
+// Points of the small disc's contour know how far the ring around is, but not of liquid beyond it.
+TEST(FrameComparison, LiquidFarBeyondTheObservedCountsByHowFarItGoesOn) {
+    EXPECT_EQ(compare(Disc(0.03), Disc(0.03), camera_at()).beyond, 0);
+    EXPECT_EQ(compare(Disc(0.03), Disc(0.033), camera_at()).beyond, 0); // 6 px: the segments' to tell
+    const auto beyond = [](double radius) { return compare(Disc(0.01), Disc(radius), camera_at()).beyond; };
+    // A ring of 2 pi r points, each r - 20 - 10 px too far out, in segments of 25.
+    EXPECT_NEAR(beyond(0.02), 2 * std::numbers::pi * 40 * 10 / 25, 20);
+    EXPECT_NEAR(beyond(0.03), 2 * std::numbers::pi * 60 * 30 / 25, 60);
+}
+
 TEST(ContourDistance, IsThatFromACircleNearAndFar) {
     const auto mask = Disc().draw(camera_at()).mask; // radius 60 px around (179.5, 79.5)
     const video::ContourDistance distance(mask);
