@@ -85,7 +85,8 @@ FrameComparison compare_frame(const ObservedFrame& observed, const video::Mask& 
             residual.y += weight * point.pixel[1];
             residual.normal_x += weight * point.normal[0];
             residual.normal_y += weight * point.normal[1];
-            const double d = now(point), speed = (later(point) - d) / simulated.step;
+            const double d = now(point), change = now.is_far(point) ? later.nearest(point) - now.nearest(point) : later(point) - d;
+            const double speed = change / simulated.step;
             residual.displacement += weight * d;
             // A later time zero shows the run earlier. A longer readout shows rows above the middle earlier, those below later.
             residual.by_view[view_time] -= weight * speed;

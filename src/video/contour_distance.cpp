@@ -47,14 +47,21 @@ ContourDistance::ContourDistance(const Mask& mask, double band) : fields_(std::m
 
 ContourDistance::~ContourDistance() = default;
 
-double ContourDistance::operator()(const ContourPoint& point) const {
+double ContourDistance::nearest(const ContourPoint& point) const {
     const auto& f = *fields_;
     if (f.empty) return -f.diagonal;
     if (f.full) return f.diagonal;
     const double x = point.pixel[0], y = point.pixel[1];
     // The contour lies half a pixel before the nearest pixel's centre.
-    const double far = bilinear(f.level, x, y) >= 0.5 ? bilinear(f.inside, x, y) - 0.5 : 0.5 - bilinear(f.outside, x, y);
-    if (std::abs(far) > band_) return far;
+    return bilinear(f.level, x, y) >= 0.5 ? bilinear(f.inside, x, y) - 0.5 : 0.5 - bilinear(f.outside, x, y);
+}
+
+double ContourDistance::operator()(const ContourPoint& point) const {
+    const auto& f = *fields_;
+    const double far = nearest(point);
+    if (f.empty || f.full) return far;
+    if (std::abs(far) > band_) return along_normal(point, far);
+    const double x = point.pixel[0], y = point.pixel[1];
     // Along the normal to the half level, from the point on.
     constexpr double step = 0.5;
     const auto level = [&](double s) { return bilinear(f.level, x + s * point.normal[0], y + s * point.normal[1]) - 0.5; };
@@ -67,6 +74,25 @@ double ContourDistance::operator()(const ContourPoint& point) const {
         before = value;
     }
     return far;
+}
+
+// From one distance to the next, each as far as there surely is no contour, up to the picture's rim.
+double ContourDistance::along_normal(const ContourPoint& point, double far) const {
+    const auto& f = *fields_;
+    const double direction = far > 0 ? 1 : -1;
+    const cv::Mat& clear = far > 0 ? f.inside : f.outside;
+    double rim = f.diagonal;
+    for (std::size_t k = 0; k < 2; ++k) {
+        const double way = direction * point.normal[k], size = k == 0 ? clear.cols - 1 : clear.rows - 1;
+        if (way != 0) rim = std::min(rim, ((way > 0 ? size : 0) - point.pixel[k]) / way);
+    }
+    const double most = far > 0 ? rim : std::min(rim, 4 * std::abs(far));
+    for (double s = 0; s < most;) {
+        const double x = point.pixel[0] + direction * s * point.normal[0], y = point.pixel[1] + direction * s * point.normal[1];
+        if ((bilinear(f.level, x, y) >= 0.5) != (far > 0)) return direction * s;
+        s += std::max(0.5, bilinear(clear, x, y) - 1);
+    }
+    return far > 0 ? std::max(far, rim) : far;
 }
 
 } // namespace treacle::video

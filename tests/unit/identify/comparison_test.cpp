@@ -63,6 +63,23 @@ double mean(const FrameComparison& comparison) {
     return sum;
 }
 
+// A drop of 40 px within a thread as wide that goes on for 100 px more, and the other way round: tips are told how far, sides that nothing moved.
+TEST(ContourDistance, GoesAlongTheNormalWhereTheContourIsFar) {
+    const auto thread = [](int end) {
+        video::Mask out{160, 240, std::vector<std::uint8_t>(160 * 240, video::mask_background)};
+        for (int row = 40; row < end; ++row) {
+            for (int column = 60; column < 100; ++column) out.pixels[std::size_t(row * 160 + column)] = video::mask_liquid;
+        }
+        return out;
+    };
+    const video::ContourDistance longer(thread(180)), shorter(thread(80));
+    EXPECT_NEAR(longer({{79.5, 79.5}, {0, 1}}), 100, 0.5);
+    EXPECT_NEAR(shorter({{79.5, 179.5}, {0, 1}}), -100, 0.5);
+    EXPECT_NEAR(longer({{99.5, 60}, {1, 0}}), 0, 0.05);
+    EXPECT_NEAR(shorter({{99.5, 150}, {1, 0}}), -70.5, 1); // nothing inward: to the tip's nearest pixel
+    EXPECT_NEAR(video::ContourDistance(thread(240))({{79.5, 79.5}, {0, 1}}), 159.5, 1); // the liquid leaves the picture
+}
+
 // Points of the small disc's contour know how far the ring around is, but not of liquid beyond it.
 TEST(FrameComparison, LiquidFarBeyondTheObservedCountsByHowFarItGoesOn) {
     EXPECT_EQ(compare(Disc(0.03), Disc(0.03), camera_at()).beyond, 0);
