@@ -384,11 +384,8 @@ class Identify(Workplace):
             self.assertEqual(sorted(os.listdir(self.folder)), listed, text)
         self.write("study.yaml", STUDY)
         self.treacle("identify", "study.yaml", "--set", "search.method=bracketin", code=2)
-        for keys, text in ((["search.early_stop=true"], "search.early_stop = true: has no effect"),
-                           (["search.early_stop=true", "search.method=cma_es"], "search.early_stop = true: has no effect"),
-                           (["search.objective=mismatch", "search.method=gauss_newton"], "search.objective = mismatch: must be displacements")):
-            words = [word for key in keys for word in ("--set", key)]
-            self.assertIn(text, self.treacle("identify", "study.yaml", *words, "--out", "out", code=2).stderr)
+        words = ["--set", "search.objective=mismatch", "--set", "search.method=gauss_newton"]
+        self.assertIn("search.objective = mismatch: must be displacements", self.treacle("identify", "study.yaml", *words, "--out", "out", code=2).stderr)
 
 
 if __name__ == "__main__":

@@ -78,8 +78,7 @@ TEST_F(StudyFileTest, RunsStopEarlyWhereTheObjectiveOnlyGrows) {
     EXPECT_TRUE(stops("{method: cma_es, objective: mismatch}"));
     EXPECT_TRUE(stops("{method: dissertation, objective: mismatch, early_stop: true}"));
     EXPECT_FALSE(stops("{method: cma_es, objective: mismatch, early_stop: false}"));
-    EXPECT_NE(refusal(masks + "search: {method: cma_es, early_stop: true}\n").find("search.early_stop = true: has no effect"), std::string::npos);
-    EXPECT_NE(refusal(masks + "search: {method: bracketing, objective: mismatch, early_stop: true}\n").find("has no effect"), std::string::npos);
+    EXPECT_FALSE(stops("{method: gauss_newton, early_stop: true}")) << "studies that are written with all their values are read again";
     EXPECT_NE(refusal(masks + "search: {method: gauss_newton, objective: mismatch}\n").find("must be displacements"), std::string::npos);
     EXPECT_NE(refusal("experiments:\n  - {series: {file: front.csv, measurement: front}}\nsearch: {method: cma_es, objective: mismatch}\n").find("must have objective: displacements"),
               std::string::npos);
