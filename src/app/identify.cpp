@@ -39,8 +39,7 @@ IdentifiedStudy identified_study(const IdentifyRequest& request) {
     std::vector<std::int64_t> of_parameters; // runs that the values of the parameters tell whole
     std::map<std::int64_t, std::filesystem::path> folders;
     for (const auto& run : runs.journal().runs()) {
-        const auto* outcome = runs.journal().outcome(run.number);
-        folders[run.number] = outcome && !outcome->folder.empty() ? std::filesystem::path(outcome->folder) : runs.run_folder(run.number);
+        folders[run.number] = runs.folder_of(run.number);
         if (run.changes.empty()) of_parameters.push_back(run.number);
     }
     write_tables(out.folder, study::table_of(file.study, runs.journal(), of_parameters));
