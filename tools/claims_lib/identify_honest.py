@@ -8,19 +8,11 @@ import re
 import shutil
 import statistics
 
+from . import slumping_block
 from .run import built, execute, kept
 from .table import Figure
 
-PLANE = """schema_version: 1
-title: A plane block of syrup slumps
-domain: {dimensions: 2, max: [0.3, 0.12], spacing: 7 mm, boundaries: {y_min: {slip: no_slip}, y_max: open}}
-liquids:
-  - {name: syrup, density: 1400, viscosity: 10 Pa.s, shapes: [{box: {min: [0, 0], max: [0.06, 0.08]}}]}
-method: grid
-time: {end: 0.62 s}
-output: {interval: 16 ms}
-cameras:
-"""
+PLANE = slumping_block.scene("0.62 s", cameras="")
 # Block of 7 x 7 x 4 cm before a wall; runs are halves of it.
 SPACE = """schema_version: 1
 title: A block of syrup slumps away from a wall

@@ -7,20 +7,11 @@ import signal
 import subprocess
 import time
 
+from . import slumping_block
 from .run import built, environment, execute, scratch
 from .table import Figure
 
-SCENE = """schema_version: 1
-title: A plane block of syrup slumps
-domain: {dimensions: 2, max: [0.3, 0.12], spacing: 7 mm, boundaries: {y_min: {slip: no_slip}, y_max: open}}
-liquids:
-  - {name: syrup, density: 1400, viscosity: 10 Pa.s, shapes: [{box: {min: [0, 0], max: [0.06, 0.08]}}]}
-method: grid
-time: {end: 0.5 s}
-output: {interval: 16 ms}
-cameras:
-  - {name: front, position: [0.13, 0.05, 0.6], target: [0.13, 0.05, 0], up: [0, 1, 0], width: 640, height: 360, field_of_view: 28 deg}
-"""
+SCENE = slumping_block.scene("0.5 s")
 STUDY = """schema_version: 1
 title: Viscosity of a slumping block
 scenes:
