@@ -25,7 +25,7 @@ public:
     // The study must stay. Throws InputError.
     FilmComparison(const Comm& comm, const identify::StudyFile& file, const identify::Experiment& experiment, std::filesystem::path folder);
 
-    // Of the masks that are not compared yet those that a run under way has reached, in turns of a mask a rank; others wait.
+    // Compares the masks that a run under way has reached meanwhile, in turns of a mask a rank; others wait.
     void compare_reached(const RunView& run);
     // All others, and then writes residuals_NAME.csv and mismatches_NAME.csv. The run has ended.
     void complete(const RunView& run);

@@ -4,18 +4,20 @@
 #include "base/error.hpp"
 #include "base/split.hpp"
 #include "base/text.hpp"
+#include "identify/digits.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 
 namespace treacle::app {
 
 namespace {
+using identify::digits;
+
 constexpr double none = std::numeric_limits<double>::quiet_NaN();
 
-// Whether a key is of the rheology of this liquid.
+// True for a key of the rheology of this liquid.
 bool is_rheology(const std::string& key, const std::string& liquid) {
     const auto parts = split(key, '.');
     return parts.size() >= 3 && parts[0] == "liquids" && parts[1] == liquid && (parts[2] == "viscosity" || parts[2] == "rheology");
@@ -29,12 +31,6 @@ std::vector<std::string> rheological_liquids(const identify::StudyFile& file) {
         if (std::any_of(file.study.parameters.begin(), end, [&](const auto& one) { return is_rheology(one.key, liquid); })) out.push_back(liquid);
     }
     return out;
-}
-
-std::string six_digits(double value) {
-    char text[32];
-    std::snprintf(text, sizeof text, "%.6g", value);
-    return text;
 }
 
 identify::CurveFit fit_over_flow(const identify::ViscositiesByRate& measured, const identify::Trial& answer, const study::StudyRuns& runs) {
@@ -58,7 +54,7 @@ void run_trial(const identify::StudyFile& file, identify::Trial& trial, const st
 
 void tell(const identify::ComparedCurve& compared, const identify::Identification& found, Log& log) {
     const auto& trial = *compared.trial;
-    log.line("trial " + std::to_string(found.trials.size() + 1) + " (" + trial.purpose + ")  " + describe(*compared.fit) + (std::isnan(trial.objective) ? "  failed" : "  objective " + six_digits(trial.objective)));
+    log.line("trial " + std::to_string(found.trials.size() + 1) + " (" + trial.purpose + ")  " + describe(*compared.fit) + (std::isnan(trial.objective) ? "  failed" : "  objective " + digits(trial.objective, 6)));
 }
 } // namespace
 
@@ -75,10 +71,10 @@ MeasuredCurve read_measured_curve(const std::string& argument, const identify::S
 
 std::vector<std::string> keys_of_law(const identify::CurveFit& law, const std::string& liquid, const scene::Rheology& rheology) {
     const bool yields = rheology.law == scene::ShearLaw::herschel_bulkley, powers = yields || rheology.law == scene::ShearLaw::power_law;
-    std::string block = "law: herschel_bulkley, exponent: " + six_digits(law.exponent) + ", yield_stress: " + six_digits(law.yield_stress) + " Pa";
+    std::string block = "law: herschel_bulkley, exponent: " + digits(law.exponent, 6) + ", yield_stress: " + digits(law.yield_stress, 6) + " Pa";
     if (yields) block += ", regularisation_time: " + format_number(rheology.regularisation_time) + " s";
     if (powers) block += ", least_shear_rate: " + format_number(rheology.least_shear_rate) + " 1/s";
-    return {"liquids." + liquid + ".viscosity=" + six_digits(law.consistency) + " Pa.s", "liquids." + liquid + ".rheology={" + block + "}"};
+    return {"liquids." + liquid + ".viscosity=" + digits(law.consistency, 6) + " Pa.s", "liquids." + liquid + ".rheology={" + block + "}"};
 }
 
 identify::ComparedCurve run_at_curve(const identify::StudyFile& file, const identify::Priors& priors, const MeasuredCurve& measured, study::StudyRuns& runs,

@@ -1,16 +1,12 @@
 #include "identify/compared_curve.hpp"
 
+#include "identify/digits.hpp"
+
 #include <cmath>
-#include <cstdio>
 
 namespace treacle::identify {
 
 namespace {
-std::string digits(double value, int count) {
-    char text[32];
-    std::snprintf(text, sizeof text, "%.*g", count, value);
-    return text;
-}
 std::string short_text(double value) { return digits(value, 3); }
 std::string yaml_number(double value) { return std::isfinite(value) ? digits(value, 6) : "null"; }
 

@@ -46,20 +46,21 @@ void add_camera(const scene::CameraModel& camera, const Vec3& place, const scene
         out[view_turn + int(k)] += weight * (along[j] * arm[i] - along[i] * arm[j]);
     }
 }
+
 // Segments of the observed contour do not see how far liquid goes on beyond them: within a long thread a drop's tip is half of the thread's
 // width from its contour, however long the thread is. What lies near is left to the segments, which know the view.
 double beyond_observed(const video::Mask& observed, const video::Mask& simulated) {
-    constexpr double near = 10, length = 25; // [px]
+    constexpr double near = 10; // [px]
     auto seen = simulated;
     for (std::size_t i = 0; i < seen.pixels.size(); ++i) {
         if (observed.pixels[i] == video::mask_excluded) seen.pixels[i] = video::mask_excluded;
     }
     const video::ContourDistance distance(observed);
     double sum = 0;
-    for (const auto& segment : contour_segments(seen, length)) {
+    for (const auto& segment : contour_segments(seen)) {
         for (const auto& point : segment.points) sum += std::max(0.0, std::abs(distance(point)) - near);
     }
-    return sum / length;
+    return sum / segment_length;
 }
 } // namespace
 

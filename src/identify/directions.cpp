@@ -1,8 +1,9 @@
 #include "identify/directions.hpp"
 
+#include "identify/digits.hpp"
+
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 namespace treacle::identify {
 
@@ -15,11 +16,6 @@ Vector within(Vector point, const std::vector<search::Axis>& axes) {
     return point;
 }
 
-std::string share_text(double value) {
-    char text[32];
-    std::snprintf(text, sizeof text, "%.2g", value);
-    return text;
-}
 } // namespace
 
 std::vector<search::Point> points_to_span(const Vector& answer, const std::vector<Vector>& points, const std::vector<search::Axis>& axes) {
@@ -74,7 +70,7 @@ std::vector<std::string> trades(const std::vector<std::string>& names, const Mat
             const double correlation = covariance(i, j) / std::sqrt(covariance(i, i) * covariance(j, j));
             if (!(std::abs(correlation) > strong)) continue;
             out.push_back(names[a] + " trades with " + names[b] + ": " + (correlation > 0 ? "both rise together" : "one rises as the other falls") +
-                          ", and were one known, the interval of the other would be " + share_text(std::sqrt(1 - correlation * correlation)) + " times as wide. Take them as a region, or the flow curve");
+                          ", and were one known, the interval of the other would be " + digits(std::sqrt(1 - correlation * correlation), 2) + " times as wide. Take them as a region, or the flow curve");
         }
     }
     return out;

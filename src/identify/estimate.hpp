@@ -62,7 +62,7 @@ struct WindowAnswer {
     double deviation = 0;    // its standard deviation
 };
 
-// How the answer changes over an experiment's frames: a model that explains the film has none.
+// Change of the answer over an experiment's frames: a model that explains the film has none.
 struct Drift {
     std::vector<WindowAnswer> windows; // in the order of time; empty where frames are too few
     double change = 0, deviation = 0;  // of a straight line through the windows, from the first to the last

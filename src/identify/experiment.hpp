@@ -54,7 +54,7 @@ struct Experiment {
 
 enum class Method { automatic, bracketing, gauss_newton, cma_es, dissertation };
 
-// What the search makes least.
+// Quantity that the search makes least.
 enum class Objective {
     displacements, // residual_objective, of contours, fields and series
     mismatch,      // mean over films of (6.9)
@@ -75,7 +75,7 @@ struct SearchSettings {
     int noise_runs = 4;             // of the search's spacing, changed a little, that measure the numerical noise
 
     void declare(Declaration& d);
-    // Whether runs of a search that has cuts may stop early: those of an objective that only grows from frame to frame.
+    // True where runs of a search that has cuts may stop early: those of an objective that only grows from frame to frame.
     bool stops_early() const { return early_stop && objective == Objective::mismatch; }
 };
 

@@ -3,23 +3,17 @@
 #include "base/csv_reader.hpp"
 #include "base/error.hpp"
 #include "base/text.hpp"
+#include "identify/digits.hpp"
 #include "study/chart.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <numeric>
 
 namespace treacle::identify {
 
 namespace {
 constexpr double usual_low = 1, usual_high = 30; // [1/s] over which rheometers' curves are compared
-
-std::string short_text(double value) {
-    char text[32];
-    std::snprintf(text, sizeof text, "%.3g", value);
-    return text;
-}
 
 // The column whose name begins so; its unit, where it is stated in brackets, must be the wanted one.
 const std::vector<double>& column_of(const CsvColumns& table, const std::vector<std::string>& begins, const std::vector<std::string>& units) {
@@ -39,7 +33,7 @@ const std::vector<double>& column_of(const CsvColumns& table, const std::vector<
 
 std::string list(const std::vector<double>& values) {
     std::vector<std::string> words;
-    for (const double value : values) words.push_back(short_text(value));
+    for (const double value : values) words.push_back(digits(value, 3));
     return "[" + join(words, ", ") + "]";
 }
 } // namespace
@@ -89,16 +83,16 @@ std::vector<std::string> describe(const FlowCurveBand& band) {
     std::vector<std::string> out;
     if (!band.flow.empty()) {
         const double mean = band.flow.mean(), low = band.flow.quantile(0.05), high = band.flow.quantile(0.95);
-        out.push_back(band.liquid + ": sheared at " + short_text(low) + " to " + short_text(high) + " 1/s (90 % of what it dissipates), at " + short_text(mean) + " 1/s on average");
+        out.push_back(band.liquid + ": sheared at " + digits(low, 3) + " to " + digits(high, 3) + " 1/s (90 % of what it dissipates), at " + digits(mean, 3) + " 1/s on average");
         const auto value = band.value.at(mean);
         const auto measured = band.measured ? band.measured->at(mean) : std::nullopt;
         if (value && measured) {
-            out.push_back(band.liquid + ": at " + short_text(mean) + " 1/s " + short_text(*value) + " Pa s, measured " + short_text(*measured) + " Pa s (" +
-                          short_text(100 * (*value / *measured - 1)) + " %)");
+            out.push_back(band.liquid + ": at " + digits(mean, 3) + " 1/s " + digits(*value, 3) + " Pa s, measured " + digits(*measured, 3) + " Pa s (" +
+                          digits(100 * (*value / *measured - 1), 3) + " %)");
         }
-        if (const auto error = curve_error(band, low, high)) out.push_back(band.liquid + ": " + short_text(100 * *error) + " % from the measured curve over the flow's shear rates (root mean square of logarithms)");
+        if (const auto error = curve_error(band, low, high)) out.push_back(band.liquid + ": " + digits(100 * *error, 3) + " % from the measured curve over the flow's shear rates (root mean square of logarithms)");
     }
-    if (const auto error = curve_error(band, usual_low, usual_high)) out.push_back(band.liquid + ": " + short_text(100 * *error) + " % from it over 1 to 30 1/s");
+    if (const auto error = curve_error(band, usual_low, usual_high)) out.push_back(band.liquid + ": " + digits(100 * *error, 3) + " % from it over 1 to 30 1/s");
     return out;
 }
 

@@ -2,6 +2,7 @@
 
 #include "base/error.hpp"
 #include "base/text.hpp"
+#include "identify/digits.hpp"
 #include "identify/directions.hpp"
 #include "identify/early_stop.hpp"
 #include "identify/profile.hpp"
@@ -13,7 +14,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <functional>
 #include <limits>
 #include <memory>
@@ -178,15 +178,10 @@ private:
         std::string line = "trial " + std::to_string(out_.trials.size() + 1) + " (" + trial.purpose + ")";
         for (std::size_t k = 0; k < trial.values.size(); ++k) line += "  " + file_.study.parameters[k].name + " " + short_word(file_.study.parameters[k], trial.values[k]);
         const std::string what = file_.search.objective == Objective::mismatch ? "  E " : "  objective ";
-        log_.line(line + (trial.bound ? what + ">= " + short_number(*trial.bound) + ", stopped early" : std::isnan(trial.objective) ? "  failed" : what + short_number(sought(file_, trial))));
-    }
-    static std::string short_number(double value) {
-        char text[32];
-        std::snprintf(text, sizeof text, "%.4g", value);
-        return text;
+        log_.line(line + (trial.bound ? what + ">= " + digits(*trial.bound) + ", stopped early" : std::isnan(trial.objective) ? "  failed" : what + digits(sought(file_, trial))));
     }
     static std::string short_word(const study::Parameter& parameter, double value) {
-        return short_number(value) + (parameter.unit.empty() ? "" : " " + parameter.unit);
+        return digits(value) + (parameter.unit.empty() ? "" : " " + parameter.unit);
     }
 
     const StudyFile& file_;

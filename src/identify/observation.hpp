@@ -21,11 +21,13 @@ std::vector<std::size_t> compared_times(const Experiment& experiment, const std:
 // silhouettes.csv or film.csv. Throws InputError where a mask is missing, or none is left.
 std::vector<ObservedFrame> observed_frames(const Experiment& experiment, const std::filesystem::path& folder);
 
-// A part of a contour of a mask, some 25 pixels long: longer than the noise of a contour is correlated along it.
+inline constexpr double segment_length = 25; // [px]
+
+// A part of a contour of a mask of about that length: longer than the noise of a contour is correlated along it.
 struct ContourSegment {
     std::vector<video::ContourPoint> points;
 };
 // Of contours without corners, excluded pixels and the rim of the picture, by pieces.
-std::vector<ContourSegment> contour_segments(const video::Mask& mask, double length = 25);
+std::vector<ContourSegment> contour_segments(const video::Mask& mask, double length = segment_length);
 
 } // namespace treacle::identify

@@ -2,6 +2,7 @@
 
 #include "base/file.hpp"
 #include "base/text.hpp"
+#include "identify/digits.hpp"
 #include "identify/directions.hpp"
 #include "identify/profile.hpp"
 #include "identify/report_drift.hpp"
@@ -12,17 +13,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 namespace treacle::identify {
 
 namespace {
-std::string digits(double value, int count = 4) {
-    char text[32];
-    std::snprintf(text, sizeof text, "%.*g", count, value);
-    return text;
-}
-
 // Root mean square residual of an experiment that is left over, in its unit.
 double misfit_of(const Estimate& estimate, std::size_t experiment) {
     double sum = 0, count = 0;

@@ -1,19 +1,13 @@
 #include "identify/report_drift.hpp"
 
 #include "base/text.hpp"
+#include "identify/digits.hpp"
 
 #include <cmath>
-#include <cstdio>
 
 namespace treacle::identify {
 
 namespace {
-std::string short_number(double value) {
-    char text[32];
-    std::snprintf(text, sizeof text, "%.3g", value);
-    return text;
-}
-
 bool is_log(const StudyFile& file) { return file.study.parameters.front().scale == study::Scale::log; }
 
 double value_at(const StudyFile& file, const Identification& identification, double change) {
@@ -22,10 +16,10 @@ double value_at(const StudyFile& file, const Identification& identification, dou
 }
 
 std::string text_of(const StudyFile& file, double change) {
-    return is_log(file) ? short_number(100 * change) + " %" : short_number(change);
+    return is_log(file) ? digits(100 * change, 3) + " %" : digits(change, 3);
 }
 
-std::string interval(const WindowAnswer& window) { return short_number(window.from) + " to " + short_number(window.to) + " s"; }
+std::string interval(const WindowAnswer& window) { return digits(window.from, 3) + " to " + digits(window.to, 3) + " s"; }
 
 // Beyond what noise, the grid and the runs' scatter do; a grid may err the other way at the end of a flow than at its start.
 bool is_drift(const StudyFile& file, const Estimate& estimate, const Drift& drift) {
@@ -53,8 +47,8 @@ std::vector<std::string> drift_lines(const StudyFile& file, const Identification
         const auto& last = drift.windows.back();
         const auto& parameter = file.study.parameters.front();
         out.push_back("The best " + parameter.name + " " + (drift.change > 0 ? "rises" : "falls") + " over the frames of " + file.experiments[e].name + ", from " +
-                      short_number(value_at(file, identification, first.change)) + " (" + interval(first) + ") to " +
-                      short_number(value_at(file, identification, last.change)) + " (" + interval(last) + "), by " + text_of(file, drift.change) + " +- " +
+                      digits(value_at(file, identification, first.change), 3) + " (" + interval(first) + ") to " +
+                      digits(value_at(file, identification, last.change), 3) + " (" + interval(last) + "), by " + text_of(file, drift.change) + " +- " +
                       text_of(file, drift.deviation) + ": " + cause(drift.change > 0) + "; a camera that moved may look like either.");
     }
     return out;
@@ -69,7 +63,7 @@ std::string drift_html(const StudyFile& file, const Identification& identificati
         if (drift.windows.empty()) continue;
         out += "<p>" + file.experiments[e].name + ", the best " + parameter.column() + " by time:</p>\n<table><tr><th>frames</th><th>best</th><th>&plusmn;</th></tr>\n";
         for (const auto& window : drift.windows) {
-            out += "<tr><td>" + interval(window) + "</td><td>" + short_number(value_at(file, identification, window.change)) + "</td><td>" + text_of(file, window.deviation) +
+            out += "<tr><td>" + interval(window) + "</td><td>" + digits(value_at(file, identification, window.change), 3) + "</td><td>" + text_of(file, window.deviation) +
                    "</td></tr>\n";
         }
         out += "</table>\n";
