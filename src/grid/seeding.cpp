@@ -1,6 +1,10 @@
 #include "grid/seeding.hpp"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
+#include <optional>
 
 namespace treacle::grid {
 
@@ -9,6 +13,8 @@ double particle_volume(const MacGrid& grid) { return std::pow(grid.dx, 3) / (gri
 std::int64_t seeded_ids(const MacGrid& grid) { return (grid.dimensions == 2 ? 4 : 8) * grid.cells.all().size(); }
 
 namespace {
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
 // A counter-based random number in [-1, 1): the finaliser of SplitMix64 (Steele, Lea and Flood 2014) of a key.
 double random_number(std::uint64_t key) {
     key += 0x9E3779B97F4A7C15ull;
@@ -16,16 +22,6 @@ double random_number(std::uint64_t key) {
     key = (key ^ (key >> 27)) * 0x94D049BB133111EBull;
     key ^= key >> 31;
     return static_cast<double>(key >> 11) * 0x1p-52 - 1;
-}
-
-// The first liquid that holds a place, or -1.
-int liquid_at(const std::vector<scene::Regions>& liquids, const Vec3& x) {
-    for (std::size_t l = 0; l < liquids.size(); ++l) {
-        for (const auto& region : liquids[l]) {
-            if (region.distance(x) < 0) return static_cast<int>(l);
-        }
-    }
-    return -1;
 }
 
 // Whether any liquid may reach into a ball.
@@ -44,8 +40,122 @@ struct Seed {
     int liquid;
 };
 
-// The particles of one cell. The place of a share is the middle of it and the random number's part of its width.
+// One of the equal shares of a cell that hold a particle each where all is liquid.
+struct Share {
+    Vec3 middle{0, 0, 0}, half{0, 0, 0}; // [m] half: of its sides, 0 along an axis that there is not
+    Vec3 place{0, 0, 0};                 // [m] at random around the middle
+    double turn = 0;                     // in (0, 1): it holds a particle if more of it than that is liquid
+};
+
+// What of a share is liquid, and where in it a particle may be.
+class ShareFilling {
+public:
+    ShareFilling(const Seeding& seeding, const MacGrid& grid) : seeding_(seeding), dimensions_(grid.dimensions), clearance_(seeding.clearance * grid.dx) {}
+
+    // The liquid whose particle the share holds, or -1: in as many of many shares as is that liquid's part of them.
+    int liquid_of(const Share& share) const {
+        const double reach = std::hypot(share.half[0], share.half[1], share.half[2]);
+        double before = 0;
+        for (int l = 0; l < liquids(); ++l) {
+            const double distance = to_liquid(l, share.middle);
+            if (distance >= reach) continue;
+            const bool full = distance <= -reach && to_solids(share.middle) >= reach;
+            before = full ? 1 : before + part_of(share, l);
+            if (share.turn < before) return l;
+        }
+        return -1;
+    }
+
+    // The share's own place if the liquid is there, else the innermost of the middles of its halves, quarters or eighths, moved into the
+    // liquid and out of solids. None where there is no room.
+    std::optional<Vec3> place_of(const Share& share, int liquid) const {
+        Vec3 x = share.place;
+        if (outside(x, liquid, clearance_) < 0) return x;
+        for (int s = 0; s < parts(); ++s) {
+            const Vec3 middle = part_middle(share, s);
+            if (outside(middle, liquid, clearance_) < outside(x, liquid, clearance_)) x = middle;
+        }
+        constexpr int most = 4; // steps; one is enough but in corners
+        for (int i = 0; i < most && !(outside(x, liquid, clearance_) < 0); ++i) step_inward(share, liquid, x);
+        if (!(outside(x, liquid, clearance_) < 0)) return {};
+        return x;
+    }
+
+private:
+    int liquids() const { return static_cast<int>(seeding_.liquids.size()); }
+    int parts() const { return dimensions_ == 2 ? 4 : 8; }
+    static Vec3 part_middle(const Share& share, int s) {
+        Vec3 out = share.middle;
+        for (std::size_t k = 0; k < 3; ++k) out[k] += share.half[k] * ((s >> k & 1) - 0.5);
+        return out;
+    }
+    double to_solids(const Vec3& x) const { return seeding_.solid_distance ? seeding_.solid_distance(x) : infinity; }
+    double to_liquid(int liquid, const Vec3& x) const {
+        double out = infinity;
+        for (const auto& region : seeding_.liquids[static_cast<std::size_t>(liquid)]) out = std::min(out, region.distance(x));
+        return out;
+    }
+    // How far a place lies out of a liquid, or nearer to solids than a clearance [m], negative in it. Surfaces may coincide.
+    double outside(const Vec3& x, int liquid, double clearance) const {
+        double out = std::max(to_liquid(liquid, x), clearance - to_solids(x));
+        for (int l = 0; l < liquid; ++l) out = std::max(out, -to_liquid(l, x));
+        return out;
+    }
+    void step_inward(const Share& share, int liquid, Vec3& x) const {
+        const double step = 1e-3 * share.half[0], here = outside(x, liquid, clearance_);
+        Vec3 slope{0, 0, 0};
+        double square = 0;
+        for (std::size_t k = 0; k < static_cast<std::size_t>(dimensions_); ++k) {
+            Vec3 ahead = x, behind = x;
+            ahead[k] += step;
+            behind[k] -= step;
+            slope[k] = (outside(ahead, liquid, clearance_) - outside(behind, liquid, clearance_)) / (2 * step);
+            square += slope[k] * slope[k];
+        }
+        if (!(square > 0)) return;
+        for (std::size_t k = 0; k < static_cast<std::size_t>(dimensions_); ++k)
+            x[k] = std::clamp(x[k] - (here + step) * slope[k] / square, share.middle[k] - share.half[k], share.middle[k] + share.half[k]);
+    }
+    // A liquid's part of the share: exact for a plane across an axis.
+    double part_of(const Share& share, int liquid) const {
+        double sum = 0;
+        for (int s = 0; s < parts(); ++s) sum += std::clamp(0.5 - outside(part_middle(share, s), liquid, 0) / share.half[0], 0.0, 1.0);
+        constexpr double round_off = 1e-9;
+        const double out = sum / parts();
+        return out < round_off ? 0 : out > 1 - round_off ? 1 : out;
+    }
+
+    const Seeding& seeding_;
+    int dimensions_;
+    double clearance_;
+};
+
+// A share's number in (0, 1), by its place in the lattice of all shares: evenly spread over the shares along any axis and in any plane across one,
+// since no fraction is near the steps. The number of those below a part is that part of all to about one along a line.
+double turn_of(const std::array<std::int64_t, 3>& share) {
+    constexpr std::array steps{0.61803398874989484820, 0.41421356237309504880, 0.73205080756887729353}; // golden ratio, and roots of 2 and 3, less 1
+    double sum = 0.5;
+    for (std::size_t k = 0; k < 3; ++k) sum += steps[k] * static_cast<double>(share[k]);
+    return sum - std::floor(sum);
+}
+
+Share share_of(const Seeding& seeding, const MacGrid& grid, const int c[3], int s, std::uint64_t number) {
+    Share out;
+    std::array<std::int64_t, 3> place{0, 0, 0};
+    for (int k = 0; k < grid.dimensions; ++k) {
+        const auto axis = static_cast<std::size_t>(k);
+        const int side = s >> k & 1;
+        out.half[axis] = 0.25 * grid.dx;
+        out.middle[axis] = grid.lower[k] + grid.dx * (c[k] + 0.25 + 0.5 * side);
+        out.place[axis] = out.middle[axis] + 0.5 * grid.dx * seeding.jitter * random_number(3 * number + static_cast<std::uint64_t>(k));
+        place[axis] = 2 * std::int64_t(c[k]) + side;
+    }
+    out.turn = turn_of(place);
+    return out;
+}
+
 void seed_cell(const Seeding& seeding, const MacGrid& grid, const int c[3], std::vector<Seed>& out) {
+    const ShareFilling filling(seeding, grid);
     const int shares = grid.dimensions == 2 ? 4 : 8;
     const std::uint64_t cell = grid.cells.all().empty() ? 0
         : static_cast<std::uint64_t>(c[0]) + static_cast<std::uint64_t>(grid.cells.count[0]) *
@@ -53,16 +163,13 @@ void seed_cell(const Seeding& seeding, const MacGrid& grid, const int c[3], std:
     const auto all = static_cast<std::uint64_t>(seeded_ids(grid));
     for (int s = 0; s < shares; ++s) {
         const std::uint64_t number = static_cast<std::uint64_t>(shares) * cell + static_cast<std::uint64_t>(s);
-        Vec3 x{0, 0, 0};
-        for (int k = 0; k < grid.dimensions; ++k) {
-            const double shift = 0.5 * seeding.jitter * random_number(3 * number + static_cast<std::uint64_t>(k));
-            x[static_cast<std::size_t>(k)] = grid.lower[k] + grid.dx * (c[k] + 0.25 + 0.5 * (s >> k & 1) + shift);
-        }
-        const int liquid = liquid_at(seeding.liquids, x);
-        if (liquid < 0 || (seeding.solid_distance && seeding.solid_distance(x) < seeding.clearance * grid.dx)) continue;
-        out.push_back({static_cast<std::int64_t>(static_cast<std::uint64_t>(liquid) * all + number), x, liquid});
+        const Share share = share_of(seeding, grid, c, s, number);
+        const int liquid = filling.liquid_of(share);
+        if (liquid < 0) continue;
+        if (const auto x = filling.place_of(share, liquid)) out.push_back({static_cast<std::int64_t>(static_cast<std::uint64_t>(liquid) * all + number), *x, liquid});
     }
 }
+
 LinearVelocity motion_of(const Seeding& seeding, const Seed& seed) {
     const auto which = static_cast<std::size_t>(seed.liquid);
     return which < seeding.velocities.size() ? seeding.velocities[which] : LinearVelocity{};

@@ -17,7 +17,9 @@ struct LinearVelocity {
     std::array<Vec3, 3> gradient{}; // [1/s] row i is that of u_i
 };
 
-// Particles of a run: 2 per axis and cell, each at random around the middle of its share of the cell. The random
+// Particles of a run: 2 per axis and cell, each at random around the middle of its share of the cell. Of shares that surfaces cut as many
+// hold a particle, evenly spread, as their liquid fills, so that a liquid has its volume at any spacing and offset, sheets down to
+// a quarter of a cell. The random
 // numbers are those of the cell and the share: particles and ids do not depend on the ranks.
 struct Seeding {
     std::vector<scene::Regions> liquids; // where two overlap, the first one wins
