@@ -50,7 +50,7 @@ struct ViscosityOptions {
 };
 
 enum class StokesSolve {
-    automatic, // together where viscosity spreads velocities by more than a cell in the step, split elsewhere
+    automatic, // together where viscosity spreads velocities by a third of a cell or more in the step, split elsewhere
     split,     // the pressure, the viscosity, and the pressure again, one after the other
     together   // one system of both
 };
