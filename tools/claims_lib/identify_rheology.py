@@ -29,7 +29,7 @@ parameters:
   - {{name: yield_stress, key: liquids.liquid.rheology.yield_stress, range: [0.5 Pa, 50 Pa], scale: log}}
 experiments:
 {experiments}
-search: {{evaluations: 20, rungs: [{rungs}], noise_runs: 2}}
+search: {{evaluations: 20, rungs: [{rungs}], noise_runs: 4}}
 """
 ONE_BLOCK = """schema_version: 1
 title: Flow curve from one block, and which to film next
@@ -42,7 +42,7 @@ experiments:
   - {{name: first, masks: first/masks, camera: front, time_zero: 0.7 s, from: 0.02 s, to: 0.56 s, plus_minus: {{time_zero: 5 ms}}}}
 candidates:
 {candidates}
-search: {{evaluations: 20, rungs: [{rungs}], noise_runs: 2}}
+search: {{evaluations: 20, rungs: [{rungs}], noise_runs: 4}}
 """
 BLOCKS = {"big": (0.06, 0.08), "small": (0.025, 0.05)}  # width and height [m]
 TRUTH = {"consistency": 8, "exponent": 0.5, "yield_stress": 5}
