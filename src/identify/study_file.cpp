@@ -82,15 +82,24 @@ void StudyFile::add_measured_and_rungs(Declaration& d) {
     study.parameters.push_back(spacing);
 }
 
+namespace {
+// Of three rungs and more the coarsest, and the first that is finer enough: the scatter of rungs that are near each other is multiplied.
+void take_two(study::Parameter& spacing) {
+    constexpr double ratio = 1.35;
+    if (spacing.values.size() < 3) return;
+    std::size_t finer = 1;
+    while (finer + 1 < spacing.values.size() && *spacing.number(spacing.values[finer]) * ratio > *spacing.number(spacing.values.front())) ++finer;
+    spacing.values = {spacing.values.front(), spacing.values[finer]};
+}
+} // namespace
+
 void StudyFile::make_quick() {
-    constexpr std::size_t rungs = 2;
     constexpr int evaluations = 10;
     constexpr double tolerance = 0.02;
     if (has_rungs()) {
-        auto& spacing = study.parameters.back().values;
-        spacing.resize(std::min(spacing.size(), rungs));
+        take_two(study.parameters.back());
+        search.rungs = study.parameters.back().values;
     }
-    search.rungs.resize(std::min(search.rungs.size(), rungs));
     search.noise_runs = std::min(search.noise_runs, 1);
     search.evaluations = std::min(search.evaluations, evaluations);
     search.tolerance = std::max(search.tolerance, tolerance);

@@ -6,15 +6,15 @@ import re
 from .run import Columns, built, execute, scratch
 from .table import Figure
 
-# Viscosity of the film, first guess that the template is written with [Pa s], and the film's spacing [mm]: half of the coarsest rung's.
+# Viscosity of the film, first guess that the template is written with [Pa s], and the film's spacing [mm]: half of the coarsest rung's or less.
 TEMPLATES = {
     "container": (7, 4, 2.5),
-    "dam_break": (14, 8, 2.5),
+    "dam_break": (14, 8, 2),
     "cylinder_slump": (14, 8, 2.5),
     "bostwick": (7, 4, 2),
     "nozzle_cup": (3, 2, 1.25),
     "incline": (7, 4, 2),
-    "falling_ball": (8, 5, 1.5),
+    "falling_ball": (8, 5, 1.2),
 }
 
 

@@ -118,7 +118,8 @@ TEST_F(StudyFileTest, AQuickStudyHasTwoRungsAndVariesNoMeasuredValue) {
                      "experiments:\n  - {masks: m}\nsearch: {rungs: [8 mm, 6 mm, 4 mm], evaluations: 30}\n");
     EXPECT_EQ(file.exponents, std::vector<double>{1});
     file.make_quick();
-    EXPECT_EQ(file.study.parameters.back().values, (std::vector<std::string>{"8 mm", "6 mm"}));
+    EXPECT_EQ(file.study.parameters.back().values, (std::vector<std::string>{"8 mm", "4 mm"})); // 6 mm is too near
+    EXPECT_EQ(file.search.rungs, file.study.parameters.back().values);
     EXPECT_EQ(file.deviations, std::vector<double>{0});
     EXPECT_EQ(file.search.evaluations, 10);
     EXPECT_EQ(file.search.noise_runs, 1);
