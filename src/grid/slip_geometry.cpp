@@ -44,19 +44,57 @@ SlipGeometry::SlipGeometry(const MacGrid& grid, const scene::Domain& domain, con
     Kokkos::deep_copy(lengths_, host);
 }
 
-void SlipGeometry::find_lengths(const Solids& solids) {
-    const auto& window = solids.nodes().window;
-    const auto n = static_cast<std::size_t>(window.size());
-    reserve(slip_.length, n);
-    reserve(slip_.body, n);
-    const auto length = slip_.length, of = lengths_;
-    const auto body = slip_.body, number = solids.number();
-    const int middle = dimensions_ == 2 ? 3 : 7;
-    Kokkos::parallel_for("treacle::slip_lengths", static_cast<int>(n), KOKKOS_LAMBDA(int i) {
-        const int nearest = number(FineNodes::per_cell * i + middle);
+namespace {
+// Of a cell: the solid nearest to its middle. Where that grips, it may be beside one that liquid slides along, whose surface
+// the cell then has: that of the nearest node of the cell which is nearest to such a solid.
+struct SlipLengthLoop {
+    FineNodes nodes;
+    Array<int> number;
+    Array<double> distance, of, length;
+    Array<int> body;
+
+    KOKKOS_INLINE_FUNCTION int sliding_near(const int c[3]) const {
+        int out = Solids::nothing;
+        double least = 0;
+        const int deep = nodes.dimensions == 2 ? 0 : 2;
+        for (int z = 0; z <= deep; ++z) {
+            for (int y = 0; y <= 2; ++y) {
+                for (int x = 0; x <= 2; ++x) {
+                    const int corner[3] = {2 * c[0] + x, 2 * c[1] + y, 2 * c[2] + z};
+                    bool there = true;
+                    for (int k = 0; k < nodes.dimensions; ++k) there = there && corner[k] < 2 * nodes.window.hi[k];
+                    if (!there) continue;
+                    const int node = nodes.index(corner[0], corner[1], corner[2]), one = number(node);
+                    if (one == Solids::nothing || !(of(Solids::place(one)) > 0)) continue;
+                    const double d = math::fabs(distance(node));
+                    if (out != Solids::nothing && !(d < least)) continue;
+                    out = one;
+                    least = d;
+                }
+            }
+        }
+        return out;
+    }
+    KOKKOS_INLINE_FUNCTION void operator()(int i) const {
+        int c[3];
+        nodes.window.cell(i, c);
+        int nearest = number(FineNodes::per_cell * i + nodes.used() - 1);
+        if (nearest != Solids::nothing && !(of(Solids::place(nearest)) > 0)) {
+            if (const int sliding = sliding_near(c); sliding != Solids::nothing) nearest = sliding;
+        }
         body(i) = nearest;
         length(i) = nearest == Solids::nothing ? 0 : of(Solids::place(nearest));
-    });
+    }
+};
+} // namespace
+
+void SlipGeometry::find_lengths(const Solids& solids) {
+    const auto& nodes = solids.nodes();
+    const auto n = static_cast<std::size_t>(nodes.window.size());
+    reserve(slip_.length, n);
+    reserve(slip_.body, n);
+    Kokkos::parallel_for("treacle::slip_lengths", static_cast<int>(n),
+                         SlipLengthLoop{nodes, solids.number(), solids.distance(), lengths_, slip_.length, slip_.body});
 }
 
 void SlipGeometry::update(const CellHalo& halo, const rigid::RigidBodies& bodies, const Solids& solids,
