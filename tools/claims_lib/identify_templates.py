@@ -12,7 +12,7 @@ TEMPLATES = {
     "dam_break": (14, 8, 2),
     "cylinder_slump": (14, 8, 2.5),
     "bostwick": (7, 4, 2),
-    "nozzle_cup": (3, 2, 1.25),
+    "nozzle_cup": (3, 2, 1),
     "incline": (7, 4, 2),
     "falling_ball": (8, 5, 1.2),
 }
