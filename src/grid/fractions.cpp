@@ -23,8 +23,9 @@ KOKKOS_INLINE_FUNCTION CubeShares shares_of(int kind) {
 struct Places {
     FineNodes nodes;
     int up[3]; // 1, and 0 along the flat axis of plane scenes
+    WallPlanes walls;
 
-    explicit Places(const FineNodes& of) : nodes(of), up{1, 1, of.dimensions == 2 ? 0 : 1} {}
+    Places(const FineNodes& of, const WallPlanes& sides) : nodes(of), up{1, 1, of.dimensions == 2 ? 0 : 1}, walls(sides) {}
     // Cells whose parts have all their corners in the window.
     KOKKOS_INLINE_FUNCTION bool has_parts(const int c[3]) const {
         for (int k = 0; k < nodes.dimensions; ++k) {
@@ -38,6 +39,41 @@ struct Places {
             if (c[k] <= nodes.window.lo[k]) return false;
         }
         return has_parts(c);
+    }
+    // 1 or -1 for a node in the plane of a wall whose liquid side the part between fine nodes f and f + 1 is along an axis, 0 for one that
+    // is in no wall's, 2 where the part is beyond.
+    KOKKOS_INLINE_FUNCTION int inward(int axis, int node, int f) const {
+        const double x = nodes.lower[axis] + nodes.width * node;
+        for (int side = 2 * axis; side < 2 * axis + 2; ++side) {
+            if (!walls.is_wall[side] || !(math::fabs(x - walls.at[side]) < nodes.surface())) continue;
+            const int way = side % 2 == 0 ? 1 : -1;
+            return (node == f) == (way == 1) ? way : 2;
+        }
+        return 0;
+    }
+    // Distance at a corner of the part with lower fine node f: in the plane of a wall that of bodies, linear along the wall's normal from the two
+    // nodes before. `flat`: the axis that the part is flat along, whose walls close it; -1: none.
+    KOKKOS_INLINE_FUNCTION double solid_beside(const Array<double>& solid, const int corner[3], const int f[3], int flat) const {
+        const double here = solid(nodes.index(corner[0], corner[1], corner[2]));
+        if (!(math::fabs(here) < nodes.surface())) return here;
+        int first[3] = {corner[0], corner[1], corner[2]}, second[3] = {corner[0], corner[1], corner[2]};
+        bool moved = false;
+        for (int k = 0; k < nodes.dimensions; ++k) {
+            const int way = inward(k, corner[k], f[k]);
+            if (way == 2 || (way != 0 && k == flat)) return here;
+            first[k] += way;
+            second[k] += 2 * way;
+            if (second[k] < 2 * nodes.window.lo[k] || second[k] >= 2 * nodes.window.hi[k]) return here;
+            moved = moved || way != 0;
+        }
+        if (!moved) return here;
+        return math::max(here, 2 * solid(nodes.index(first[0], first[1], first[2])) - solid(nodes.index(second[0], second[1], second[2])));
+    }
+    KOKKOS_INLINE_FUNCTION void solid_corners(const Array<double>& solid, const int f[3], double out[8]) const {
+        for (int k = 0; k < 8; ++k) {
+            const int corner[3] = {f[0] + (k & 1), f[1] + (k >> 1 & 1), up[2] ? f[2] + (k >> 2) : 0};
+            out[k] = solid_beside(solid, corner, f, -1);
+        }
     }
     // Distances at the corners, x + 2 y + 4 z, of the cube with lower fine node f and edges of `step` fine nodes.
     KOKKOS_INLINE_FUNCTION void corners(const Array<double>& values, const int f[3], int step, double out[8]) const {
@@ -110,7 +146,7 @@ void clip_parts(const Places& places, const Array<double>& solid, const Array<do
         for (int p = 0; p < used; ++p) {
             const int f[3] = {2 * c[0] + (p & 1), 2 * c[1] + (p >> 1 & 1), places.up[2] ? 2 * c[2] + (p >> 2) : 0};
             double s[8], l[8];
-            places.corners(solid, f, 1, s);
+            places.solid_corners(solid, f, s);
             places.corners(liquid, f, 1, l);
             const CubeShares shares = sample ? sample_middle(s, l) : cube_shares(s, l, diagonal_start(f));
             double* row = &parts(24 * std::int64_t(slot(i)) + 3 * p);
@@ -186,10 +222,13 @@ KOKKOS_INLINE_FUNCTION double open_share(const Places& places, const Array<doubl
             bool in_surface = true;
             for (int k = 0; k < 4; ++k) {
                 int f[3] = {2 * c[0], 2 * c[1], 2 * c[2]};
-                f[u] += i + (k & 1);
-                f[v] += j + (k >> 1);
-                if (!places.up[2]) f[2] = 0;
-                s[k] = solid(places.nodes.index(f[0], f[1], f[2]));
+                f[u] += i;
+                f[v] += j;
+                int corner[3] = {f[0], f[1], f[2]};
+                corner[u] += k & 1;
+                corner[v] += k >> 1;
+                if (!places.up[2]) f[2] = corner[2] = 0;
+                s[k] = places.solid_beside(solid, corner, f, axis);
                 in_surface = in_surface && math::fabs(s[k]) < places.nodes.surface();
             }
             if (!in_surface) sum += square_open_share(s, (1 - i) + 2 * (1 - j));
@@ -298,10 +337,10 @@ void reserve_fractions(Fractions& out, int dimensions, std::size_t n) {
 } // namespace
 
 void FractionBuilder::build(const FineNodes& nodes, const Array<double>& solid, const Array<double>& liquid,
-                            FractionMethod method, Fractions& out) {
+                            FractionMethod method, Fractions& out, const WallPlanes& walls) {
     const auto n = static_cast<std::size_t>(nodes.window.size());
     reserve_fractions(out, nodes.dimensions, n);
-    const Places places(nodes);
+    const Places places(nodes, walls);
     const Writer writer{out, nodes.dimensions};
     reserve(slot_, n);
     reserve(written_, n);
@@ -409,7 +448,7 @@ void write_shares(const PartSum& parts, const Array<double>& solid, const Array<
 void FractionBuilder::build_body_shares(const FineNodes& nodes, const Array<double>& solid, const Array<int>& number,
                                         const Array<int>& moves, BodyShares shares[3]) const {
     const auto n = static_cast<std::size_t>(nodes.window.size());
-    const PartSum parts{Places(nodes), slot_, parts_};
+    const PartSum parts{Places(nodes, {}), slot_, parts_};
     for (int a = 0; a < nodes.dimensions; ++a) {
         reserve(shares[a].first, n + 1);
         count_shares(parts, solid, number, moves, a, shares[a].first);

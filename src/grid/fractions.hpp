@@ -17,8 +17,10 @@ public:
     // `solid` and `liquid`: distances [m] at the fine nodes of the window of at least 3 layers around the owned cells,
     // negative inside. Fills `out` for the places of all cells of the window but those of its outermost layer, where
     // there is no liquid and no solid: wet = liquid = 0, fluid = open = 1. Arrays grow as they must. Local: no messages.
+    // `walls`: sides of the domain that `solid` has, or none: beside those that lie on nodes bodies are cut by their own distance, since the nodes
+    // there have that of the wall, zero, and a body that meets it would be rounded off.
     void build(const FineNodes& nodes, const Array<double>& solid, const Array<double>& liquid, FractionMethod method,
-               Fractions& out);
+               Fractions& out, const WallPlanes& walls = {});
 
     // Shares of the bodies that move in the cubes around the faces across each axis, as build() found the fluid's, of the
     // same window. Solid parts of half-width cubes belong to the solid nearest to their corners.

@@ -162,7 +162,7 @@ void GridStep::find_surface() {
     solids_.update(cells_halo_, bodies_);
     level_set_.build(grid_, cells_halo_, particles_, cells_, solids_);
     take_centres();
-    fraction_builder_.build(solids_.nodes(), solids_.distance(), level_set_.distance(), setup_.options.fractions, fractions_);
+    fraction_builder_.build(solids_.nodes(), solids_.distance(), level_set_.distance(), setup_.options.fractions, fractions_, solids_.walls());
     resting_.find(solids_, fraction_builder_, bodies_);
     if (!bodies_.any_moves()) { // what rests has no shares, but the lists of the faces are looked at
         const auto faces = static_cast<std::size_t>(cells_halo_.window().size()) + 1;

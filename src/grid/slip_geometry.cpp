@@ -100,7 +100,7 @@ void SlipGeometry::find_lengths(const Solids& solids) {
 void SlipGeometry::update(const CellHalo& halo, const rigid::RigidBodies& bodies, const Solids& solids,
                           const LevelSet& liquid, FractionMethod method) {
     gripping_.update(halo, bodies);
-    builder_.build(gripping_.nodes(), gripping_.distance(), liquid.distance(), method, slip_.grip);
+    builder_.build(gripping_.nodes(), gripping_.distance(), liquid.distance(), method, slip_.grip, gripping_.walls());
     if (bodies.size() > 0) {
         builder_.build_body_shares(gripping_.nodes(), gripping_.distance(), gripping_.number(), gripping_.moves(),
                                    shares_.data());
