@@ -51,8 +51,8 @@ struct Block {
         Kokkos::deep_copy(values, host);
         return values;
     }
-    void build(const Distance& solid, const Distance& liquid, FractionMethod method = FractionMethod::consistent) {
-        builder.build(nodes, sample(solid), sample(liquid), method, fractions);
+    void build(const Distance& solid, const Distance& liquid, FractionMethod method = FractionMethod::consistent, const WallPlanes& walls = {}) {
+        builder.build(nodes, sample(solid), sample(liquid), method, fractions, walls);
     }
     // visit(cell, index)
     template <class Visit>
@@ -282,6 +282,39 @@ TEST_P(FractionCase, OpenAreasOfFacesAreExactForPlanes) {
                 for (double v : in_face) least = std::fabs(v) > 1e-12 ? std::min(least, std::fabs(v)) : least;
                 ASSERT_NEAR(low(i), due, exact / least);
             });
+        }
+    }
+}
+
+// A plane body across a wall of the domain below and, in space, another one beside: in the cells of the domain it is what it is by itself.
+TEST_P(FractionCase, BodiesThatMeetAWallAreNotRoundedOffThere) {
+    const int dimensions = GetParam();
+    for (const double offset : {-0.21, -0.1, -0.04, 0.0, 0.07, 0.13}) {
+        for (const Point& n : {Point{1, 0, 0}, Point{-1, 0, 0}}) {
+            Block block(dimensions, {4, 4, dimensions == 3 ? 4 : 1}), alone(dimensions, {4, 4, dimensions == 3 ? 4 : 1});
+            WallPlanes walls;
+            walls.dimensions = dimensions;
+            for (const int side : {2, 5}) {
+                walls.is_wall[side] = side / 2 < dimensions;
+                walls.at[side] = block.grid.lower[side / 2] + (side % 2) * block.grid.dx * block.cells.hi[side / 2];
+            }
+            const auto body = plane(n, offset);
+            const auto solids = [&](const Point& x) {
+                double out = body(x);
+                for (const int side : {2, 5}) out = walls.is_wall[side] ? std::min(out, walls.distance(side, x.data())) : out;
+                return out;
+            };
+            block.build(solids, nowhere, FractionMethod::consistent, walls);
+            alone.build(body, nowhere);
+            const auto cells = on_host(block.fractions.cell_fluid), due = on_host(alone.fractions.cell_fluid);
+            block.for_cells([&](const int*, std::size_t i) { ASSERT_NEAR(cells(i), due(i), exact) << offset; });
+            for (int a = 0; a < dimensions; ++a) {
+                const auto open = on_host(block.fractions.open.axis[a]), open_due = on_host(alone.fractions.open.axis[a]);
+                block.for_cells([&](const int* c, std::size_t i) {
+                    const bool in_wall = a == 1 && c[1] == 0; // the other wall is at the cells' upper end
+                    ASSERT_NEAR(open(i), in_wall ? 0 : open_due(i), exact) << a << " " << offset;
+                });
+            }
         }
     }
 }
