@@ -3,9 +3,9 @@
 #include "app/table_text.hpp"
 #include "base/file.hpp"
 #include "base/text.hpp"
+#include "identify/digits.hpp"
 
 #include <cmath>
-#include <cstdio>
 #include <map>
 #include <optional>
 #include <sstream>
@@ -28,12 +28,6 @@ std::map<std::string, double> deviations_of(const std::filesystem::path& result)
         inside = inside || line.starts_with("    deviations:");
     }
     return out;
-}
-
-std::string two_digits(double value) {
-    char text[32];
-    std::snprintf(text, sizeof text, "%.2g", value);
-    return text;
 }
 
 std::string percent(double value) { return short_number(std::round(1000 * value) / 10) + " %"; }
@@ -73,7 +67,7 @@ std::vector<LabelledLine> measured_shares(const identify::StudyFile& file, const
             continue;
         }
         line += percent(*part.effect) + " of " + file.study.parameters.front().name + ", " + percent(*part.effect * *part.effect / total) + " of its variance";
-        if (*part.effect > aim) line += "; measure it to +- " + two_digits(part.deviation * aim / *part.effect) + (parameter.unit.empty() ? "" : " " + parameter.unit) + " for 1 %";
+        if (*part.effect > aim) line += "; measure it to +- " + identify::digits(part.deviation * aim / *part.effect, 2) + (parameter.unit.empty() ? "" : " " + parameter.unit) + " for 1 %";
         out.emplace_back(parameter.name, line);
     }
     const double warmth = file.temperature.deviation();

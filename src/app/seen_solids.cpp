@@ -23,12 +23,6 @@ double box_distance(const Vec3& min, const Vec3& max, const Vec3& x) {
     return outside > 0 ? std::sqrt(outside) : inside;
 }
 
-double union_distance(const scene::Regions& regions, const Vec3& x) {
-    double least = std::numeric_limits<double>::infinity();
-    for (const auto& region : regions) least = std::min(least, region.distance(x));
-    return least;
-}
-
 scene::Bounds bounds_within(const scene::Regions& regions, const scene::Domain& domain) {
     scene::Bounds out;
     for (std::size_t k = 0; k < 3; ++k) {
@@ -69,8 +63,8 @@ video::SeenSolid seen_liquid(const Input& input, const Geometry& geometry, std::
     out.distance = [regions = geometry.liquids[liquid], bodies = without_bodies ? geometry.bodies : scene::Regions{}, min = domain.min,
                     max = domain.max, domain](const Vec3& point) {
         const auto x = surface::folded(point, domain);
-        double d = std::max(union_distance(regions, x), box_distance(min, max, x));
-        if (!bodies.empty()) d = std::max(d, -union_distance(bodies, x));
+        double d = std::max(scene::distance_to(regions, x), box_distance(min, max, x));
+        if (!bodies.empty()) d = std::max(d, -scene::distance_to(bodies, x));
         return d;
     };
     auto bounds = bounds_within(geometry.liquids[liquid], domain);

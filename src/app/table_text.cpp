@@ -1,6 +1,6 @@
 #include "app/table_text.hpp"
 
-#include <cstdio>
+#include "identify/digits.hpp"
 
 namespace treacle::app {
 
@@ -10,11 +10,7 @@ std::string label(const std::string& text) {
     return out;
 }
 
-std::string short_number(double value) {
-    char text[32];
-    std::snprintf(text, sizeof text, "%.4g", value);
-    return text;
-}
+std::string short_number(double value) { return identify::digits(value); }
 
 std::string grouped(std::uint64_t count) {
     std::string out = std::to_string(count);

@@ -24,59 +24,49 @@ double random_number(std::uint64_t key) {
     return static_cast<double>(key >> 11) * 0x1p-52 - 1;
 }
 
-// Whether any liquid may reach into a ball.
-bool any_within(const std::vector<scene::Regions>& liquids, const Vec3& x, double radius) {
-    for (const auto& liquid : liquids) {
-        for (const auto& region : liquid) {
-            if (region.distance(x) < radius) return true;
-        }
-    }
-    return false;
-}
-
 struct Seed {
     std::int64_t id;
     Vec3 x;
     int liquid;
 };
 
-// One of the equal shares of a cell that hold a particle each where all is liquid.
-struct Share {
+// One of the equal parts of a cell that hold a particle each where all is liquid.
+struct SubCell {
     Vec3 middle{0, 0, 0}, half{0, 0, 0}; // [m] half: of its sides, 0 along an axis that there is not
-    Vec3 place{0, 0, 0};                 // [m] at random around the middle
-    double turn = 0;                     // in (0, 1): it holds a particle if more of it than that is liquid
+    Vec3 position{0, 0, 0};              // [m] at random around the middle
+    double threshold = 0;                // in (0, 1): it holds a particle if more of it than that is liquid
 };
 
-// What of a share is liquid, and where in it a particle may be.
-class ShareFilling {
+// Liquid of sub-cells, and positions of particles in it.
+class SubCellFilling {
 public:
-    ShareFilling(const Seeding& seeding, const MacGrid& grid) : seeding_(seeding), dimensions_(grid.dimensions), clearance_(seeding.clearance * grid.dx) {}
+    SubCellFilling(const Seeding& seeding, const MacGrid& grid) : seeding_(seeding), dimensions_(grid.dimensions), clearance_(seeding.clearance * grid.dx) {}
 
-    // The liquid whose particle the share holds, or -1: in as many of many shares as is that liquid's part of them.
-    int liquid_of(const Share& share) const {
-        const double reach = std::hypot(share.half[0], share.half[1], share.half[2]);
+    // The liquid whose particle the sub-cell holds, or -1: over many sub-cells as often as that liquid fills of them.
+    int liquid_of(const SubCell& sub_cell) const {
+        const double reach = std::hypot(sub_cell.half[0], sub_cell.half[1], sub_cell.half[2]);
         double before = 0;
         for (int l = 0; l < liquids(); ++l) {
-            const double distance = to_liquid(l, share.middle);
+            const double distance = to_liquid(l, sub_cell.middle);
             if (distance >= reach) continue;
-            const bool full = distance <= -reach && to_solids(share.middle) >= reach;
-            before = full ? 1 : before + part_of(share, l);
-            if (share.turn < before) return l;
+            const bool full = distance <= -reach && to_solids(sub_cell.middle) >= reach;
+            before = full ? 1 : before + volume_fraction(sub_cell, l);
+            if (sub_cell.threshold < before) return l;
         }
         return -1;
     }
 
-    // The share's own place if the liquid is there, else the innermost of the middles of its halves, quarters or eighths, moved into the
+    // The sub-cell's own position if the liquid is there, else the innermost of the middles of its quarters or eighths, moved into the
     // liquid and out of solids. None where there is no room.
-    std::optional<Vec3> place_of(const Share& share, int liquid) const {
-        Vec3 x = share.place;
+    std::optional<Vec3> position_in(const SubCell& sub_cell, int liquid) const {
+        Vec3 x = sub_cell.position;
         if (outside(x, liquid, clearance_) < 0) return x;
         for (int s = 0; s < parts(); ++s) {
-            const Vec3 middle = part_middle(share, s);
+            const Vec3 middle = part_middle(sub_cell, s);
             if (outside(middle, liquid, clearance_) < outside(x, liquid, clearance_)) x = middle;
         }
         constexpr int most = 4; // steps; one is enough but in corners
-        for (int i = 0; i < most && !(outside(x, liquid, clearance_) < 0); ++i) step_inward(share, liquid, x);
+        for (int i = 0; i < most && !(outside(x, liquid, clearance_) < 0); ++i) step_inward(sub_cell, liquid, x);
         if (!(outside(x, liquid, clearance_) < 0)) return {};
         return x;
     }
@@ -84,25 +74,21 @@ public:
 private:
     int liquids() const { return static_cast<int>(seeding_.liquids.size()); }
     int parts() const { return dimensions_ == 2 ? 4 : 8; }
-    static Vec3 part_middle(const Share& share, int s) {
-        Vec3 out = share.middle;
-        for (std::size_t k = 0; k < 3; ++k) out[k] += share.half[k] * ((s >> k & 1) - 0.5);
+    static Vec3 part_middle(const SubCell& sub_cell, int s) {
+        Vec3 out = sub_cell.middle;
+        for (std::size_t k = 0; k < 3; ++k) out[k] += sub_cell.half[k] * ((s >> k & 1) - 0.5);
         return out;
     }
     double to_solids(const Vec3& x) const { return seeding_.solid_distance ? seeding_.solid_distance(x) : infinity; }
-    double to_liquid(int liquid, const Vec3& x) const {
-        double out = infinity;
-        for (const auto& region : seeding_.liquids[static_cast<std::size_t>(liquid)]) out = std::min(out, region.distance(x));
-        return out;
-    }
-    // How far a place lies out of a liquid, or nearer to solids than a clearance [m], negative in it. Surfaces may coincide.
+    double to_liquid(int liquid, const Vec3& x) const { return scene::distance_to(seeding_.liquids[static_cast<std::size_t>(liquid)], x); }
+    // Signed distance [m] to where a liquid is and solids are a clearance away, negative in there. Surfaces may coincide.
     double outside(const Vec3& x, int liquid, double clearance) const {
         double out = std::max(to_liquid(liquid, x), clearance - to_solids(x));
         for (int l = 0; l < liquid; ++l) out = std::max(out, -to_liquid(l, x));
         return out;
     }
-    void step_inward(const Share& share, int liquid, Vec3& x) const {
-        const double step = 1e-3 * share.half[0], here = outside(x, liquid, clearance_);
+    void step_inward(const SubCell& sub_cell, int liquid, Vec3& x) const {
+        const double step = 1e-3 * sub_cell.half[0], here = outside(x, liquid, clearance_);
         Vec3 slope{0, 0, 0};
         double square = 0;
         for (std::size_t k = 0; k < static_cast<std::size_t>(dimensions_); ++k) {
@@ -114,12 +100,12 @@ private:
         }
         if (!(square > 0)) return;
         for (std::size_t k = 0; k < static_cast<std::size_t>(dimensions_); ++k)
-            x[k] = std::clamp(x[k] - (here + step) * slope[k] / square, share.middle[k] - share.half[k], share.middle[k] + share.half[k]);
+            x[k] = std::clamp(x[k] - (here + step) * slope[k] / square, sub_cell.middle[k] - sub_cell.half[k], sub_cell.middle[k] + sub_cell.half[k]);
     }
-    // A liquid's part of the share: exact for a plane across an axis.
-    double part_of(const Share& share, int liquid) const {
+    // Volume fraction of a liquid in the sub-cell: exact for a plane across an axis.
+    double volume_fraction(const SubCell& sub_cell, int liquid) const {
         double sum = 0;
-        for (int s = 0; s < parts(); ++s) sum += std::clamp(0.5 - outside(part_middle(share, s), liquid, 0) / share.half[0], 0.0, 1.0);
+        for (int s = 0; s < parts(); ++s) sum += std::clamp(0.5 - outside(part_middle(sub_cell, s), liquid, 0) / sub_cell.half[0], 0.0, 1.0);
         constexpr double round_off = 1e-9;
         const double out = sum / parts();
         return out < round_off ? 0 : out > 1 - round_off ? 1 : out;
@@ -130,43 +116,42 @@ private:
     double clearance_;
 };
 
-// A share's number in (0, 1), by its place in the lattice of all shares: evenly spread over the shares along any axis and in any plane across one,
-// since no fraction is near the steps. The number of those below a part is that part of all to about one along a line.
-double turn_of(const std::array<std::int64_t, 3>& share) {
+// A sub-cell's threshold in (0, 1), by its index in the lattice of all: evenly spread along any axis and in any plane across one, since no
+// rational number is near the steps. The number of those below a fraction is that fraction of all to about one along a line.
+double dither_threshold(const std::array<std::int64_t, 3>& index) {
     constexpr std::array steps{0.61803398874989484820, 0.41421356237309504880, 0.73205080756887729353}; // golden ratio, and roots of 2 and 3, less 1
     double sum = 0.5;
-    for (std::size_t k = 0; k < 3; ++k) sum += steps[k] * static_cast<double>(share[k]);
+    for (std::size_t k = 0; k < 3; ++k) sum += steps[k] * static_cast<double>(index[k]);
     return sum - std::floor(sum);
 }
 
-Share share_of(const Seeding& seeding, const MacGrid& grid, const int c[3], int s, std::uint64_t number) {
-    Share out;
-    std::array<std::int64_t, 3> place{0, 0, 0};
+SubCell sub_cell_of(const Seeding& seeding, const MacGrid& grid, const int c[3], int s, std::uint64_t number) {
+    SubCell out;
+    std::array<std::int64_t, 3> index{0, 0, 0};
     for (int k = 0; k < grid.dimensions; ++k) {
         const auto axis = static_cast<std::size_t>(k);
         const int side = s >> k & 1;
         out.half[axis] = 0.25 * grid.dx;
         out.middle[axis] = grid.lower[k] + grid.dx * (c[k] + 0.25 + 0.5 * side);
-        out.place[axis] = out.middle[axis] + 0.5 * grid.dx * seeding.jitter * random_number(3 * number + static_cast<std::uint64_t>(k));
-        place[axis] = 2 * std::int64_t(c[k]) + side;
+        out.position[axis] = out.middle[axis] + 0.5 * grid.dx * seeding.jitter * random_number(3 * number + static_cast<std::uint64_t>(k));
+        index[axis] = 2 * std::int64_t(c[k]) + side;
     }
-    out.turn = turn_of(place);
+    out.threshold = dither_threshold(index);
     return out;
 }
 
-void seed_cell(const Seeding& seeding, const MacGrid& grid, const int c[3], std::vector<Seed>& out) {
-    const ShareFilling filling(seeding, grid);
-    const int shares = grid.dimensions == 2 ? 4 : 8;
+void seed_cell(const Seeding& seeding, const MacGrid& grid, const SubCellFilling& filling, const int c[3], std::vector<Seed>& out) {
+    const int sub_cells = grid.dimensions == 2 ? 4 : 8;
     const std::uint64_t cell = grid.cells.all().empty() ? 0
         : static_cast<std::uint64_t>(c[0]) + static_cast<std::uint64_t>(grid.cells.count[0]) *
               (static_cast<std::uint64_t>(c[1]) + static_cast<std::uint64_t>(grid.cells.count[1]) * static_cast<std::uint64_t>(c[2]));
     const auto all = static_cast<std::uint64_t>(seeded_ids(grid));
-    for (int s = 0; s < shares; ++s) {
-        const std::uint64_t number = static_cast<std::uint64_t>(shares) * cell + static_cast<std::uint64_t>(s);
-        const Share share = share_of(seeding, grid, c, s, number);
-        const int liquid = filling.liquid_of(share);
+    for (int s = 0; s < sub_cells; ++s) {
+        const std::uint64_t number = static_cast<std::uint64_t>(sub_cells) * cell + static_cast<std::uint64_t>(s);
+        const SubCell sub_cell = sub_cell_of(seeding, grid, c, s, number);
+        const int liquid = filling.liquid_of(sub_cell);
         if (liquid < 0) continue;
-        if (const auto x = filling.place_of(share, liquid)) out.push_back({static_cast<std::int64_t>(static_cast<std::uint64_t>(liquid) * all + number), *x, liquid});
+        if (const auto x = filling.position_in(sub_cell, liquid)) out.push_back({static_cast<std::int64_t>(static_cast<std::uint64_t>(liquid) * all + number), *x, liquid});
     }
 }
 
@@ -187,13 +172,15 @@ double speed_of(const Seeding& seeding, const Seed& seed, std::size_t k) {
 void seed(const Seeding& seeding, const MacGrid& grid, const Decomposition& decomposition, GridParticles& particles) {
     std::vector<Seed> made;
     const CellBox box = decomposition.box();
+    const SubCellFilling filling(seeding, grid);
     const double radius = grid.dx * std::sqrt(double(grid.dimensions));
     for (int i = 0; i < box.size(); ++i) {
         int c[3];
         box.cell(i, c);
         Vec3 middle;
         grid.centre(c, middle.data());
-        if (any_within(seeding.liquids, middle, radius)) seed_cell(seeding, grid, c, made);
+        const bool reached = std::ranges::any_of(seeding.liquids, [&](const scene::Regions& liquid) { return scene::distance_to(liquid, middle) < radius; });
+        if (reached) seed_cell(seeding, grid, filling, c, made);
     }
     const auto before = static_cast<std::size_t>(particles.store.owned());
     particles.store.resize_owned(static_cast<int>(before + made.size()));

@@ -83,7 +83,7 @@ void StudyFile::add_measured_and_rungs(Declaration& d) {
 }
 
 namespace {
-// Of three rungs and more the coarsest, and the first that is finer enough: the scatter of rungs that are near each other is multiplied.
+// The coarsest of three rungs or more, and the first that is finer enough: the scatter of rungs that are near each other is multiplied.
 void take_two(study::Parameter& spacing) {
     constexpr double ratio = 1.35;
     if (spacing.values.size() < 3) return;

@@ -11,6 +11,8 @@ namespace treacle::scene {
 
 using Regions = std::vector<SolidRegion>; // their union
 
+// Signed distance of their union [m], negative inside; Bounds::infinite of none.
+double distance_to(const Regions& regions, const Vec3& x);
 // Of their union, all of which are of finite volume.
 Moments moments_of(const Regions& regions);
 

@@ -7,6 +7,12 @@
 #include <optional>
 
 namespace treacle::scene {
+double distance_to(const Regions& regions, const Vec3& x) {
+    double least = Bounds::infinite;
+    for (const SolidRegion& region : regions) least = std::min(least, region.distance(x));
+    return least;
+}
+
 namespace {
 
 using Index = std::array<std::int64_t, 3>;
@@ -35,12 +41,6 @@ struct IndexBox {
 Vec3 decided_at(const Vec3& x, const Lattice& lattice) {
     const double e = face_tolerance * lattice.spacing;
     return {x[0] + e, x[1] + 0.7 * e, lattice.dimensions == 2 ? 0 : x[2] + 0.4 * e};
-}
-
-double distance_to(const Regions& regions, const Vec3& x) {
-    double least = Bounds::infinite;
-    for (const SolidRegion& region : regions) least = std::min(least, region.distance(x));
-    return least;
 }
 
 // The index of the first point at or above x along an axis, at least `low` and at most `high`.

@@ -7,7 +7,7 @@ namespace {
 using test::ball;
 using test::box;
 
-// Particles of liquids in a domain of 12 cells and some more, times their volume [m3, in the plane m2 times dx], by liquid.
+// Particles of liquids in a domain, times their volume [m3, in the plane m2 times dx], by liquid.
 std::vector<double> volumes(const scene::Domain& domain, const std::vector<scene::Regions>& liquids, std::function<double(const Vec3&)> solids = {}) {
     const MacGrid grid = make_mac_grid(domain);
     const Decomposition decomposition(Comm::self(), grid.cells);
