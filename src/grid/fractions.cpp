@@ -69,18 +69,19 @@ struct Places {
         if (!moved) return here;
         return math::max(here, 2 * solid(nodes.index(first[0], first[1], first[2])) - solid(nodes.index(second[0], second[1], second[2])));
     }
-    KOKKOS_INLINE_FUNCTION void solid_corners(const Array<double>& solid, const int f[3], double out[8]) const {
+    // The corners, x + 2 y + 4 z, of the cube with lower fine node f and edges of `step` fine nodes: use(number, fine node).
+    template <class Use>
+    KOKKOS_INLINE_FUNCTION void each_corner(const int f[3], int step, const Use& use) const {
         for (int k = 0; k < 8; ++k) {
-            const int corner[3] = {f[0] + (k & 1), f[1] + (k >> 1 & 1), up[2] ? f[2] + (k >> 2) : 0};
-            out[k] = solid_beside(solid, corner, f, -1);
+            const int corner[3] = {f[0] + step * (k & 1), f[1] + step * (k >> 1 & 1), up[2] ? f[2] + step * (k >> 2) : 0};
+            use(k, corner);
         }
     }
-    // Distances at the corners, x + 2 y + 4 z, of the cube with lower fine node f and edges of `step` fine nodes.
+    KOKKOS_INLINE_FUNCTION void solid_corners(const Array<double>& solid, const int f[3], double out[8]) const {
+        each_corner(f, 1, [&](int k, const int corner[3]) { out[k] = solid_beside(solid, corner, f, -1); });
+    }
     KOKKOS_INLINE_FUNCTION void corners(const Array<double>& values, const int f[3], int step, double out[8]) const {
-        for (int k = 0; k < 8; ++k) {
-            const int z = up[2] ? f[2] + step * (k >> 2) : 0;
-            out[k] = values(nodes.index(f[0] + step * (k & 1), f[1] + step * (k >> 1 & 1), z));
-        }
+        each_corner(f, step, [&](int k, const int corner[3]) { out[k] = values(nodes.index(corner[0], corner[1], corner[2])); });
     }
 };
 

@@ -27,6 +27,44 @@ std::vector<char> gripping_bodies(const SlipSetup& setup) {
     }
     return out;
 }
+
+// The solid whose surface a cell has: that nearest to its middle. Where that grips, it may be beside one that liquid slides along: then that
+// of the nearest node of the cell which is nearest to such a solid.
+struct SlipLengthLoop {
+    FineNodes nodes;
+    Array<int> number;
+    Array<double> distance, of, length;
+    Array<int> body;
+
+    KOKKOS_INLINE_FUNCTION double length_of_solid(int solid) const { return solid == Solids::nothing ? 0 : of(Solids::place(solid)); }
+    KOKKOS_INLINE_FUNCTION int sliding_near(const int c[3]) const {
+        int out = Solids::nothing;
+        double least = 0;
+        const int corners = nodes.dimensions == 2 ? 9 : 27;
+        for (int k = 0; k < corners; ++k) {
+            const int corner[3] = {2 * c[0] + k % 3, 2 * c[1] + k / 3 % 3, 2 * c[2] + k / 9};
+            bool there = true;
+            for (int a = 0; a < nodes.dimensions; ++a) there = there && corner[a] < 2 * nodes.window.hi[a];
+            if (!there) continue;
+            const int node = nodes.index(corner[0], corner[1], corner[2]);
+            const double d = math::fabs(distance(node));
+            if (!(length_of_solid(number(node)) > 0) || (out != Solids::nothing && !(d < least))) continue;
+            out = number(node);
+            least = d;
+        }
+        return out;
+    }
+    KOKKOS_INLINE_FUNCTION void operator()(int i) const {
+        int c[3];
+        nodes.window.cell(i, c);
+        int nearest = number(FineNodes::per_cell * i + nodes.used() - 1);
+        if (nearest != Solids::nothing && !(length_of_solid(nearest) > 0)) {
+            if (const int sliding = sliding_near(c); sliding != Solids::nothing) nearest = sliding;
+        }
+        body(i) = nearest;
+        length(i) = length_of_solid(nearest);
+    }
+};
 } // namespace
 
 SlipGeometry::SlipGeometry(const MacGrid& grid, const scene::Domain& domain, const SlipSetup& setup)
@@ -43,50 +81,6 @@ SlipGeometry::SlipGeometry(const MacGrid& grid, const scene::Domain& domain, con
     for (std::size_t k = 0; k < lengths.size(); ++k) host(k) = lengths[k];
     Kokkos::deep_copy(lengths_, host);
 }
-
-namespace {
-// Of a cell: the solid nearest to its middle. Where that grips, it may be beside one that liquid slides along, whose surface
-// the cell then has: that of the nearest node of the cell which is nearest to such a solid.
-struct SlipLengthLoop {
-    FineNodes nodes;
-    Array<int> number;
-    Array<double> distance, of, length;
-    Array<int> body;
-
-    KOKKOS_INLINE_FUNCTION int sliding_near(const int c[3]) const {
-        int out = Solids::nothing;
-        double least = 0;
-        const int deep = nodes.dimensions == 2 ? 0 : 2;
-        for (int z = 0; z <= deep; ++z) {
-            for (int y = 0; y <= 2; ++y) {
-                for (int x = 0; x <= 2; ++x) {
-                    const int corner[3] = {2 * c[0] + x, 2 * c[1] + y, 2 * c[2] + z};
-                    bool there = true;
-                    for (int k = 0; k < nodes.dimensions; ++k) there = there && corner[k] < 2 * nodes.window.hi[k];
-                    if (!there) continue;
-                    const int node = nodes.index(corner[0], corner[1], corner[2]), one = number(node);
-                    if (one == Solids::nothing || !(of(Solids::place(one)) > 0)) continue;
-                    const double d = math::fabs(distance(node));
-                    if (out != Solids::nothing && !(d < least)) continue;
-                    out = one;
-                    least = d;
-                }
-            }
-        }
-        return out;
-    }
-    KOKKOS_INLINE_FUNCTION void operator()(int i) const {
-        int c[3];
-        nodes.window.cell(i, c);
-        int nearest = number(FineNodes::per_cell * i + nodes.used() - 1);
-        if (nearest != Solids::nothing && !(of(Solids::place(nearest)) > 0)) {
-            if (const int sliding = sliding_near(c); sliding != Solids::nothing) nearest = sliding;
-        }
-        body(i) = nearest;
-        length(i) = nearest == Solids::nothing ? 0 : of(Solids::place(nearest));
-    }
-};
-} // namespace
 
 void SlipGeometry::find_lengths(const Solids& solids) {
     const auto& nodes = solids.nodes();

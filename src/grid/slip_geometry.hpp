@@ -31,10 +31,9 @@ public:
     const FractionBuilder& fractions_of_gripping() const { return builder_; }
     const Array<double>& lengths() const { return lengths_; } // [6 sides, then bodies] 0: grips, infinity: does not hold [m]
 
-    // Part of update(); not private, since nvcc takes no kernel in a private function.
+private:
     void find_lengths(const Solids& solids);
 
-private:
     bool any_ = false;
     int dimensions_;
     Solids gripping_;

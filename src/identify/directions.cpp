@@ -16,12 +16,11 @@ Vector within(Vector point, const std::vector<search::Axis>& axes) {
     return point;
 }
 
-// The variance of numerical noise along a unit vector, as a multiple of the fit's: a few runs span few directions, and what moves the answer
-// by noise moves it where the film holds it least.
-double noise_along(const Vector& way, const Matrix& covariance, const Matrix& noise) {
-    if (way.size() == 1) return noise(0, 0);
-    const double multiple = (covariance.ldlt().solve(noise)).trace() / double(way.size());
-    return multiple * way.dot(covariance * way);
+// Covariance of numerical noise, as a multiple of the fit's: a few runs span few directions, and what moves the answer by noise moves it where
+// the film holds it least.
+Matrix noise_as_of_fit(const Matrix& covariance, const Matrix& noise) {
+    if (noise.rows() == 1) return noise;
+    return covariance.ldlt().solve(noise).trace() / double(noise.rows()) * covariance;
 }
 
 } // namespace
@@ -51,13 +50,14 @@ std::vector<search::Point> points_to_span(const Vector& answer, const std::vecto
 ResolvedAnswer extrapolate_answers(const std::vector<ResolutionAnswer>& answers, const Matrix& covariance, const Matrix& noise, int noise_runs) {
     const auto p = answers.front().value.size();
     const Matrix turn = p == 1 ? Matrix(Matrix::Identity(1, 1)) : Matrix(Eigen::SelfAdjointEigenSolver<Matrix>(covariance).eigenvectors());
+    const Matrix spread = noise_as_of_fit(covariance, noise);
     ResolvedAnswer out;
     Vector value(p), resolution(p), scatter(p);
     for (Eigen::Index k = 0; k < p; ++k) {
         const Vector way = turn.col(k);
         std::vector<search::Rung> rungs;
         for (const auto& answer : answers) rungs.push_back({answer.spacing, way.dot(answer.value), answer.runs});
-        out.axes.push_back(search::extrapolate(rungs, {std::sqrt(noise_along(way, covariance, noise)), int(p) * std::max(1, noise_runs)}));
+        out.axes.push_back(search::extrapolate(rungs, {std::sqrt(way.dot(spread * way)), int(p) * std::max(1, noise_runs)}));
         const auto& one = out.axes.back();
         value[k] = one.value;
         scatter[k] = one.noise * one.noise;
