@@ -10,6 +10,14 @@ namespace treacle::grid {
 namespace {
 // Shares of a cell by which a length may miss a whole number of cells.
 constexpr double whole = 1e-6;
+
+// By how much the cells begin before the domain does: of an axis that is open on both sides what they reach beyond it is shared by both, so that
+// what is symmetrical about its middle stays so at any spacing. Otherwise they begin at the side itself, as walls are sharpest on nodes.
+double first_side_surplus(const scene::Domain& domain, std::size_t axis, int cells) {
+    if (domain.faces[2 * axis].kind != scene::FaceKind::open || domain.faces[2 * axis + 1].kind != scene::FaceKind::open) return 0;
+    const double surplus = cells * domain.spacing - (domain.max[axis] - domain.min[axis]);
+    return surplus > whole * domain.spacing ? 0.5 * surplus : 0;
+}
 } // namespace
 
 MacGrid make_mac_grid(const scene::Domain& domain) {
@@ -36,7 +44,7 @@ MacGrid make_mac_grid(const scene::Domain& domain) {
         }
         const int count = static_cast<int>(std::ceil(cells - whole));
         const int beyond = periodic ? 0 : MacGrid::padding;
-        grid.lower[k] = domain.min[axis] - beyond * grid.dx;
+        grid.lower[k] = domain.min[axis] - beyond * grid.dx - first_side_surplus(domain, axis, count);
         grid.cells.origin[k] = grid.lower[k];
         grid.cells.count[k] = count + 2 * beyond;
         grid.cells.period[k] = periodic ? length : 0;

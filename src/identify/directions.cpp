@@ -47,7 +47,7 @@ std::vector<search::Point> points_to_span(const Vector& answer, const std::vecto
     return out;
 }
 
-ResolvedAnswer extrapolate_answers(const std::vector<ResolutionAnswer>& answers, const Matrix& covariance, const Matrix& noise, int noise_runs) {
+ResolvedAnswer extrapolate_answers(const std::vector<ResolutionAnswer>& answers, const Matrix& covariance, const Matrix& noise, int freedom) {
     const auto p = answers.front().value.size();
     const Matrix turn = p == 1 ? Matrix(Matrix::Identity(1, 1)) : Matrix(Eigen::SelfAdjointEigenSolver<Matrix>(covariance).eigenvectors());
     const Matrix spread = noise_as_of_fit(covariance, noise);
@@ -57,7 +57,7 @@ ResolvedAnswer extrapolate_answers(const std::vector<ResolutionAnswer>& answers,
         const Vector way = turn.col(k);
         std::vector<search::Rung> rungs;
         for (const auto& answer : answers) rungs.push_back({answer.spacing, way.dot(answer.value), answer.runs});
-        out.axes.push_back(search::extrapolate(rungs, {std::sqrt(way.dot(spread * way)), int(p) * std::max(1, noise_runs)}));
+        out.axes.push_back(search::extrapolate(rungs, {std::sqrt(way.dot(spread * way)), int(p) * std::max(1, freedom)}));
         const auto& one = out.axes.back();
         value[k] = one.value;
         scatter[k] = one.noise * one.noise;

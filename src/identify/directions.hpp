@@ -29,9 +29,9 @@ struct ResolvedAnswer {
 
 // Extrapolates answers along the principal axes of their covariance, by which they are independent: parameters that trade
 // with each other move together from rung to rung, and apart each would look wild. noise: covariance of the coarsest rung's answer
-// by the numerical noise of one run, measured by `noise_runs`: taken as a multiple of the fit's covariance, tr(covariance^-1 noise) / p,
+// by the numerical noise of one run, measured with `freedom` degrees of freedom: taken as a multiple of the fit's covariance, tr(covariance^-1 noise) / p,
 // since a few runs span fewer directions than there are parameters. One parameter is itself.
-ResolvedAnswer extrapolate_answers(const std::vector<ResolutionAnswer>& answers, const Eigen::MatrixXd& covariance, const Eigen::MatrixXd& noise, int noise_runs);
+ResolvedAnswer extrapolate_answers(const std::vector<ResolutionAnswer>& answers, const Eigen::MatrixXd& covariance, const Eigen::MatrixXd& noise, int freedom);
 
 // Parameters that trade with each other, by the covariance of their coordinates: a sentence for each pair that does. Empty for one parameter.
 std::vector<std::string> trades(const std::vector<std::string>& names, const Eigen::MatrixXd& covariance);

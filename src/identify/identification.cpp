@@ -328,21 +328,25 @@ void climb_rungs(const StudyFile& file, const Priors& priors, Trials& trials, Id
     const auto& parameter = file.study.parameters[file.searched + file.measured];
     auto point = out.estimate->point;
     std::vector<ResolutionAnswer> answers;
-    const auto keep = [&](const std::string& word, std::size_t runs) {
-        constexpr std::size_t near = 2; // runs that are near enough to the answer to lessen its noise
+    const auto keep = [&](const std::string& word, const ResolutionAnswer& found) {
         RungAnswer answer{word, {}};
-        for (std::size_t k = 0; k < file.searched; ++k) answer.values.push_back(value_of(file.study.parameters[k], point[Eigen::Index(k)]));
-        answers.push_back({*parameter.number(word), int(std::min(runs, near)), point});
+        for (std::size_t k = 0; k < file.searched; ++k) answer.values.push_back(value_of(file.study.parameters[k], found.value[Eigen::Index(k)]));
+        answers.push_back(found);
         out.rungs.push_back(answer);
     };
-    keep(parameter.values.front(), out.estimate->runs);
+    const auto found_by = [&](const std::string& word, std::size_t runs) {
+        constexpr std::size_t near = 2; // runs that are near enough to the answer to lessen its noise
+        return ResolutionAnswer{*parameter.number(word), int(std::min(runs, near)), point};
+    };
+    const auto& coarsest = parameter.values.front();
+    keep(coarsest, out.coarsest ? *out.coarsest : found_by(coarsest, out.estimate->runs));
     std::vector<std::vector<EvaluatedRun>> finer;
     for (std::size_t i = 1; i < parameter.values.size(); ++i) {
-        if (settle_rung(file, priors, trials, finer, i - 1, point)) keep(parameter.values[i], finer.back().size());
+        if (settle_rung(file, priors, trials, finer, i - 1, point)) keep(parameter.values[i], found_by(parameter.values[i], finer.back().size()));
     }
     if (finer.empty()) return;
     take_fit(estimate(trials.good(), priors, finer, range_prior(file)), *out.estimate);
-    auto resolved = extrapolate_answers(answers, out.estimate->covariance, out.noise, file.search.noise_runs);
+    auto resolved = extrapolate_answers(answers, out.estimate->covariance, out.noise, out.noise_freedom);
     if (file.search.answer == Answer::finest) {
         resolved.value = answers.back().value;
         resolved.resolution.setZero();
@@ -360,16 +364,35 @@ void climb_rungs(const StudyFile& file, const Priors& priors, Trials& trials, Id
     }
 }
 
-// Scatter of the answer over runs of other spacings.
+// Of one parameter on a logarithmic scale the scatter over a few runs is taken together with what it usually is, which counts as one run:
+// two answers can be alike by chance, and the interval would believe it.
+void expect_usual_noise(const StudyFile& file, Identification& out) {
+    constexpr double usual = 0.01; // of the logarithm of a viscosity; 0.5 to 2 % in the templates' scenes at their coarsest spacing
+    if (file.searched != 1 || file.study.parameters.front().scale != study::Scale::log) return;
+    out.noise(0, 0) = (out.noise(0, 0) * out.noise_freedom + usual * usual) / (out.noise_freedom + 1);
+    ++out.noise_freedom;
+}
+
+// Scatter of the answer over runs of spacings near the coarsest, and their mean, which has less of it than the answer of the search.
 void measure_noise(const StudyFile& file, const Priors& priors, Trials& trials, Identification& out) {
+    const auto& parameter = file.study.parameters[file.searched + file.measured];
     std::vector<Eigen::VectorXd> answers{out.estimate->point};
-    for (const auto& run : trials.run(noise_runs(file, point_of(out.estimate->point)))) {
-        if (run) answers.push_back(estimate(trials.good(), priors, {{*run}}, range_prior(file)).point);
+    double spacings = *parameter.number(parameter.values.front());
+    const auto wanted = noise_runs(file, point_of(out.estimate->point));
+    const auto evaluated = trials.run(wanted);
+    for (std::size_t i = 0; i < wanted.size(); ++i) {
+        if (!evaluated[i]) continue;
+        answers.push_back(estimate(trials.good(), priors, {{*evaluated[i]}}, range_prior(file)).point);
+        spacings += wanted[i].second.value;
     }
     if (answers.size() < 2) return;
+    const double count = double(answers.size());
     Eigen::VectorXd mean = Eigen::VectorXd::Zero(out.estimate->point.size());
-    for (const auto& one : answers) mean += one / double(answers.size());
-    for (const auto& one : answers) out.noise += (one - mean) * (one - mean).transpose() / double(answers.size() - 1);
+    for (const auto& one : answers) mean += one / count;
+    for (const auto& one : answers) out.noise += (one - mean) * (one - mean).transpose() / (count - 1);
+    out.noise_freedom = int(answers.size()) - 1;
+    out.coarsest = ResolutionAnswer{spacings / count, int(answers.size()), mean};
+    expect_usual_noise(file, out);
     for (std::size_t k = 0; k < file.searched; ++k) out.estimate->parts[k].noise = out.noise(Eigen::Index(k), Eigen::Index(k));
 }
 

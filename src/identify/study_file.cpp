@@ -85,7 +85,7 @@ void StudyFile::add_measured_and_rungs(Declaration& d) {
 namespace {
 // The coarsest of three rungs or more, and the first that is finer enough: the scatter of rungs that are near each other is multiplied.
 void take_two(study::Parameter& spacing) {
-    constexpr double ratio = 1.35;
+    constexpr double ratio = 1.6;
     if (spacing.values.size() < 3) return;
     std::size_t finer = 1;
     while (finer + 1 < spacing.values.size() && *spacing.number(spacing.values[finer]) * ratio > *spacing.number(spacing.values.front())) ++finer;

@@ -20,7 +20,7 @@ struct StudyFile {
     bool has_rungs() const { return study.parameters.size() > searched + measured; }
 
     void declare(Declaration& d);
-    // For an answer of a few runs: the coarsest rung and the first finer by a third, one run for the noise, none for the measured values, whose part the
+    // For an answer of a few runs: the coarsest rung and the first finer by 1.6, one run for the noise, none for the measured values, whose part the
     // interval then lacks.
     void make_quick();
 

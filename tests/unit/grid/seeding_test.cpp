@@ -74,5 +74,22 @@ TEST(Seeding, LiquidsOnEachOtherAndOnSolidsShareTheSpace) {
     }
 }
 
+// Along x the domain is open on both sides, along y it has a wall first.
+TEST(Cells, BeginAtAWallAndAsFarBeyondOneOpenSideAsBeyondTheOther) {
+    for (int k = 0; k < 30; ++k) {
+        const double dx = 0.0035 + 0.00012 * k;
+        auto domain = test::make_domain(3, {0.09, 0.06, 0.08}, dx);
+        domain.faces[0].kind = domain.faces[1].kind = domain.faces[3].kind = scene::FaceKind::open;
+        const MacGrid grid = make_mac_grid(domain);
+        const auto begin = [&](int axis) { return grid.lower[axis] + MacGrid::padding * dx; };
+        const auto end = [&](int axis) { return grid.lower[axis] + (grid.cells.count[axis] - MacGrid::padding) * dx; };
+        EXPECT_NEAR(begin(0) + end(0), 0.09, 1e-12) << dx;
+        EXPECT_GE(end(0), 0.09 - 1e-6 * dx) << dx;
+        EXPECT_LT(end(0) - begin(0), 0.09 + dx) << dx;
+        EXPECT_NEAR(begin(1), 0, 1e-12) << dx;
+        EXPECT_GE(end(1), 0.06 - 1e-6 * dx) << dx;
+    }
+}
+
 } // namespace
 } // namespace treacle::grid
