@@ -66,8 +66,9 @@ struct PrepareLoop {
             force(i, k) = liquid[k] + c.wall_push * (g[k] - liquid[k]);
         }
         diagonal(i) = sum_lanes(square) + g[0] * g[0] + g[1] * g[1] + g[2] * g[2];
-        if (aim == Iisph::Aim::density) {
-            source(i) = (density(i) + dt * change - c.rest_density) / (dt * dt); // (2.4)
+        if (aim != Iisph::Aim::divergence) {
+            const double excess = density(i) - c.rest_density;
+            source(i) = ((aim == Iisph::Aim::approach ? math::min(excess, 0.0) : excess) + dt * change) / (dt * dt); // (2.4)
         } else {
             source(i) = change / dt;
             if (row.count + fluid.solid.count(i) < needed) diagonal(i) = 0;
@@ -336,12 +337,29 @@ solve::SolveReport Iisph::iterate(const StepParts& parts, Aim aim, double dt, co
 
 solve::SolveReport Iisph::solve(const StepParts& parts, double dt, RoleCounts& roles) {
     const auto start = Clock::now();
-    prepare(parts, dt);
+    const bool shifted = parts.options.pressure.recovery == DensityRecovery::positions;
+    prepare(parts, dt, shifted ? Aim::approach : Aim::density);
     auto& liquid = parts.liquid;
     const double share = parts.options.pressure.solver == PressureSolver::dfsph ? 1 : warm_start;
     auto out = iterate(parts, Aim::density, dt,
                        start_from_last(parts.comm, liquid, liquid.pressure(), share, q_, diagonal_));
     roles = write_pressures(liquid, q_);
+    out.iteration_seconds = seconds_since(start);
+    return out;
+}
+
+solve::SolveReport Iisph::shift(const StepParts& parts, double dt) {
+    const auto start = Clock::now();
+    prepare(parts, dt);
+    auto& liquid = parts.liquid;
+    constexpr double anew = 0; // the excess differs from step to step
+    auto out = iterate(parts, Aim::density, dt, start_from_last(parts.comm, liquid, liquid.pressure(), anew, q_, diagonal_));
+    multiply(parts, q_);
+    ++out.products;
+    const auto shift = liquid.acceleration();
+    Kokkos::parallel_for("treacle::iisph_shift", liquid.store.owned(), KOKKOS_LAMBDA(int i) {
+        for (int k = 0; k < 3; ++k) shift(i, k) *= dt;
+    });
     out.iteration_seconds = seconds_since(start);
     return out;
 }

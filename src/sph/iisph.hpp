@@ -14,13 +14,15 @@ namespace treacle::sph {
 //     b_i = (rho*_i - rho0) / dt^2
 // A is G^T G with the q -> a of S8 as G: symmetric and positive semidefinite for any densities, solids included, unless
 // walls push harder.
-// Wanted: q >= 0, A q - b >= 0, one of the two zero.
+// Wanted: q >= 0, A q - b >= 0, one of the two zero. With Aim::approach the velocities that result are the nearest to u*, by their
+// kinetic energy, of those that compress nothing further: a projection onto a convex cone that holds u = 0, which loses
+// energy or keeps it, whatever u* and the step.
 class Iisph {
 public:
     // (S5) b, g, the diagonal of A. Ghosts' velocities must be current. Writes the fields source, place, motion.
-    // With Aim::divergence b_i is the density's rate of change over dt, and rows of particles with few neighbours, whose
+    // With Aim::approach b_i leaves out what the density exceeds rho0 by before the step. With Aim::divergence b_i is the density's rate of change over dt, and rows of particles with few neighbours, whose
     // density says little, stay 0 (Bender & Koschier 2017).
-    enum class Aim { density, divergence };
+    enum class Aim { density, approach, divergence };
     void prepare(const StepParts& parts, double dt, Aim aim = Aim::density);
 
     // Collective: product() = A q, on owned rows, with q of the owned particles. Writes the fields load, acceleration,
@@ -30,6 +32,10 @@ public:
     // Collective: prepares and solves, starting from half the last pressures, or all of them with DFSPH. Writes pressure and role: Poisson where
     // the pressure is positive, Dirichlet elsewhere.
     solve::SolveReport solve(const StepParts& parts, double dt, RoleCounts& roles);
+
+    // (I2) Collective: what the density would exceed rho0 by after a step dt with the velocities, ghosts' included, as a shift
+    // of places: writes -dt G q, A q - b >= 0, to the acceleration field [m/s]. Writes source, load, place, motion; pressures stay.
+    solve::SolveReport shift(const StepParts& parts, double dt);
 
     // Collective: the divergence-free solve of DFSPH. last: the pressures of the last one, in and out [Pa]. Leaves p / rho^2
     // in the field load, ghosts included, for apply_pressure.

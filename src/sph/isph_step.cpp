@@ -365,6 +365,18 @@ void IsphStep::find_pressures_by_iisph(StepReport& report, double dt) {
     fail(report.pressure, comm_.sum(static_cast<std::int64_t>(liquid_.store.owned())), "method.pressure.solver: isph");
 }
 
+// (I2) Where the velocities leave liquid that is compressed, the particles move on by more than their velocities.
+void IsphStep::shift_positions(StepReport& report, double dt) {
+    const auto phase = timers_.scope("solve");
+    halo_.gather(liquid_.store, {liquid_.velocity_field()});
+    const auto shifted = iisph_.shift(parts(), dt);
+    report.pressure.iterations += shifted.iterations;
+    report.pressure.products += shifted.products;
+    report.pressure.iteration_seconds += shifted.iteration_seconds;
+    if (shifted.converged()) return;
+    fail(shifted, comm_.sum(static_cast<std::int64_t>(liquid_.store.owned())), "method.pressure.recovery: velocities");
+}
+
 // The divergence-free solve of DFSPH: of the last step, at the places that it led to.
 void IsphStep::remove_divergence(StepReport& report, double dt) {
     const auto phase = timers_.scope("solve");
@@ -404,7 +416,8 @@ void IsphStep::move(StepReport& report, double dt) {
         compute_xsph(setup_.options, setup_.constants, liquid_, solid_, neighbours_);
         clear_held(liquid_, liquid_.acceleration());
     }
-    const auto gone = move_particles(setup_.domain, liquid_, dt, smooth ? Use::yes : Use::no);
+    const bool shifts = setup_.options.pressure.recovery == DensityRecovery::positions;
+    const auto gone = move_particles(setup_.domain, liquid_, dt, smooth || shifts ? Use::yes : Use::no);
     if (bodies_.any_moves()) {
         bodies_.rigid.move(dt);
         bodies_.place(solid_);
@@ -456,6 +469,7 @@ StepReport IsphStep::advance(double dt) {
         const auto phase = timers_.scope("pressure force");
         push_by_pressure(report, dt);
     }
+    if (setup_.options.pressure.recovery == DensityRecovery::positions) shift_positions(report, dt);
     {
         const auto phase = timers_.scope("move");
         move(report, dt);

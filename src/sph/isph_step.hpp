@@ -126,6 +126,7 @@ private:
     void correct_pressures(solve::Matrix& matrix, double dt, StepReport& report);
     void find_pressures(StepReport& report, double dt);
     void find_pressures_by_iisph(StepReport& report, double dt);
+    void shift_positions(StepReport& report, double dt);
     void remove_divergence(StepReport& report, double dt);
     void push_by_pressure(StepReport& report, double dt);
     void move(StepReport& report, double dt);

@@ -135,6 +135,13 @@ void PressureOptions::declare(Declaration& d) {
              "Iterate until the mean compression, or until the relative residual, is small enough.");
     d.number("density_error", density_error, unit::none, reachable(range_at_least(least_tolerance)),
              "Mean compression of the Poisson particles at which iterating ends, as a share of the density.");
+    d.choice("recovery", recovery, {{"velocities", DensityRecovery::velocities}, {"positions", DensityRecovery::positions}},
+             "How liquid that is compressed gets its density back. `velocities`: within a step, by the pressures that move it, "
+             "so that it is thrown apart the faster the shorter the step. `positions`: the pressures only stop what would "
+             "compress it further, and a second solve moves the particles apart without a velocity; no impact gains energy. "
+             "Needs `solver: iisph_cg` or `iisph_jacobi`.");
+    d.check(recovery == DensityRecovery::velocities || solver == PressureSolver::iisph_cg || solver == PressureSolver::iisph_jacobi, "recovery",
+            {"needs solver: iisph_cg or iisph_jacobi", "no other's pressures take energy out of whatever they meet", "set the solver too, or leave it out"});
     d.number("divergence_error", divergence_error, unit::none, reachable(range_at_least(least_tolerance)),
              "Of `dfsph`: mean compression in a step, as a share of the density, that the velocities may have before "
              "forces act.");
@@ -262,6 +269,8 @@ void SphOptions::declare(Declaration& d) {
     d.block("density", density, "How densities are measured.");
     d.block("pressure", pressure, "The pressure solve.");
     d.block("viscosity", viscosity, "The viscosity of the liquids, and numerical viscosity that keeps particles in order.");
+    d.check(viscosity.xsph == 0 || pressure.recovery == DensityRecovery::velocities, "viscosity.xsph",
+            {"cannot go with pressure.recovery: positions", "either moves particles by more than their velocities", "leave one of the two out"});
     d.block("surface_tension", surface_tension, "The surface tension of the liquids against air.");
     d.number("rebalance_above", rebalance_above, unit::none, range_at_least(1),
              "Largest over mean number of particles of a rank above which the domain is cut anew.");

@@ -15,6 +15,7 @@ enum class WallForce { one_sided, balanced };
 enum class WallContact { stop, none };
 enum class BodyCoupling { implicit, one_step_late };
 enum class StoppingRule { density_error, residual };
+enum class DensityRecovery { velocities, positions };
 enum class PressureSolver { isph, iisph_jacobi, iisph_cg, dfsph };
 enum class PressurePreconditioner {
     none,
@@ -101,6 +102,7 @@ struct PressureOptions {
     MultilevelOptions multilevel;
     StoppingRule stop = StoppingRule::density_error;
     double density_error = 1e-5;    // mean compression of the Poisson particles, share of the rest density
+    DensityRecovery recovery = DensityRecovery::velocities;
     double divergence_error = 1e-4; // of DFSPH: mean compression that the velocities would cause in a step
     double largest_residual = 0.1;  // relative, that the density rule must reach as well (README)
     double residual = 1e-6;         // relative, for the residual rule
