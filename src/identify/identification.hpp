@@ -2,6 +2,7 @@
 #include "identify/directions.hpp"
 #include "identify/estimate.hpp"
 #include "identify/study_file.hpp"
+#include "identify/view_priors.hpp"
 #include "search/rungs.hpp"
 #include "search/search.hpp"
 #include "study/study_runs.hpp"
@@ -53,12 +54,6 @@ const Trial* trial_at_answer(const StudyFile& file, const Identification& identi
 // What the runs of a trial, one a scene of the study, are away from its experiments, without a point; nothing where one has failed.
 // Throws InputError.
 std::optional<EvaluatedRun> evaluated_runs(const StudyFile& file, const study::StudyRuns& runs, const std::vector<std::int64_t>& numbers);
-
-// Information on the view before the films are looked at, per experiment.
-using Priors = std::vector<ViewInformation>;
-ViewInformation information_of(const ViewUncertainty& uncertainty, const std::optional<Eigen::Matrix<double, 6, 6>>& pose, double focal_deviation);
-ViewInformation sheet_information(const ViewUncertainty& uncertainty);
-ViewInformation series_information(const ViewUncertainty& uncertainty, const Series& series);
 
 // Throws InputError without a parameter, for one without a range, for one that silhouettes cannot know, and for ends of ranges
 // that a scene refuses.
