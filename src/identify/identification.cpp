@@ -321,8 +321,14 @@ search::Extrapolation at_finest(search::Extrapolation found) {
     return found;
 }
 
+// Numerical noise around the coarsest answer.
+struct NoiseMeasure {
+    int freedom = 0;                       // degrees of freedom of Identification::noise
+    std::optional<ResolutionAnswer> answer; // mean over the runs that it was measured by
+};
+
 // The answer at each finer rung.
-void climb_rungs(const StudyFile& file, const Priors& priors, Trials& trials, Identification& out) {
+void climb_rungs(const StudyFile& file, const Priors& priors, const NoiseMeasure& noise, Trials& trials, Identification& out) {
     const auto& parameter = file.study.parameters[file.searched + file.measured];
     auto point = out.estimate->point;
     std::vector<ResolutionAnswer> answers;
@@ -337,14 +343,14 @@ void climb_rungs(const StudyFile& file, const Priors& priors, Trials& trials, Id
         return ResolutionAnswer{*parameter.number(word), int(std::min(runs, near)), point};
     };
     const auto& coarsest = parameter.values.front();
-    keep(coarsest, out.coarsest ? *out.coarsest : found_by(coarsest, out.estimate->runs));
+    keep(coarsest, noise.answer ? *noise.answer : found_by(coarsest, out.estimate->runs));
     std::vector<std::vector<EvaluatedRun>> finer;
     for (std::size_t i = 1; i < parameter.values.size(); ++i) {
         if (settle_rung(file, priors, trials, finer, i - 1, point)) keep(parameter.values[i], found_by(parameter.values[i], finer.back().size()));
     }
     if (finer.empty()) return;
     take_fit(estimate(trials.good(), priors, finer, range_prior(file)), *out.estimate);
-    auto resolved = extrapolate_answers(answers, out.estimate->covariance, out.noise, out.noise_freedom);
+    auto resolved = extrapolate_answers(answers, out.estimate->covariance, out.noise, noise.freedom);
     if (file.search.answer == Answer::finest) {
         resolved.value = answers.back().value;
         resolved.resolution.setZero();
@@ -362,17 +368,17 @@ void climb_rungs(const StudyFile& file, const Priors& priors, Trials& trials, Id
     }
 }
 
-// Of one parameter on a logarithmic scale the scatter over a few runs is taken together with what it usually is, which counts as one run:
-// two answers can be alike by chance, and the interval would believe it.
-void expect_usual_noise(const StudyFile& file, Identification& out) {
+// Scatter of few runs, of one parameter on a logarithmic scale, taken together with what it usually is, which counts as one run: two answers
+// can be alike by chance, and the interval would believe it. Returns the degrees of freedom.
+int expect_usual_noise(const StudyFile& file, int freedom, Eigen::MatrixXd& noise) {
     constexpr double usual = 0.01; // of the logarithm of a viscosity; 0.5 to 2 % in the templates' scenes at their coarsest spacing
-    if (file.searched != 1 || file.study.parameters.front().scale != study::Scale::log) return;
-    out.noise(0, 0) = (out.noise(0, 0) * out.noise_freedom + usual * usual) / (out.noise_freedom + 1);
-    ++out.noise_freedom;
+    if (file.searched != 1 || file.study.parameters.front().scale != study::Scale::log) return freedom;
+    noise(0, 0) = (noise(0, 0) * freedom + usual * usual) / (freedom + 1);
+    return freedom + 1;
 }
 
 // Scatter of the answer over runs of spacings near the coarsest, and their mean, which has less of it than the answer of the search.
-void measure_noise(const StudyFile& file, const Priors& priors, Trials& trials, Identification& out) {
+NoiseMeasure measure_noise(const StudyFile& file, const Priors& priors, Trials& trials, Identification& out) {
     const auto& parameter = file.study.parameters[file.searched + file.measured];
     std::vector<Eigen::VectorXd> answers{out.estimate->point};
     double spacings = *parameter.number(parameter.values.front());
@@ -383,15 +389,14 @@ void measure_noise(const StudyFile& file, const Priors& priors, Trials& trials, 
         answers.push_back(estimate(trials.good(), priors, {{*evaluated[i]}}, range_prior(file)).point);
         spacings += wanted[i].second.value;
     }
-    if (answers.size() < 2) return;
+    if (answers.size() < 2) return {};
     const double count = double(answers.size());
     Eigen::VectorXd mean = Eigen::VectorXd::Zero(out.estimate->point.size());
     for (const auto& one : answers) mean += one / count;
     for (const auto& one : answers) out.noise += (one - mean) * (one - mean).transpose() / (count - 1);
-    out.noise_freedom = int(answers.size()) - 1;
-    out.coarsest = ResolutionAnswer{spacings / count, int(answers.size()), mean};
-    expect_usual_noise(file, out);
+    const int runs = int(answers.size()), freedom = expect_usual_noise(file, runs - 1, out.noise);
     for (std::size_t k = 0; k < file.searched; ++k) out.estimate->parts[k].noise = out.noise(Eigen::Index(k), Eigen::Index(k));
+    return {freedom, ResolutionAnswer{spacings / count, runs, mean}};
 }
 
 // What a standard deviation of each measured value does to the answer.
@@ -549,8 +554,8 @@ Identification identify(const StudyFile& file, const Priors& priors, study::Stud
     try {
         search_and_estimate(file, priors, trials, out);
         if (file.has_rungs()) {
-            measure_noise(file, priors, trials, out);
-            climb_rungs(file, priors, trials, out);
+            const auto noise = measure_noise(file, priors, trials, out);
+            climb_rungs(file, priors, noise, trials, out);
         }
         vary_measured(file, priors, trials, out);
         add_clips(file, priors, trials, out);

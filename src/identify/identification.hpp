@@ -1,5 +1,4 @@
 #pragma once
-#include "identify/directions.hpp"
 #include "identify/estimate.hpp"
 #include "identify/study_file.hpp"
 #include "identify/view_priors.hpp"
@@ -34,8 +33,6 @@ struct Identification {
     std::vector<search::Extrapolation> corrections; // [p] to spacing 0, along the principal axes of the coordinates
     Eigen::VectorXd resolved;      // [p] coordinates at spacing 0; empty without rungs
     Eigen::MatrixXd noise;         // [p][p] of the coordinates, numerical: of one run at the coarsest spacing, until there are finer ones
-    int noise_freedom = 0;         // degrees of freedom that it was measured with
-    std::optional<ResolutionAnswer> coarsest; // mean over the runs by which the noise was measured
     std::vector<double> values;   // [p] identified, in the parameters' units
     std::vector<double> low, high; // ends of the 90 % interval
     Eigen::MatrixXd covariance;    // [p][p] of the coordinates (the logarithm of a viscosity), of all parts

@@ -195,6 +195,13 @@ void IsphStep::refresh() {
 namespace {
 bool bounded(const SphOptions& options) { return options.pressure.dirichlet == DirichletRule::complementarity; }
 
+// Adds the work of another solve of the same step.
+void add_work(const solve::SolveReport& other, solve::SolveReport& to) {
+    to.iterations += other.iterations;
+    to.products += other.products;
+    to.iteration_seconds += other.iteration_seconds;
+}
+
 [[noreturn]] void fail(const solve::SolveReport& report, std::int64_t unknowns, const std::string& instead) {
     throw SimulationError({"pressure solve", report.reason,
                            "after " + std::to_string(report.iterations) + " iterations on " +
@@ -238,10 +245,8 @@ void IsphStep::solve_pressure(solve::Matrix& matrix, const PressureSystem::HostS
 void IsphStep::correct_pressures(solve::Matrix& matrix, double dt, StepReport& report) {
     const auto step = parts();
     const auto corrected = correction_.correct({step, matrix, solver_}, iisph_, dt);
-    report.pressure.iterations += corrected.iterations;
-    report.pressure.products += corrected.products;
+    add_work(corrected, report.pressure);
     report.pressure.error_measure = corrected.error_measure;
-    report.pressure.iteration_seconds += corrected.iteration_seconds;
 }
 
 namespace {
@@ -357,9 +362,7 @@ void IsphStep::find_pressures_by_iisph(StepReport& report, double dt) {
     const auto phase = timers_.scope("solve");
     const auto first = report.pressure; // of DFSPH
     report.pressure = iisph_.solve(parts(), dt, report.roles);
-    report.pressure.iterations += first.iterations;
-    report.pressure.products += first.products;
-    report.pressure.iteration_seconds += first.iteration_seconds;
+    add_work(first, report.pressure);
     last_pressures_ = LastPressures::known;
     if (report.pressure.converged()) return;
     fail(report.pressure, comm_.sum(static_cast<std::int64_t>(liquid_.store.owned())), "method.pressure.solver: isph");
@@ -370,9 +373,7 @@ void IsphStep::shift_positions(StepReport& report, double dt) {
     const auto phase = timers_.scope("solve");
     halo_.gather(liquid_.store, {liquid_.velocity_field()});
     const auto shifted = iisph_.shift(parts(), dt);
-    report.pressure.iterations += shifted.iterations;
-    report.pressure.products += shifted.products;
-    report.pressure.iteration_seconds += shifted.iteration_seconds;
+    add_work(shifted, report.pressure);
     if (shifted.converged()) return;
     fail(shifted, comm_.sum(static_cast<std::int64_t>(liquid_.store.owned())), "method.pressure.recovery: velocities");
 }

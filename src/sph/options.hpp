@@ -102,7 +102,7 @@ struct PressureOptions {
     MultilevelOptions multilevel;
     StoppingRule stop = StoppingRule::density_error;
     double density_error = 1e-5;    // mean compression of the Poisson particles, share of the rest density
-    DensityRecovery recovery = DensityRecovery::velocities;
+    DensityRecovery recovery = DensityRecovery::velocities; // by what compressed liquid gets its density back
     double divergence_error = 1e-4; // of DFSPH: mean compression that the velocities would cause in a step
     double largest_residual = 0.1;  // relative, that the density rule must reach as well (README)
     double residual = 1e-6;         // relative, for the residual rule

@@ -158,10 +158,15 @@ struct Solved {
     std::map<std::int64_t, State> states;
     StepReport report;
 };
+// A step of a sample, ready to advance.
+struct StartedStep : IsphStep {
+    StartedStep(const Comm& comm, const Sample& sample) : IsphStep(comm, sample.setup) {
+        put(comm, sample, liquid(), solid());
+        start();
+    }
+};
 Solved step_once(const Comm& comm, const Sample& sample, double time_step) {
-    IsphStep step(comm, sample.setup);
-    put(comm, sample, step.liquid(), step.solid());
-    step.start();
+    StartedStep step(comm, sample);
     Solved out;
     out.report = step.advance(time_step);
     out.states = all_states(comm, step.liquid());
@@ -233,9 +238,7 @@ TEST_P(EachIisph, AColumnStandsForFiftySteps) {
     options.pressure.solver = GetParam();
     const auto comm = Comm::world();
     const auto sample = column(options, 10);
-    IsphStep step(comm, sample.setup);
-    put(comm, sample, step.liquid(), step.solid());
-    step.start();
+    StartedStep step(comm, sample);
     double push = 0;
     for (int k = 0; k < 50; ++k) {
         const auto report = step.advance(4e-3);
@@ -269,9 +272,7 @@ double largest_energy(DensityRecovery recovery, double time_step) {
     options.pressure.recovery = recovery;
     const auto sample = pressed(options, 20);
     const auto comm = Comm::world();
-    IsphStep step(comm, sample.setup);
-    put(comm, sample, step.liquid(), step.solid());
-    step.start();
+    StartedStep step(comm, sample);
     const auto energy = [&] {
         double sum = 0;
         for (const auto& [id, state] : all_states(comm, step.liquid())) {
@@ -302,9 +303,7 @@ TEST(Iisph, PositionsRecoverTheDensity) {
     options.pressure.recovery = DensityRecovery::positions;
     const auto sample = pressed(options, 0);
     const auto comm = Comm::world();
-    IsphStep step(comm, sample.setup);
-    put(comm, sample, step.liquid(), step.solid());
-    step.start();
+    StartedStep step(comm, sample);
     const double first = step.advance(dt).max_compression;
     double last = first;
     for (int k = 0; k < 5; ++k) last = step.advance(dt).max_compression;
@@ -351,9 +350,7 @@ TEST(Dfsph, ReachesTheDensityErrorAndKeepsTheMomentum) {
     options.pressure.density_error = 1e-6;
     const auto sample = pressed(options, 20);
     const auto comm = Comm::world();
-    IsphStep step(comm, sample.setup);
-    put(comm, sample, step.liquid(), step.solid());
-    step.start();
+    StartedStep step(comm, sample);
     const auto momentum = [&] {
         Vec3 sum{0, 0, 0};
         double scale = 0;
