@@ -5,6 +5,8 @@ import math
 
 import numpy
 
+from .table import Figure
+
 GRAVITY = 9.81  # [m/s2]
 
 
@@ -65,3 +67,23 @@ def span(relative):
 
 def worst(relative):
     return float(numpy.abs(relative).max())
+
+
+def martin_moyce(time, front, height, *, front_within, height_within):
+    """The figure of a run: front in widths, height in first heights."""
+    clock = front_times(time, MARTIN_MOYCE_WIDTH)
+    shift, ahead = best_shift(MARTIN_MOYCE_FRONT, clock, front, 0.15, until=4.04)
+    later = deviations(MARTIN_MOYCE_FRONT, clock, front, shift=shift)[len(ahead):]
+    higher = deviations(MARTIN_MOYCE_HEIGHT, height_times(time, MARTIN_MOYCE_WIDTH), height)
+    last = numpy.array(MARTIN_MOYCE_HEIGHT.values) * higher
+    return Figure(f"front {span(ahead)} at shift {shift:+.2f} ({len(ahead)} points; later ones {span(later)}); height {span(higher)} "
+                  f"({len(higher)} points, no shift; of the first height {span(last)})",
+                  worst(ahead) <= front_within and worst(higher) <= height_within)
+
+
+def koshizuka_oka(time, front, *, within):
+    """The figure of a run: front in widths."""
+    clock = front_times(time, KOSHIZUKA_OKA_WIDTH)
+    plain = deviations(KOSHIZUKA_OKA_FRONT, clock, front)
+    shift, shifted = best_shift(KOSHIZUKA_OKA_FRONT, clock, front, 0.05)
+    return Figure(f"{span(shifted)} at shift {shift:+.2f} ({len(plain)} points; without a shift {span(plain)})", worst(shifted) <= within)

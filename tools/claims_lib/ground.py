@@ -71,15 +71,7 @@ def martin_moyce(context):
                         set={"time.end": 0.405, "output.interval": 0})
         values = run.measurements()
         time, front, height = values["time"], values["front"] / width, values["height"] / (2 * width)
-    clock = dam_breaks.front_times(time, width)
-    shift, ahead = dam_breaks.best_shift(dam_breaks.MARTIN_MOYCE_FRONT, clock, front, 0.15, until=4.04)
-    later = dam_breaks.deviations(dam_breaks.MARTIN_MOYCE_FRONT, clock, front, shift=shift)[len(ahead):]
-    higher = dam_breaks.deviations(dam_breaks.MARTIN_MOYCE_HEIGHT, dam_breaks.height_times(time, width), height)
-    last = numpy.array(dam_breaks.MARTIN_MOYCE_HEIGHT.values) * higher
-    ok = dam_breaks.worst(ahead) <= 0.08 and dam_breaks.worst(higher) <= 0.06
-    return Figure(f"front {dam_breaks.span(ahead)} at shift {shift:+.2f} ({len(ahead)} points; later ones "
-                  f"{dam_breaks.span(later)}); height {dam_breaks.span(higher)} ({len(higher)} points, no shift; "
-                  f"of the first height {dam_breaks.span(last)})", ok)
+    return dam_breaks.martin_moyce(time, front, height, front_within=0.08, height_within=0.06)
 
 
 @TABLE.row("Koshizuka & Oka", claim="front of the column of Koshizuka and Oka (V3c)", asked="± 6 %")
@@ -89,12 +81,8 @@ def koshizuka_oka(context):
         run = run_scene(context, scene(context, "koshizuka_oka"), folder / "run",
                         set={"time.end": 0.3, "output.interval": 0})
         values = run.measurements()
-        clock, front = dam_breaks.front_times(values["time"], width), values["front"] / width
-    plain = dam_breaks.deviations(dam_breaks.KOSHIZUKA_OKA_FRONT, clock, front)
-    shift, shifted = dam_breaks.best_shift(dam_breaks.KOSHIZUKA_OKA_FRONT, clock, front, 0.05)
-    ok = dam_breaks.worst(shifted) <= 0.06
-    return Figure(f"{dam_breaks.span(shifted)} at shift {shift:+.2f} ({len(plain)} points; without a shift "
-                  f"{dam_breaks.span(plain)})", ok)
+        time, front = values["time"], values["front"] / width
+    return dam_breaks.koshizuka_oka(time, front, within=0.06)
 
 
 # How many systems each test builds.

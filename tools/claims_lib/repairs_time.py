@@ -49,7 +49,7 @@ title: A tank of water
 domain: {{dimensions: 2, min: [0, 0], max: [1, 0.6], spacing: {spacing}}}
 liquids:
   - {{name: water, density: 1000, viscosity: 1 mPa.s, shapes: [{{box: {{min: [0, 0], max: [{width}, {height}]}}}}]}}
-method: {{kind: grid}}
+method: {{kind: {kind}}}
 time: {{end: 10}}
 output: {{interval: 0}}
 """
@@ -113,14 +113,14 @@ def resting_spin(context):
                   all(share >= 0.98 for share in kept.values()))
 
 
-def water_tanks(context):
+def water_tanks(context, kind="grid"):
     """Columns that collapse and slosh, and water at rest, for 10 s."""
     cases = itertools.product((0.02, 0.01), ((1, 0.3), (0.3, 0.4), (0.5, 0.25)))
     found, ok = [], True
     for spacing, (width, height) in context.sample(cases, 2):
         with scratch(context, "tank") as folder:
             scene = folder / "scene.yaml"
-            scene.write_text(TANK.format(spacing=spacing, width=width, height=height))
+            scene.write_text(TANK.format(kind=kind, spacing=spacing, width=width, height=height))
             steps = run_scene(context, scene, folder / "run").steps()
         energy = steps["kinetic energy"] + steps["potential energy"]
         gained = energy.max() / (0.5 * 1000 * 9.81 * width * height**2) - 1
