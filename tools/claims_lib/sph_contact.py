@@ -1,12 +1,13 @@
 """Rows of `sph` on contact of bodies: sliding over seams, mass ratios, restitution, rolling, steps in time."""
 
+import functools
 import itertools
 import math
 
 import numpy
 
 from .run import run_scene, scratch
-from .sph_runs import GRAVITY, judged, on_ranks, over_cases, scene_run
+from .sph_runs import GRAVITY, on_ranks, over_cases
 from .table import Figure
 
 GLIDE = """
@@ -54,6 +55,9 @@ BALL = "  - {{name: b, kind: dynamic, density: 2000, restitution: {restitution},
 
 FLIGHT = "  - {name: b, kind: dynamic, density: 2000, velocity: [0.3, 0.2, 4], angular_velocity: [3, 4, 1], " \
          "shape: {box: {min: [-0.1, -0.2, 0.5], max: [0.1, 0.2, 0.6]}}}"
+
+
+END = 0.8 # of slides [s]
 
 
 def place(bodies, name="b"):
@@ -105,7 +109,7 @@ def slab_mesh(path, low, high, cells):
     path.write_text("".join(f"v {a} {b} {c}\n" for a, b, c in points) + "".join(f"f {a + 1} {b + 1} {c + 1}\n" for a, b, c in faces))
 
 
-def slide_scene(dimensions, ground, degrees, friction, folder, *, ball=False, step=0.002, end=0.8):
+def slide_scene(dimensions, ground, degrees, friction, folder, *, ball=False):
     """A body on a slope along x, by gravity that leans: floors stay flat, and their seams lie across its way."""
     space = dimensions == 3
     lean = math.radians(degrees)
@@ -133,41 +137,33 @@ def slide_scene(dimensions, ground, degrees, friction, folder, *, ball=False, st
     return SLIDE.format(
         dimensions=dimensions, low=at(-1, -0.5, -0.5), high=at(4, 1, 0.5), spacing="5 cm" if space else "2.5 cm", gravity=gravity,
         water_low=at(3.8, 0, -0.5), water_high=at(4, 0.1, -0.3), floor=floor, friction=friction,
-        velocity=at(1 if not ball else 0, 0), shape=shape, end=end, step=step)
+        velocity=at(1 if not ball else 0, 0), shape=shape, end=END, step=0.002)
 
 
 def slides(context):
     """Without and with friction, on the flat and on slopes, over seams and internal edges."""
-    cases = [(dimensions, ground, degrees, friction) for dimensions, ground, degrees, friction in
-             itertools.product((2, 3), ("box", "boxes", "plane", "mesh"), (0, 10, 30), (0, 0.1)) if dimensions == 3 or ground != "mesh"]
-    cases = [case for case in cases if case[2] or not case[3]]
-    cases = context.sample(cases, 6)
+    cases = [case for case in itertools.product((2, 3), ("box", "boxes", "plane", "mesh"), (0, 10, 30), (0, 0.1))
+             if (case[0] == 3 or case[1] != "mesh") and (case[2] or not case[3])]
 
-    def measure(case):
-        dimensions, ground, degrees, friction = case
-        lean, end = math.radians(degrees), 0.8
-        pull = GRAVITY * (math.sin(lean) - friction * math.cos(lean))
-        with scratch(context, "slab") as folder:
-            text = slide_scene(dimensions, ground, degrees, friction, folder, end=end)
-            with scene_run(context, text, "slide", ranks=1 + cases.index(case) % 3) as (run, fault):
-                return judged(run, fault, glides((1, 0, 0), (1, 1 + pull * end), end + pull * end**2 / 2))
+    def judge(run, case):
+        lean = math.radians(case[2])
+        pull = GRAVITY * (math.sin(lean) - case[3] * math.cos(lean))
+        return glides((1, 0, 0), (1, 1 + pull * END), END + pull * END**2 / 2)(run)
 
-    return over_cases(context, cases, lambda case: f"{case[0]}D {case[1]}, {case[2]} degrees, friction {case[3]}", measure)
+    return over_cases(context, context.sample(cases, 6), "slide", lambda case: functools.partial(slide_scene, *case), judge,
+                      lambda case: f"{case[0]}D {case[1]}, {case[2]} degrees, friction {case[3]}")
 
 
 def rolls(context):
     """A disc or ball on a slope rolls at g sin / (1 + k), k its inertia over m r^2, over seams too."""
     cases = context.sample(itertools.product((2, 3), ("box", "boxes", "plane"), (10, 30)), 4)
 
-    def measure(case):
-        dimensions, ground, degrees = case
-        pull, end = GRAVITY * math.sin(math.radians(degrees)) / (1 + (0.5 if dimensions == 2 else 0.4)), 0.8
-        with scratch(context, "slope") as folder:
-            text = slide_scene(dimensions, ground, degrees, 1, folder, ball=True, end=end)
-            with scene_run(context, text, "roll", ranks=1 + cases.index(case) % 3) as (run, fault):
-                return judged(run, fault, glides((1, 0, 0), (0, pull * end), pull * end**2 / 2))
+    def judge(run, case):
+        pull = GRAVITY * math.sin(math.radians(case[2])) / (1 + (0.5 if case[0] == 2 else 0.4))
+        return glides((1, 0, 0), (0, pull * END), pull * END**2 / 2)(run)
 
-    return over_cases(context, cases, lambda case: f"{case[0]}D {case[1]}, {case[2]} degrees", measure)
+    return over_cases(context, cases, "roll", lambda case: functools.partial(slide_scene, *case, 1, ball=True), judge,
+                      lambda case: f"{case[0]}D {case[1]}, {case[2]} degrees")
 
 
 def rests(run):
@@ -188,12 +184,7 @@ def heavy_on_light(context):
 
 def mass_ratios(context):
     cases = context.sample((0.001, 0.01, 0.1, 1, 3, 10, 30, 100, 300, 1000), 3)
-
-    def measure(ratio):
-        with scene_run(context, stack_scene(ratio), "stack", ranks=1 + cases.index(ratio) % 3) as (run, fault):
-            return judged(run, fault, rests)
-
-    return over_cases(context, cases, lambda ratio: f"{ratio} to 1", measure)
+    return over_cases(context, cases, "stack", stack_scene, lambda run, _: rests(run), lambda ratio: f"{ratio} to 1")
 
 
 def peaks(height):
@@ -232,12 +223,8 @@ def ball_restitution_1(context):
 
 def restitutions(context):
     cases = context.sample(itertools.product((0, 0.25, 0.5, 0.75, 0.9, 1), (0.004, 0.002, 0.0007)), 4)
-
-    def measure(case):
-        with scene_run(context, ball_scene(*case), "ball", ranks=1 + cases.index(case) % 3) as (run, fault):
-            return judged(run, fault, bounce(case[0]))
-
-    return over_cases(context, cases, lambda case: f"restitution {case[0]}, steps of {1e3 * case[1]:g} ms", measure)
+    return over_cases(context, cases, "ball", lambda case: ball_scene(*case), lambda run, case: bounce(case[0])(run),
+                      lambda case: f"restitution {case[0]}, steps of {1e3 * case[1]:g} ms")
 
 
 def flight_at(context, step, end=0.8):
@@ -268,7 +255,8 @@ def add_rows(table):
     table.row("sliding", claim="2D and 3D, on a box, nine boxes, a plane, a mesh, 0 to 30 degrees, with and without friction, 1 to 3 ranks",
               asked="way and speed to 1 %")(slides)
     table.row("rolling", claim="disc and ball, on a box, nine boxes, a plane, 10 and 30 degrees, 1 to 3 ranks", asked="way and speed to 1 %")(rolls)
-    table.row("heavy_on_light", claim="a box on one of a thousandth of its density, dry, 3 s; 1, 2, 3 ranks", asked="rests, within 1 mm")(heavy_on_light)
+    table.row("heavy_on_light", claim="a box on one of a thousandth of its density, dry, 3 s; 1, 2, 3 ranks",
+              asked="rests, within 1 mm")(heavy_on_light)
     table.row("mass ratios", claim="a box on another, 0.001 to 1000 times its density, 3 s, 1 to 3 ranks", asked="rest, within 1 mm")(mass_ratios)
     table.row("ball_restitution_1", claim="a ball that bounces without loss, 5 s; 1, 2, 3 ranks", asked="peaks 1.000 m ± 1 %, no gain above 0.1 %")(
         ball_restitution_1)

@@ -5,7 +5,7 @@ import itertools
 
 import numpy
 
-from .sph_runs import GRAVITY, body_energy, first_energy, judged, liquid_energy, on_ranks, over_cases, scene_run
+from .sph_runs import GRAVITY, body_energy, first_energy, liquid_energy, on_ranks, over_cases
 
 MORE = 1.005 # of the energy that came in
 
@@ -72,7 +72,7 @@ class Impact:
                 f"{'with' if self.falls else 'no'} gravity")
 
     def scene(self):
-        plane, up = self.dimensions == 2, self.dimensions - 1
+        up = self.dimensions - 1
 
         def at(sides, height):
             return [sides] * up + [height]
@@ -156,14 +156,7 @@ def impacts(context):
     cases += [Impact(*case) for case in itertools.product((3,), WHATS, (0.5, 1, 2, 5, 10), (0, 1e-3, 1, 1000), (10, 16, 20, 32), (True, False))]
     if context.quick:
         cases = [case for case in cases if case.layers <= (40 if case.dimensions == 2 else 16)]
-    cases = context.sample(cases, 8, 120)
-
-    def measure(case):
-        ranks = 1 + cases.index(case) % 3
-        with scene_run(context, case.scene(), "impact", ranks=ranks) as (run, fault):
-            return judged(run, fault, case.judge)
-
-    return over_cases(context, cases, Impact.text, measure)
+    return over_cases(context, context.sample(cases, 8, 120), "impact", Impact.scene, lambda run, case: case.judge(run), Impact.text)
 
 
 def film(low, high, first):

@@ -13,12 +13,12 @@ ENDS = {0: "", 5: "still running at its limit"}
 
 @contextlib.contextmanager
 def scene_run(context, text, name, *, ranks=2, **options):
-    """The RunFolder of a scene given as text, and how the run ended otherwise than well, or "". A run that fails has left its
-    tables and frames up to then."""
-    limit = context.pick("4h", "3min", "1min")
+    """The RunFolder of a scene, and how the run ended otherwise than well, or "". A run that fails has left its tables and frames
+    up to then. text: of the scene, or what makes it for a folder that it may put files into."""
+    limit = context.pick("4h", "6min", "1min")
     with scratch(context, name) as folder:
         scene = folder / "scene.yaml"
-        scene.write_text(text)
+        scene.write_text(text if isinstance(text, str) else text(folder))
         run = run_scene(context, scene, folder / "run", ranks=ranks, expect=None, arguments=("--wall-limit", limit), **options)
         code = run.finished.code
         yield run, ENDS[code] if code in ENDS else f"exit code {code}: {last_words(run.finished.output, 1)[:120]}"
@@ -50,11 +50,13 @@ def on_ranks(context, text, name, judge, **options):
     return Figure("; ".join(parts), right)
 
 
-def over_cases(context, cases, case_text, measure):
-    """The figure of many cases: how many are right, and each that is not. measure(case): text, right."""
+def over_cases(context, cases, name, scene, judge, case_text):
+    """The figure of many cases, on 1, 2 and 3 ranks in turn: how many are right, and each that is not. scene(case) is as in scene_run,
+    judge(run, case) as in judged."""
     short = []
-    for case in cases:
-        words, ok = measure(case)
+    for number, case in enumerate(cases):
+        with scene_run(context, scene(case), name, ranks=1 + number % 3) as (run, fault):
+            words, ok = judged(run, fault, lambda run: judge(run, case))
         if not ok:
             short.append(f"{case_text(case)}: {words}")
     return Figure(f"{len(cases) - len(short)} of {len(cases)} right" + "".join(f"; {text}" for text in short), bool(cases) and not short)
