@@ -232,7 +232,7 @@ class Start:
         return math.sqrt(10 * 0.1**3 * 2 / (3 * self.number))
 
     def end(self):
-        return min(0.1**2 / self.nu(), 3.0)
+        return min(3 * 0.1**2 / self.nu(), 4.0)
 
     def scene(self):
         return channel_scene(self.across, viscosity=1000 * self.nu(), kernel=self.kernel, end=self.end(), interval=self.end())
@@ -250,17 +250,17 @@ def channels(context):
 
 
 def plugs(context):
-    """Bingham and Herschel-Bulkley: half of the wall's stress is the yield stress."""
+    """Bingham and Herschel-Bulkley: the yield stress is three tenths of the wall's stress."""
     parts, right = [], True
-    for name, exponent, consistency, end in (("Bingham", 1, 10.0, 3), ("Herschel-Bulkley", 0.5, 57.735, 3)):
-        rheology = f"rheology: {{law: herschel_bulkley, exponent: {exponent}, yield_stress: 500, regularisation_time: 100}}, "
+    for name, exponent, consistency, end in (("Bingham", 1, 19.6, 3), ("Herschel-Bulkley", 0.5, 95.64, 3)):
+        rheology = f"rheology: {{law: herschel_bulkley, exponent: {exponent}, yield_stress: 300, regularisation_time: 100}}, "
         power = 1 + 1 / exponent
-        exact = (1e4 / consistency) ** (1 / exponent) / power * 0.05**power
-        text = channel_scene(40, viscosity=consistency, rheology=rheology, end=end, interval=end)
+        exact = (1e4 / consistency) ** (1 / exponent) / power * 0.07**power
+        text = channel_scene(40, viscosity=consistency, rheology=rheology, end=end, interval=0.25)
         with scene_run(context, text, "plug") as (run, fault):
             def judge(run):
                 found = float(middle(run.frame(-1))[0])
-                return f"{100 * (found / exact - 1):+.1f} %", abs(found / exact - 1) <= 0.02
+                return f"{100 * (found / exact - 1):+.1f} % at {run.frames()[-1][0]:.2f} s", abs(found / exact - 1) <= 0.02
 
             words, ok = judged(run, fault, judge)
         parts.append(f"{name} {words}")

@@ -31,6 +31,7 @@ domain:
   min: {low}
   max: {high}
   spacing: {spacing}
+  gravity: {gravity}
   boundaries: {{{sides}}}
 liquids: [{{name: pitch, density: 1000, viscosity: {viscosity}, shapes: [{{box: {{min: {column_low}, max: {column_high}}}}}]}}]
 bodies:
@@ -139,8 +140,8 @@ def column_scene(dimensions, across, viscosity, end):
         return [x, y] + ([x] if space else [])
 
     return COLUMN.format(
-        dimensions=dimensions, low=at(-room, -0.8), high=at(room, 0.2), spacing=spacing, viscosity=viscosity, end=end,
-        interval=end / 10, plates=plates,
+        dimensions=dimensions, low=at(-room, -0.8), high=at(room, 0.25), spacing=spacing, viscosity=viscosity, end=end,
+        interval=end / 10, plates=plates, gravity=[0, -GRAVITY, 0][:dimensions],
         sides=", ".join(f"{axis}_{side}: open" for axis in "xyz"[:dimensions] for side in ("min", "max")),
         column_low=at(-half, -length), column_high=at(half, 0.2))
 
@@ -174,7 +175,7 @@ def hanging_columns(context):
 
 
 def ropes(context):
-    cases = context.sample(itertools.product((100, 1000), (0.1, 0.2, 0.4)), 1)
+    cases = context.sample(itertools.product((100, 1000), (0.1, 0.2, 0.4)), 3)
     return over_cases(context, cases, "rope", lambda case: ROPE.format(viscosity=case[0], speed=case[1], end=0.4 / case[1]), widest_gap,
                       lambda case: f"{case[0]} Pa s, {case[1]} m/s")
 

@@ -85,13 +85,13 @@ def body_energy(bodies, name, mass, inertia, *, gravity=GRAVITY, axis="z"):
 
 def profile(frame, across, along, spacing, places):
     """Velocity component `along` at places (array of positions, components of the frame's axes given by `across`), by a linear fit
-    over the particles within two spacings."""
+    over the particles within 1.5 spacings."""
     x, u = frame["position"][:, across], frame["velocity"][:, along]
     found = []
     for place in places:
         away = x - numpy.asarray(place)
-        near = (numpy.abs(away) < 2 * spacing).all(axis=1)
-        weight = numpy.prod(1 - numpy.abs(away[near]) / (2 * spacing), axis=1) ** 0.5
+        near = (numpy.abs(away) < 1.5 * spacing).all(axis=1)
+        weight = numpy.prod(1 - numpy.abs(away[near]) / (1.5 * spacing), axis=1) ** 0.5
         matrix = numpy.column_stack([numpy.ones(near.sum()), away[near]])
         found.append(numpy.linalg.lstsq(matrix * weight[:, None], u[near] * weight, rcond=None)[0][0] if near.sum() > 4 else numpy.nan)
     return numpy.array(found)
