@@ -17,16 +17,17 @@ struct Standing {
 };
 
 struct Views {
-    Array<double> q, gradient, direction, diagonal, product, right_hand_side;
+    Array<double> q, gradient, direction, diagonal, product, right_hand_side, watched;
+    KOKKOS_INLINE_FUNCTION double watch(int i) const { return watched.size() > 0 ? watched(i) : 1.0; }
 };
 
 // One row's share; the gradient of rows without a diagonal is 0.
-KOKKOS_INLINE_FUNCTION void add_row(double q, double g, double inverse, double product, double length, double sums[7]) {
+KOKKOS_INLINE_FUNCTION void add_row(double q, double g, double inverse, double product, double length, double watched, double sums[7]) {
     const bool counts = q > 0 || g < 0;
     if (!counts) return;
     sums[0] += math::max(0.0, -g);
     sums[1] += 1;
-    sums[2] += g * g;
+    sums[2] += watched * g * g;
     if (q > 0) {
         sums[4] += math::min(q / length, g * inverse) * g;
         sums[5] += g * inverse * product;
@@ -64,7 +65,7 @@ Standing take_gradient(const Comm& comm, int rows, const Views& v, double length
         const double g = diagonal > 0 ? v.product(i) - v.right_hand_side(i) : 0;
         const double last = v.gradient(i);
         v.gradient(i) = g;
-        add_row(v.q(i), g, diagonal > 0 ? 1 / diagonal : 0, g - last, length, sums);
+        add_row(v.q(i), g, diagonal > 0 ? 1 / diagonal : 0, g - last, length, v.watch(i), sums);
     });
 }
 
@@ -76,7 +77,24 @@ Standing step_along(const Comm& comm, int rows, const Views& v, double step, dou
         const double g = diagonal > 0 ? v.gradient(i) - step * v.product(i) : 0;
         v.q(i) = q;
         v.gradient(i) = g;
-        add_row(q, g, diagonal > 0 ? 1 / diagonal : 0, v.product(i), length, sums);
+        add_row(q, g, diagonal > 0 ? 1 / diagonal : 0, v.product(i), length, v.watch(i), sums);
+    });
+}
+
+// q and A q times what makes q.Aq/2 - b.q least: never above its value at q = 0, whatever the guess.
+void scale_guess(const Comm& comm, int rows, const BoundedProblem& problem) {
+    const auto &q = problem.q, &product = problem.product, &b = problem.right_hand_side;
+    std::array<double, 2> dots{};
+    Kokkos::parallel_reduce("treacle::bounded_guess", rows, KOKKOS_LAMBDA(int i, double& along, double& curvature) {
+        along += b(i) * q(i);
+        curvature += product(i) * q(i);
+    }, dots[0], dots[1]);
+    if (rows == 0) dots = {};
+    comm.sum(std::span(dots));
+    const double length = dots[1] > 0 ? std::max(0.0, dots[0] / dots[1]) : 0;
+    Kokkos::parallel_for("treacle::bounded_scale", rows, KOKKOS_LAMBDA(int i) {
+        q(i) *= length;
+        product(i) *= length;
     });
 }
 
@@ -126,7 +144,7 @@ Lengths measure_lengths(const Comm& comm, int rows, const Views& v) {
 // True when iterating ends, with the outcome in the report.
 bool ended(const BoundedGoal& goal, BoundedReport& report) {
     auto& out = report.solve;
-    if (!std::isfinite(report.residual.square)) {
+    if (!std::isfinite(report.residual.square + report.residual.excess)) {
         out.outcome = solve::Outcome::non_finite;
         out.reason = "the residual is not a finite number";
     } else if (out.iterations >= goal.least_iterations && goal.met(report.residual)) {
@@ -144,13 +162,14 @@ bool ended(const BoundedGoal& goal, BoundedReport& report) {
 BoundedReport bounded_jacobi(const Comm& comm, const BoundedProblem& problem, double omega, const BoundedGoal& goal) {
     BoundedReport report;
     const auto &q = problem.q, &product = problem.product, &b = problem.right_hand_side;
-    const auto& diagonal = problem.diagonal;
+    const auto &diagonal = problem.diagonal, &watched = problem.watched;
     do {
         problem.multiply(q);
+        if (report.solve.iterations == 0) scale_guess(comm, problem.rows, problem);
         report.residual = sum_rows(comm, problem.rows, KOKKOS_LAMBDA(int i, double* sums) {
             const double inverse = diagonal(i) > 0 ? 1 / diagonal(i) : 0;
             const double g = diagonal(i) > 0 ? product(i) - b(i) : 0;
-            add_row(q(i), g, inverse, 0, 1, sums);
+            add_row(q(i), g, inverse, 0, 1, watched.size() > 0 ? watched(i) : 1.0, sums);
             q(i) = math::max(0.0, q(i) - omega * g * inverse);
         }).residual;
         ++report.solve.iterations;
@@ -164,7 +183,7 @@ BoundedReport BoundedCg::solve(const Comm& comm, const BoundedProblem& problem, 
     const int n = problem.rows;
     reserve(gradient_, static_cast<std::size_t>(n));
     reserve(direction_, static_cast<std::size_t>(n));
-    const Views v{problem.q, gradient_, direction_, problem.diagonal, problem.product, problem.right_hand_side};
+    const Views v{problem.q, gradient_, direction_, problem.diagonal, problem.product, problem.right_hand_side, problem.watched};
     BoundedReport report;
     const auto multiply = [&](const Array<double>& vector) {
         problem.multiply(vector);
@@ -175,7 +194,9 @@ BoundedReport BoundedCg::solve(const Comm& comm, const BoundedProblem& problem, 
         return take_gradient(comm, n, v, length);
     };
     Kokkos::deep_copy(gradient_, 0.0);
-    auto now = restart();
+    multiply(v.q);
+    scale_guess(comm, n, problem);
+    auto now = take_gradient(comm, n, v, length);
     turn_direction(n, v, 0);
     for (report.residual = now.residual; !ended(goal, report); report.residual = now.residual) {
         ++report.solve.iterations;

@@ -15,7 +15,8 @@ struct BoundedProblem {
     Array<double> product;
     Array<double> diagonal; // > 0, or 0 in rows that stay 0
     Array<double> right_hand_side;
-    Array<double> q;        // in: guess >= 0, out: solution
+    Array<double> q;        // in: guess >= 0, of which the best multiple is taken; out: solution
+    Array<double> watched;  // 1, or 0 in rows that do not count for BoundedResidual::square; empty: all 1
 };
 
 // How far q is from the solution; sums over the ranks. A row's residual b - A q counts where q > 0, and where it
@@ -23,7 +24,7 @@ struct BoundedProblem {
 struct BoundedResidual {
     double excess = 0; // sum of the positive residuals
     double count = 0;  // rows that count
-    double square = 0; // sum of squares
+    double square = 0; // sum of squares, of rows that are watched
 };
 
 struct BoundedGoal {

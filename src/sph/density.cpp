@@ -50,6 +50,7 @@ struct SolidVolumeLoop {
     Kernel kernel;
     Pairs solids;
     LoadPoints points;
+    double packing; // of solids that rest
     Array<int> body;
     Array<double> volume;
 
@@ -60,10 +61,15 @@ struct SolidVolumeLoop {
             if (body(s) != own && (points.moves(own) || points.moves(body(s)))) return;
             sum += kernel.value(math::sqrt(r2));
         });
-        volume(i) = (points.moving ? points.scale(own) : 1.0) / sum;
+        volume(i) = (points.moves(own) ? points.scale(own) : packing) / sum;
     }
 };
 } // namespace
+
+double wall_packing(const PressureOptions& options, const Constants& constants) {
+    if (!options.recovers_places()) return 1;
+    return constants.dimensions == 3 ? 1.08 : 1.06;
+}
 
 void compute_density(const SphOptions& options, const Constants& constants, LiquidParticles& liquid,
                      const SolidParticles& solid, const Neighbourhood& neighbours) {
@@ -85,8 +91,8 @@ void compute_solid_volumes(const SphOptions& options, const Constants& constants
         using Kernel = std::decay_t<decltype(kernel)>;
         Kokkos::parallel_for(
             "treacle::solid_volumes", solid.store.owned(),
-            SolidVolumeLoop<Kernel>{kernel, pairs(list, solid.store, solid.store), points, solid.body(),
-                                    solid.volume()});
+            SolidVolumeLoop<Kernel>{kernel, pairs(list, solid.store, solid.store), points,
+                                    wall_packing(options.pressure, constants), solid.body(), solid.volume()});
     });
 }
 

@@ -144,7 +144,7 @@ solve::SolveReport DensityCorrection::correct(const CorrectionParts& parts, Iisp
     start(parts, system, dt);
     out.error_measure = mean_excess(parts.step, residual_, dt);
     int& done = out.iterations;
-    for (; done < options.corrections && out.error_measure >= options.density_error; ++done) {
+    for (; done < options.corrections && out.error_measure >= options.density_tolerance(); ++done) {
         const auto number = static_cast<std::size_t>(done);
         if (directions_.size() <= number) directions_.emplace_back();
         auto& now = directions_[number];

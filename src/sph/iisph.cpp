@@ -20,6 +20,13 @@ constexpr double least_neighbours = 2.0 / 3;
 constexpr double stable_product = 1.5;
 // As published: without them a step may end before a pressure wave has started.
 constexpr int least_iterations = 2;
+// Liquid that is thinner than at rest by that many times `density_error` is not yet a gap that may close: what a solve leaves of
+// compression and gaps would let a tank fall freely in one step and hold it twice as hard in the next.
+constexpr double slack_shares = 2;
+// What the shift adds to A, in diagonals: an excess that is everywhere, as in a box that is too full, gives no shift.
+constexpr double shift_softness = 0.1;
+// A solid bears liquid if its normal is nearer to the vertical than this sine away from the horizontal.
+constexpr double least_slope = 0.2;
 // Jacobi takes that many times the iterations of conjugate gradients.
 constexpr int jacobi_patience = 20;
 
@@ -30,8 +37,23 @@ struct PrepareLoop {
     double dt;
     Iisph::Aim aim;
     double needed; // neighbours
-    Array<double> density, source, diagonal;
+    double slack;  // [kg/m3] of Aim::approach
+    bool choosy;   // watch but the rows above solids
+    double gravity[3];
+    Array<double> density, source, diagonal, watched;
     Array3 own, force;
+
+    // Whether solids, of which g has the share g - liquid, are below.
+    KOKKOS_INLINE_FUNCTION bool bears(const double g[3], const double liquid[3]) const {
+        double along = 0, square = 0, pull = 0;
+        for (int k = 0; k < 3; ++k) {
+            const double wall = g[k] - liquid[k];
+            along += gravity[k] * wall;
+            square += wall * wall;
+            pull += gravity[k] * gravity[k];
+        }
+        return along > 0 && along * along > least_slope * least_slope * square * pull;
+    }
 
     KOKKOS_INLINE_FUNCTION void operator()(int i) const {
         const Constants& c = fluid.constants;
@@ -65,10 +87,11 @@ struct PrepareLoop {
             own(i, k) = g[k];
             force(i, k) = liquid[k] + c.wall_push * (g[k] - liquid[k]);
         }
+        watched(i) = !choosy || bears(g, liquid) ? 1 : 0;
         diagonal(i) = sum_lanes(square) + g[0] * g[0] + g[1] * g[1] + g[2] * g[2];
         if (aim != Iisph::Aim::divergence) {
             const double excess = density(i) - c.rest_density;
-            source(i) = ((aim == Iisph::Aim::approach ? math::min(excess, 0.0) : excess) + dt * change) / (dt * dt); // (2.4)
+            source(i) = ((aim == Iisph::Aim::approach ? math::min(excess + slack, 0.0) : excess) + dt * change) / (dt * dt); // (2.4)
         } else {
             source(i) = change / dt;
             if (row.count + fluid.solid.count(i) < needed) diagonal(i) = 0;
@@ -151,18 +174,23 @@ void write_ghost_accelerations(LiquidParticles& liquid) {
 
 // Half the last pressures as q; returns the sum of the squares of b where q > 0 or b > 0, and how many b > 0.
 std::array<double, 2> start_from_last(const Comm& comm, const LiquidParticles& liquid, const Array<double>& p,
-                                      double share, const Array<double>& q, const Array<double>& diagonal) {
+                                      double share, const Array<double>& q, const Array<double>& diagonal, const Array<double>& watched) {
     const auto rho = liquid.density(), b = liquid.source();
     std::array<double, 2> sums{};
     Kokkos::parallel_reduce("treacle::iisph_start", liquid.store.owned(),
         KOKKOS_LAMBDA(int i, double& square, double& compressed) {
             q(i) = diagonal(i) > 0 ? share * math::max(0.0, p(i)) / (rho(i) * rho(i)) : 0;
-            if (q(i) > 0 || b(i) > 0) square += b(i) * b(i);
+            if (q(i) > 0 || b(i) > 0) square += watched(i) * b(i) * b(i);
             if (b(i) > 0 && diagonal(i) > 0) compressed += 1;
         }, sums[0], sums[1]);
     if (liquid.store.owned() == 0) sums = {};
     comm.sum(std::span(sums));
     return sums;
+}
+
+// product += softness D q
+void add_softness(int rows, double softness, const Array<double>& diagonal, const Array<double>& q, const Array<double>& product) {
+    Kokkos::parallel_for("treacle::iisph_softness", rows, KOKKOS_LAMBDA(int i) { product(i) += softness * diagonal(i) * q(i); });
 }
 
 RoleCounts write_pressures(LiquidParticles& liquid, const Array<double>& q) {
@@ -177,7 +205,7 @@ RoleCounts write_pressures(LiquidParticles& liquid, const Array<double>& q) {
     return {pressed, liquid.store.owned() - pressed, 0};
 }
 
-// The stopping rules of the pressure solve; the reference is the norm of b.
+// The stopping rules of the pressure solve; the reference is the norm of b, 0 where the density's rule is enough.
 BoundedGoal goal_of(const SphOptions& options, const Constants& constants, double dt, double reference) {
     const auto& pressure = options.pressure;
     BoundedGoal goal;
@@ -190,8 +218,9 @@ BoundedGoal goal_of(const SphOptions& options, const Constants& constants, doubl
         };
     } else {
         const double scale = dt * dt / constants.rest_density;
-        goal.met = [=, to = pressure.density_error, largest = pressure.largest_residual](const BoundedResidual& r) {
-            return r.excess * scale < to * std::max(1.0, r.count) && std::sqrt(r.square) <= largest * reference;
+        goal.met = [=, to = pressure.density_tolerance(), largest = pressure.residual_tolerance()](const BoundedResidual& r) {
+            const bool dense = r.excess * scale < to * std::max(1.0, r.count);
+            return dense && (reference == 0 || std::sqrt(r.square) <= largest * reference);
         };
     }
     return goal;
@@ -272,6 +301,7 @@ void Iisph::prepare(const StepParts& parts, double dt, Aim aim) {
     reserve(q_, n);
     reserve(product_, n);
     reserve(diagonal_, n);
+    reserve(watched_, n);
     reserve(own_, n);
     if (parts.constants.wall_push == 1) force_ = own_;
     else reserve(force_, n);
@@ -285,8 +315,10 @@ void Iisph::prepare(const StepParts& parts, double dt, Aim aim) {
     with_kernel(parts.options.kernel, parts.constants.dimensions, parts.constants.support, [&](const auto& kernel) {
         using Kernel = std::decay_t<decltype(kernel)>;
         Kokkos::parallel_for("treacle::iisph_prepare", fluid.count,
-                             PrepareLoop<Kernel>{kernel, fluid, dt, aim, needed, density, liquid.source(),
-                                                 diagonal_, own_, force_});
+                             PrepareLoop<Kernel>{kernel, fluid, dt, aim, needed, slack_shares * parts.options.pressure.density_tolerance() * parts.constants.rest_density,
+                                                 aim == Aim::approach && parts.options.pressure.stop == StoppingRule::density_error,
+                                                 {gravity_[0], gravity_[1], gravity_[2]}, density, liquid.source(),
+                                                 diagonal_, watched_, own_, force_});
     });
 }
 
@@ -320,14 +352,20 @@ solve::SolveReport Iisph::iterate(const StepParts& parts, Aim aim, double dt, co
     const auto& options = parts.options.pressure;
     const double reference = std::sqrt(square);
     const bool divergence = aim == Aim::divergence;
+    const bool loose = aim == Aim::places && options.stop == StoppingRule::density_error;
     const auto goal = divergence ? divergence_goal(parts.options, parts.constants, dt)
-                                 : goal_of(parts.options, parts.constants, dt, reference);
-    const BoundedProblem problem{parts.liquid.store.owned(), [&](const Array<double>& q) { multiply(parts, q); },
-                                 product_, diagonal_, parts.liquid.source(), q_};
-    const auto report = options.solver == PressureSolver::iisph_cg ? cg_.solve(parts.comm, problem, weight_, goal)
+                                 : goal_of(parts.options, parts.constants, dt, loose ? 0 : reference);
+    const double softness = aim == Aim::places ? shift_softness : 0;
+    const auto product = [&](const Array<double>& q) {
+        multiply(parts, q);
+        if (softness > 0) add_softness(parts.liquid.store.owned(), softness, diagonal_, q, product_);
+    };
+    const BoundedProblem problem{parts.liquid.store.owned(), product,
+                                 product_, diagonal_, parts.liquid.source(), q_, watched_};
+    const auto report = options.solver != PressureSolver::iisph_jacobi && options.solver != PressureSolver::dfsph ? cg_.solve(parts.comm, problem, weight_, goal)
                                                                    : bounded_jacobi(parts.comm, problem, weight_, goal);
     out = report.solve;
-    out.relative_residual = std::sqrt(report.residual.square) / reference;
+    out.relative_residual = reference > 0 ? std::sqrt(report.residual.square) / reference : 0;
     out.error_measure = options.stop == StoppingRule::residual && !divergence
                             ? std::sqrt(report.residual.square)
                             : report.residual.excess * dt * dt / parts.constants.rest_density /
@@ -340,9 +378,10 @@ solve::SolveReport Iisph::solve(const StepParts& parts, double dt, RoleCounts& r
     const bool shifted = parts.options.pressure.recovery == DensityRecovery::positions;
     prepare(parts, dt, shifted ? Aim::approach : Aim::density);
     auto& liquid = parts.liquid;
-    const double share = parts.options.pressure.solver == PressureSolver::dfsph ? 1 : warm_start;
-    auto out = iterate(parts, Aim::density, dt,
-                       start_from_last(parts.comm, liquid, liquid.pressure(), share, q_, diagonal_));
+    // Without the excess they change little from step to step.
+    const double share = shifted || parts.options.pressure.solver == PressureSolver::dfsph ? 1 : warm_start;
+    auto out = iterate(parts, shifted ? Aim::approach : Aim::density, dt,
+                       start_from_last(parts.comm, liquid, liquid.pressure(), share, q_, diagonal_, watched_));
     roles = write_pressures(liquid, q_);
     out.iteration_seconds = seconds_since(start);
     return out;
@@ -350,10 +389,10 @@ solve::SolveReport Iisph::solve(const StepParts& parts, double dt, RoleCounts& r
 
 solve::SolveReport Iisph::shift(const StepParts& parts, double dt) {
     const auto start = Clock::now();
-    prepare(parts, dt);
+    prepare(parts, dt, Aim::places);
     auto& liquid = parts.liquid;
     constexpr double anew = 0; // the excess differs from step to step
-    auto out = iterate(parts, Aim::density, dt, start_from_last(parts.comm, liquid, liquid.pressure(), anew, q_, diagonal_));
+    auto out = iterate(parts, Aim::places, dt, start_from_last(parts.comm, liquid, liquid.pressure(), anew, q_, diagonal_, watched_));
     multiply(parts, q_);
     ++out.products;
     const auto shift = liquid.acceleration();
@@ -368,7 +407,7 @@ solve::SolveReport Iisph::solve_divergence(const StepParts& parts, double dt, co
     const auto start = Clock::now();
     prepare(parts, dt, Aim::divergence);
     auto& liquid = parts.liquid;
-    auto out = iterate(parts, Aim::divergence, dt, start_from_last(parts.comm, liquid, last, 1, q_, diagonal_));
+    auto out = iterate(parts, Aim::divergence, dt, start_from_last(parts.comm, liquid, last, 1, q_, diagonal_, watched_));
     const auto rho = liquid.density(), q = q_;
     Kokkos::parallel_for("treacle::dfsph_pressures", liquid.store.owned(),
                          KOKKOS_LAMBDA(int i) { last(i) = q(i) * rho(i) * rho(i); });

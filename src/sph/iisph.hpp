@@ -1,4 +1,5 @@
 #pragma once
+#include "base/vec3.hpp"
 #include "sph/bounded_cg.hpp"
 #include "sph/prediction.hpp"
 #include "sph/step_parts.hpp"
@@ -19,10 +20,13 @@ namespace treacle::sph {
 // energy or keeps it, whatever u* and the step.
 class Iisph {
 public:
+    // gravity [m/s2]: by what it alone would compress, Aim::approach knows when it is held up.
+    explicit Iisph(const Vec3& gravity = {0, 0, 0}) : gravity_(gravity) {}
+
     // (S5) b, g, the diagonal of A. Ghosts' velocities must be current. Writes the fields source, place, motion.
-    // With Aim::approach b_i leaves out what the density exceeds rho0 by before the step. With Aim::divergence b_i is the density's rate of change over dt, and rows of particles with few neighbours, whose
+    // With Aim::approach b_i leaves out what the density exceeds rho0 by before the step. Aim::places differs from Aim::density by when to stop: largest_residual does not count. With Aim::divergence b_i is the density's rate of change over dt, and rows of particles with few neighbours, whose
     // density says little, stay 0 (Bender & Koschier 2017).
-    enum class Aim { density, approach, divergence };
+    enum class Aim { density, approach, places, divergence };
     void prepare(const StepParts& parts, double dt, Aim aim = Aim::density);
 
     // Collective: product() = A q, on owned rows, with q of the owned particles. Writes the fields load, acceleration,
@@ -48,9 +52,11 @@ public:
 private:
     solve::SolveReport iterate(const StepParts& parts, Aim aim, double dt, const std::array<double, 2>& start);
 
+    Vec3 gravity_;
     Array<double> q_{"treacle::iisph_q", 0};
     Array<double> product_{"treacle::iisph_product", 0};
     Array<double> diagonal_{"treacle::iisph_diagonal", 0};
+    Array<double> watched_{"treacle::iisph_watched", 0}; // 1 in rows for which largest_residual holds, else 0
     Array3 own_{"treacle::iisph_own", 0};     // g
     Array3 force_{"treacle::iisph_force", 0}; // g of the forces: the same array unless walls push harder
     BoundedCg cg_;

@@ -23,7 +23,7 @@ bool viscosity_by_operator(const IsphSetup& setup) {
 } // namespace
 
 IsphStep::IsphStep(const Comm& comm, const IsphSetup& setup)
-    : comm_(comm), setup_(setup), decomposition_(comm, setup.grid),
+    : comm_(comm), setup_(setup), decomposition_(comm, setup.grid), iisph_(setup.forces.gravity),
       bodies_(setup.rigid, setup.solid_scale, setup.first_body, setup.bodies, setup.domain, setup.sides),
       hierarchy_(make_hierarchy(comm, setup.options, setup.constants, setup.domain, setup.grid)),
       solver_(comm, "pressure", krylov_options(setup.options, setup.constants.dimensions, hierarchy_.get())),
@@ -226,7 +226,7 @@ void IsphStep::solve_pressure(solve::Matrix& matrix, const PressureSystem::HostS
                 for (const double r : residual) sum += std::max(0.0, r);
                 return sum * scale;
             },
-            options.density_error, options.largest_residual);
+            options.density_tolerance(), options.residual_tolerance());
     }
     if (hierarchy_) hierarchy_->refer_to(liquid_, solid_);
     if (bounded(setup_.options)) {

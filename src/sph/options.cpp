@@ -7,6 +7,8 @@ namespace treacle::sph {
 namespace {
 constexpr double least_tolerance = 1e-14;
 
+const Complaint out_of_reach{"must be 0 or at least 1e-14", "rounding alone leaves about 1e-15", "1e-10 is very accurate already"};
+
 Range reachable(const Range& range) {
     return range.because("rounding alone leaves about 1e-15", "1e-10 is very accurate already");
 }
@@ -133,8 +135,9 @@ void PressureOptions::declare(Declaration& d) {
     d.block("multilevel", multilevel, "The multilevel preconditioners.");
     d.choice("stop", stop, {{"density_error", StoppingRule::density_error}, {"residual", StoppingRule::residual}},
              "Iterate until the mean compression, or until the relative residual, is small enough.");
-    d.number("density_error", density_error, unit::none, reachable(range_at_least(least_tolerance)),
-             "Mean compression of the Poisson particles at which iterating ends, as a share of the density.");
+    d.number("density_error", density_error, unit::none, range_at_least(0),
+             "Mean compression of the Poisson particles at which iterating ends, as a share of the density; 0: 1e-5, with `recovery: positions` 1e-3.");
+    d.check(density_error == 0 || density_error >= least_tolerance, "density_error", out_of_reach);
     d.choice("recovery", recovery, {{"velocities", DensityRecovery::velocities}, {"positions", DensityRecovery::positions}},
              "How liquid that is compressed gets its density back. `velocities`: within a step, by the pressures that move it, "
              "so that it is thrown apart the faster the shorter the step. `positions`: the pressures only stop what would "
@@ -145,9 +148,11 @@ void PressureOptions::declare(Declaration& d) {
     d.number("divergence_error", divergence_error, unit::none, reachable(range_at_least(least_tolerance)),
              "Of `dfsph`: mean compression in a step, as a share of the density, that the velocities may have before "
              "forces act.");
-    d.number("largest_residual", largest_residual, unit::none, reachable(range_between(least_tolerance, 1)),
+    d.number("largest_residual", largest_residual, unit::none, range_between(0, 1),
              "Relative residual that must be reached as well, with `stop: density_error`: gravity compresses only the "
-             "lowest layer in a step, too little to count on average, and the liquid would fall until it does.");
+             "lowest layer in a step, too little to count on average, and the liquid would fall until it does. With `recovery: positions` "
+             "it holds for particles above solids that bear them. 0: 0.1, with `recovery: positions` 0.05.");
+    d.check(largest_residual == 0 || largest_residual >= least_tolerance, "largest_residual", out_of_reach);
     d.number("residual", residual, unit::none, reachable(range_between(least_tolerance, 1)),
              "Relative residual at which iterating ends, with `stop: residual`.");
     d.integer("corrections", corrections, range_between(0, 20),

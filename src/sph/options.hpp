@@ -101,13 +101,18 @@ struct PressureOptions {
     double relaxation = 1;          // omega of ssor and sor_jacobi
     MultilevelOptions multilevel;
     StoppingRule stop = StoppingRule::density_error;
-    double density_error = 1e-5;    // mean compression of the Poisson particles, share of the rest density
+    double density_error = 0;       // mean compression of the Poisson particles, share of the rest density; 0: density_tolerance()
     DensityRecovery recovery = DensityRecovery::velocities; // by what compressed liquid gets its density back
     double divergence_error = 1e-4; // of DFSPH: mean compression that the velocities would cause in a step
-    double largest_residual = 0.1;  // relative, that the density rule must reach as well (README)
+    double largest_residual = 0;    // relative, that the density rule must reach as well (README); 0: residual_tolerance()
     double residual = 1e-6;         // relative, for the residual rule
     int corrections = 0;            // most of a step (density_correction.hpp)
     int max_iterations = 2000;
+
+    // What the two that are 0 stand for: with positions, pressures of the first solve gather no density error.
+    double density_tolerance() const { return density_error > 0 ? density_error : recovers_places() ? 1e-3 : 1e-5; }
+    double residual_tolerance() const { return largest_residual > 0 ? largest_residual : recovers_places() ? 0.05 : 0.1; }
+    bool recovers_places() const { return recovery == DensityRecovery::positions; }
 
     void declare(Declaration& d);
 };
