@@ -1,6 +1,7 @@
 #include "rigid/bodies.hpp"
 
 #include "rigid/contact.hpp"
+#include "rigid/contact_features.hpp"
 
 #include <algorithm>
 #include <cassert>
@@ -13,7 +14,10 @@ constexpr std::size_t numbers_per_body = 13;
 
 RigidBodies::RigidBodies(BodiesSetup setup) : setup_(std::move(setup)), states_(setup_.bodies.size()) {
     for (std::size_t b = 0; b < size(); ++b) {
-        const auto& body = setup_.bodies[b];
+        auto& body = setup_.bodies[b];
+        for (auto& probe : body.probes) {
+            if (probe.radius == 0) probe.edge = edge_tangent(body.region.front(), probe.point, setup_.spacing);
+        }
         states_[b].pose.centre = body.centre;
         any_moves_ = any_moves_ || moves(b);
         any_dynamic_ = any_dynamic_ || dynamic(b);

@@ -14,6 +14,7 @@ namespace treacle::rigid {
 struct Probe {
     Vec3 point{0, 0, 0}; // [m] at the start
     double radius = 0;   // [m]
+    Vec3 edge{0, 0, 0};  // tangent, unit, where two faces meet; RigidBodies finds it
 };
 
 // What stays the same of a body. Places are those at the start of the run.
