@@ -7,7 +7,7 @@
 namespace treacle::rigid {
 
 namespace {
-constexpr double settled = 1e-10;   // error of velocities, over that by gravity and the largest speed
+constexpr double settled = 1e-9;    // error of velocities, over that by gravity and the largest speed
 constexpr double taken_back = 0.2;  // of an overlap, per step
 constexpr double tolerated = 0.005; // overlap, in spacings, that keeps contacts closed
 constexpr double shifted = 1e-8;    // error of shifts, in spacings
@@ -19,8 +19,8 @@ using Eigen::Index;
 class Solver {
 public:
     Solver(const std::vector<Contact>& contacts, std::vector<Movable>& bodies, const Mobility& together,
-           const ContactStep& step)
-        : contacts_(contacts), bodies_(bodies), columns_(together.columns()), step_(step) {
+           double spacing)
+        : contacts_(contacts), bodies_(bodies), columns_(together.columns()), spacing_(spacing) {
         const auto n = static_cast<Index>(contacts.size());
         problem_.rows.resize(3 * n, static_cast<Index>(columns_.size()));
         problem_.velocity.resize(3 * n);
@@ -28,8 +28,7 @@ public:
         for (std::size_t i = 0; i < contacts.size(); ++i) prepare(i);
     }
 
-    void solve() {
-        double speed = step_.gravity * step_.dt;
+    void solve(double speed) {
         for (const auto& body : bodies_) speed = std::max(speed, length(body.velocity));
         const Eigen::VectorXd impulses = solve_friction(problem_, settled * speed);
         for (std::size_t i = 0; i < contacts_.size(); ++i) give(i, impulses.segment<3>(3 * static_cast<Index>(i)));
@@ -54,12 +53,7 @@ private:
             problem_.rows.row(row) = row_of(contact, direction);
             problem_.velocity[row] = dot(relative, direction);
         }
-        double& wanted = problem_.wanted[static_cast<Index>(i)];
-        wanted = -std::max(0.0, contact.gap) / step_.dt;
-        // What gravity gives in some steps is rest, not an impact.
-        if (approach < wanted && approach < -4 * step_.gravity * step_.dt) {
-            wanted = std::max(wanted, -contact.restitution * approach);
-        }
+        problem_.wanted[static_cast<Index>(i)] = contact.wanted;
         problem_.friction.push_back(contact.friction);
     }
 
@@ -107,7 +101,7 @@ private:
     // Shifts of the poses, as impulses without friction give velocities: of an overlap a share is taken back, and others do not
     // become larger than what is tolerated.
     void part() {
-        const double rest = tolerated * step_.spacing;
+        const double rest = tolerated * spacing_;
         bool any = false;
         for (std::size_t i = 0; i < contacts_.size(); ++i) {
             const double overlap = -contacts_[i].gap - rest;
@@ -117,7 +111,7 @@ private:
         if (!any) return;
         problem_.velocity.setZero();
         problem_.friction.assign(contacts_.size(), 0.0);
-        const Eigen::VectorXd z = problem_.rows.transpose() * solve_friction(problem_, shifted * step_.spacing);
+        const Eigen::VectorXd z = problem_.rows.transpose() * solve_friction(problem_, shifted * spacing_);
         for (std::size_t b = 0; b < bodies_.size(); ++b) {
             for (std::size_t c = 0; c < columns_.size(); ++c) {
                 const double* v = &columns_[c][6 * b];
@@ -131,15 +125,15 @@ private:
     const std::vector<Contact>& contacts_;
     std::vector<Movable>& bodies_;
     std::vector<std::vector<double>> columns_;
-    ContactStep step_;
+    double spacing_;
     std::vector<std::array<Vec3, 3>> directions_; // normal and tangents
     FrictionProblem problem_;
 };
 } // namespace
 
 void solve_contacts(const std::vector<Contact>& contacts, std::vector<Movable>& bodies, const Mobility& together,
-                    const ContactStep& step) {
-    Solver(contacts, bodies, together, step).solve();
+                    double speed, double spacing) {
+    Solver(contacts, bodies, together, spacing).solve(speed);
 }
 
 } // namespace treacle::rigid

@@ -13,6 +13,7 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr int rounds = 20;
+constexpr int idle_rounds = 4; // in a row that do not halve the error, after which no more is tried
 constexpr int sweeps = 20;     // of Gauss-Seidel, a round
 constexpr int guesses = 12;    // of who touches, a round
 constexpr int multipliers = 6; // steps
@@ -35,8 +36,8 @@ public:
 
     VectorXd solve() {
         VectorXd best = impulse_;
-        double least = wrong();
-        for (int round = 0; round < rounds && least > tolerance_; ++round) {
+        double least = wrong(), before = least;
+        for (int round = 0, idle = 0; round < rounds && idle < idle_rounds && least > tolerance_; ++round) {
             for (int k = 0; k < sweeps; ++k) sweep();
             keep_better(best, least);
             for (int k = 0; k < guesses && least > tolerance_; ++k) {
@@ -48,6 +49,8 @@ public:
                 set(found);
             }
             set(best);
+            idle = least > 0.5 * before ? idle + 1 : 0;
+            before = least;
         }
         return best;
     }
