@@ -15,7 +15,7 @@ RigidBodies::RigidBodies(BodiesSetup setup) : setup_(std::move(setup)), states_(
     for (std::size_t b = 0; b < size(); ++b) {
         auto& body = setup_.bodies[b];
         for (auto& probe : body.probes) {
-            if (probe.radius == 0) probe.edge = edge_tangent(body.region.front(), probe.point, setup_.spacing);
+            if (probe.radius == 0) probe.surface = describe_surface(body.region.front(), probe.point, setup_.spacing);
         }
         states_[b].pose.centre = body.centre;
         any_moves_ = any_moves_ || moves(b);

@@ -12,11 +12,17 @@ namespace treacle::rigid {
 
 struct Contact;
 
+// A surface at one of its points.
+struct SurfacePoint {
+    Vec3 edge{0, 0, 0};    // unit tangent, where two faces meet; zero elsewhere and in the plane
+    Vec3 inwards{0, 0, 0}; // unit
+};
+
 // A ball about a point of a body's surface, of radius 0, or the body itself when it is a ball.
 struct Probe {
     Vec3 point{0, 0, 0}; // [m] at the start
     double radius = 0;   // [m]
-    Vec3 edge{0, 0, 0};  // tangent, unit, where two faces meet; RigidBodies finds it
+    SurfacePoint surface{}; // that RigidBodies finds
 };
 
 // What stays the same of a body. Places are those at the start of the run.

@@ -106,7 +106,7 @@ private:
         const double friction = std::sqrt(body.friction * solid.friction);
         const Near near{margins_[of] + margins_[at], std::min(body.reach, solid.reach)};
         const bool finite = solid.region.front().closed() && !solid.region.front().inverted();
-        const double reach = solid.reach + near.margin + patch_margin * setup_.spacing;
+        const double reach = solid.reach + near.margin + setup_.spacing;
         const auto within = [&](const Vec3& x, double radius) {
             return !finite || length(x - placed_.at(at).centre()) <= reach + radius;
         };
@@ -127,7 +127,7 @@ private:
             const Vec3 x = solid.place(sample.point);
             if (!within(x, sample.radius)) continue;
             const auto touch = sample.radius > 0 ? features.of_ball(x, sample.radius, near.margin)
-                                                 : features.at(x, solid.turned(sample.edge), near);
+                                                 : features.at(x, {solid.turned(sample.surface.edge), solid.turned(sample.surface.inwards)}, near);
             if (touch) report(*touch);
         }
     }

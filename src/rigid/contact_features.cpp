@@ -7,9 +7,11 @@ namespace treacle::rigid {
 namespace {
 constexpr double step = 2e-3;       // [spacings] how far directions are followed out of a surface
 constexpr double askew = 2e-5;      // of that step, what a direction out of the cone may lose: 6 mrad
-constexpr double lift = 2 * step;   // [spacings] that a point is moved out of what it overlaps before it is looked at
-constexpr double deepest = 0.1;     // [spacings] of such an overlap
+constexpr double lift = 2 * step;   // [spacings] by which a point that is looked at is out of what it overlaps
+constexpr double deepest = 0.1;     // [spacings] by which it is moved for that
 constexpr double patch = 0.75;      // [spacings] about a sample that it stands for
+constexpr double patch_margin = 0.25; // [spacings] by how much a point of it may be nearer to another solid, off edges
+constexpr double still = 1e-8;      // [spacings]
 constexpr int settlings = 12;
 constexpr int halvings = 24;
 
@@ -49,31 +51,35 @@ bool NearestFeatures::covered(const Vec3& foot, const Vec3& normal) const {
     });
 }
 
-// The touch as it is when the point has been moved out of other solids that rest; nothing where they cover the surface.
-std::optional<Touch> NearestFeatures::seen(Touch touch) const {
-    if (around_.empty()) return touch;
+// The touch as it is seen from where the point is out of all that it overlaps, moved into its own solid; nothing where others cover
+// the surface.
+std::optional<Touch> NearestFeatures::seen(Touch touch, const Vec3& inwards) const {
     const double least = lift * spacing_;
-    Vec3 x = touch.point;
-    bool moved = false;
-    for (const auto* solid : around_) {
-        const double overlap = least - solid->distance(x);
-        if (overlap <= 0 || overlap > deepest * spacing_) continue;
-        x = x + overlap * solid->normal(x);
-        moved = true;
+    const auto nearest = [&](const Vec3& x) {
+        double distance = least;
+        for (const auto* solid : around_) distance = std::min(distance, solid->distance(x));
+        return distance;
+    };
+    if (around_.empty() || rests_ || nearest(touch.point) >= least) return touch;
+    double moved = 0;
+    for (int k = 0; k < settlings; ++k) {
+        const Vec3 x = touch.point + moved * inwards;
+        const double distance = std::min(nearest(x), other_.distance(x));
+        if (distance >= (1 - 1e-6) * least) break;
+        moved += least - distance;
+        if (moved > deepest * spacing_) return touch;
     }
-    const double gap = moved ? other_.distance(x) : touch.gap;
-    const Vec3 normal = moved ? other_.normal(x) : touch.normal, foot = x - gap * normal;
+    const Vec3 x = touch.point + moved * inwards, normal = other_.normal(x), foot = x - other_.distance(x) * normal;
     if (covered(foot, normal)) return {};
-    if (moved && dot(normal, touch.normal) < 1 - askew) touch = {touch.point, normal, dot(touch.point - foot, normal)};
-    return touch;
+    return Touch{touch.point, normal, dot(touch.point - foot, normal)};
 }
 
-// The nearest point of the probed surface near x to a ball within the other one that touches it where x is nearest.
-std::optional<Vec3> NearestFeatures::settle(Vec3 x, double size) const {
-    const Vec3 first = x;
+// The nearest point of the probed surface to the deepest ball within the other one that touches it where it is nearest to x; again
+// from there, until x stays. A face on a face has no nearest point: x itself is as good.
+std::optional<Vec3> NearestFeatures::settle(const Vec3& first, double size) const {
+    Vec3 x = first;
     for (int k = 0; k < settlings; ++k) {
         const auto touch = measure(x);
-        if (in_cone(x, -touch.normal)) return x;
         const Vec3 foot = x - touch.gap * touch.normal;
         double radius = 4 * size;
         if (!other_.flat(foot, 0.05 * spacing_)) {
@@ -81,10 +87,15 @@ std::optional<Vec3> NearestFeatures::settle(Vec3 x, double size) const {
         }
         const Vec3 centre = foot - radius * touch.normal, n = probed_.normal(x);
         Vec3 next = centre - dot(centre - x, n) * n;
-        if (std::abs(probed_.distance(next)) > 1e-9 * spacing_) next = centre - probed_.distance(centre) * probed_.normal(centre);
-        if (length(next - first) > patch * spacing_ || length(next - x) < 1e-12 * spacing_) return {};
+        const bool flat = std::abs(probed_.distance(next)) <= 1e-9 * spacing_;
+        if (!flat) next = centre - probed_.distance(centre) * probed_.normal(centre);
+        if (length(next - first) > patch * spacing_ || (flat && length(other_.normal(next) - touch.normal) < 1e-9)) break;
+        const bool stays = length(next - x) < still * spacing_;
         x = next;
+        if (stays && in_cone(x, -other_.normal(x))) return x;
+        if (stays) break;
     }
+    if (in_cone(first, -other_.normal(first))) return first;
     return {};
 }
 
@@ -108,21 +119,21 @@ std::optional<Touch> NearestFeatures::along_edge(const Vec3& x, const Vec3& edge
     return Touch{p, n, gap};
 }
 
-std::optional<Touch> NearestFeatures::at(const Vec3& x, const Vec3& edge, const Near& near) const {
+std::optional<Touch> NearestFeatures::at(const Vec3& x, const SurfacePoint& surface, const Near& near) const {
+    const Vec3& edge = surface.edge;
     auto touch = measure(x);
-    if (touch.gap > near.margin + patch_margin * spacing_) return {};
-    if (!in_cone(x, -touch.normal)) {
-        if (const auto settled = settle(x, near.size)) {
-            touch = measure(*settled);
-        } else {
-            if (length(edge) == 0) return {};
-            const auto crossing = along_edge(x, edge);
-            if (!crossing || !in_cone(crossing->point, -crossing->normal)) return {};
-            touch = *crossing;
-        }
+    const bool edged = length(edge) > 0;
+    if (touch.gap > near.margin + (edged ? patch : patch_margin) * spacing_) return {};
+    if (const auto settled = settle(x, near.size)) {
+        touch = measure(*settled);
+    } else {
+        if (!edged) return {};
+        const auto crossing = along_edge(x, edge);
+        if (!crossing || !in_cone(crossing->point, -crossing->normal)) return {};
+        touch = *crossing;
     }
     if (touch.gap >= near.margin) return {};
-    return seen(touch);
+    return seen(touch, surface.inwards);
 }
 
 std::optional<Touch> NearestFeatures::of_ball(const Vec3& x, double radius, double margin) const {
@@ -134,22 +145,30 @@ std::optional<Touch> NearestFeatures::of_ball(const Vec3& x, double radius, doub
     return touch;
 }
 
-Vec3 edge_tangent(const scene::SolidRegion& region, const Vec3& x, double spacing) {
+SurfacePoint describe_surface(const scene::SolidRegion& region, const Vec3& x, double spacing) {
     const double e = step * spacing;
-    const Vec3 none{0, 0, 0};
-    if (region.dimensions() == 2 || region.distance(x - e * region.normal(x)) < -0.95 * e) return none;
-    // The faces nearest to points inside.
+    const Vec3 own = region.normal(x);
+    if (region.distance(x - e * own) < -0.95 * e) return {{0, 0, 0}, -own};
+    // The faces nearest to points inside, about x on a spiral without symmetries.
+    constexpr int directions = 60;
     std::vector<Vec3> faces;
-    for (int k = 0; k < 27; ++k) {
-        const Vec3 way{double(k % 3 - 1), double(k / 3 % 3 - 1), double(k / 9 - 1)};
+    for (int k = 0; k < directions; ++k) {
+        const double height = 1 - (2 * k + 1.0) / directions, angle = 2.399963229728653 * k, across = std::sqrt(1 - height * height);
+        Vec3 way{across * std::cos(angle), across * std::sin(angle), height};
+        if (region.dimensions() == 2) way = {std::cos(angle), std::sin(angle), 0};
         const Vec3 inside = x + e * way;
-        if (k == 13 || region.distance(inside) > -0.05 * e) continue;
+        if (region.distance(inside) > -0.05 * e) continue;
         const Vec3 n = region.normal(inside);
         if (std::ranges::none_of(faces, [&](const Vec3& other) { return dot(n, other) > 0.99; })) faces.push_back(n);
     }
-    if (faces.size() != 2) return none;
+    SurfacePoint out{{0, 0, 0}, -own};
+    Vec3 sum{0, 0, 0};
+    for (const auto& n : faces) sum = sum - n;
+    if (length(sum) > 1e-3) out.inwards = (1 / length(sum)) * sum;
+    if (region.dimensions() == 2 || faces.size() != 2) return out;
     const Vec3 t = cross(faces[0], faces[1]);
-    return length(t) > 1e-3 ? (1 / length(t)) * t : none;
+    if (length(t) > 1e-3) out.edge = (1 / length(t)) * t;
+    return out;
 }
 
 } // namespace treacle::rigid

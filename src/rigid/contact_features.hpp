@@ -56,8 +56,6 @@ private:
 struct Near {
     double margin = 0, size = 0;
 };
-// [spacings] by how much more a sample may be away from the other solid than the nearest point beside it.
-inline constexpr double patch_margin = 0.25;
 
 // Of pairs of points of two solids those that are nearest to each other: their normal lies in the normal cones of both. Whether
 // it does, the signed distance says: a direction d is in the cone of the point x when the point at x + e d is at the distance e.
@@ -72,8 +70,7 @@ public:
     void set_probed_rests(bool rests) { rests_ = rests; }
 
     // The nearest pair at the point of the probed surface, or within the sampling's spacing of it; if there is none, nothing.
-    // `edge`: the tangent of the edge there, or zero.
-    std::optional<Touch> at(const Vec3& x, const Vec3& edge, const Near& near) const;
+    std::optional<Touch> at(const Vec3& x, const SurfacePoint& surface, const Near& near) const;
     // Of a ball about x.
     std::optional<Touch> of_ball(const Vec3& x, double radius, double margin) const;
 
@@ -81,8 +78,8 @@ private:
     Touch measure(const Vec3& x) const;
     bool in_cone(const Vec3& x, const Vec3& direction) const;
     bool covered(const Vec3& foot, const Vec3& normal) const;
-    std::optional<Touch> seen(Touch touch) const;
-    std::optional<Vec3> settle(Vec3 x, double size) const;
+    std::optional<Touch> seen(Touch touch, const Vec3& inwards) const;
+    std::optional<Vec3> settle(const Vec3& first, double size) const;
     std::optional<Touch> along_edge(const Vec3& x, const Vec3& edge) const;
 
     const PlacedSolid& probed_;
@@ -92,7 +89,6 @@ private:
     bool rests_ = false;
 };
 
-// Tangent of the edge at a point of a surface where two faces meet; zero elsewhere and in the plane.
-Vec3 edge_tangent(const scene::SolidRegion& region, const Vec3& x, double spacing);
+SurfacePoint describe_surface(const scene::SolidRegion& region, const Vec3& x, double spacing);
 
 } // namespace treacle::rigid
