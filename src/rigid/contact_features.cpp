@@ -11,8 +11,8 @@ constexpr double lift = 2 * step;   // [spacings] by which a point that is looke
 constexpr double deepest = 0.1;     // [spacings] by which it is moved for that
 constexpr double patch = 0.75;      // [spacings] about a sample that it stands for
 constexpr double patch_margin = 0.25; // [spacings] by how much a point of it may be nearer to another solid, off edges
-constexpr double still = 1e-8;      // [spacings]
-constexpr int settlings = 12;
+constexpr double still = 1e-7;      // [spacings]
+constexpr int settlings = 16;
 constexpr int halvings = 24;
 
 Vec3 any_across(const Vec3& n) {
@@ -60,14 +60,19 @@ std::optional<Touch> NearestFeatures::seen(Touch touch, const Vec3& inwards) con
         for (const auto* solid : around_) distance = std::min(distance, solid->distance(x));
         return distance;
     };
-    if (around_.empty() || rests_ || nearest(touch.point) >= least) return touch;
+    if (around_.empty() || rests_) return touch;
     double moved = 0;
-    for (int k = 0; k < settlings; ++k) {
+    const bool overlaps = nearest(touch.point) < least;
+    for (int k = 0; overlaps && k < settlings; ++k) {
         const Vec3 x = touch.point + moved * inwards;
         const double distance = std::min(nearest(x), other_.distance(x));
         if (distance >= (1 - 1e-6) * least) break;
         moved += least - distance;
         if (moved > deepest * spacing_) return touch;
+    }
+    if (moved == 0) {
+        if (covered(touch.point - touch.gap * touch.normal, touch.normal)) return {};
+        return touch;
     }
     const Vec3 x = touch.point + moved * inwards, normal = other_.normal(x), foot = x - other_.distance(x) * normal;
     if (covered(foot, normal)) return {};
@@ -87,13 +92,15 @@ std::optional<Vec3> NearestFeatures::settle(const Vec3& first, double size) cons
         }
         const Vec3 centre = foot - radius * touch.normal, n = probed_.normal(x);
         Vec3 next = centre - dot(centre - x, n) * n;
-        const bool flat = std::abs(probed_.distance(next)) <= 1e-9 * spacing_;
+        const bool flat = std::abs(probed_.distance(next)) <= 1e-9 * spacing_ && length(probed_.normal(next) - n) < 1e-9;
         if (!flat) next = centre - probed_.distance(centre) * probed_.normal(centre);
-        if (length(next - first) > patch * spacing_ || (flat && length(other_.normal(next) - touch.normal) < 1e-9)) break;
-        const bool stays = length(next - x) < still * spacing_;
+        if (length(next - first) > patch * spacing_) break;
+        if (length(next - x) < still * spacing_) {
+            if (in_cone(next, -other_.normal(next))) return next;
+            break;
+        }
+        if (flat && length(other_.normal(next) - touch.normal) < 1e-9) break;
         x = next;
-        if (stays && in_cone(x, -other_.normal(x))) return x;
-        if (stays) break;
     }
     if (in_cone(first, -other_.normal(first))) return first;
     return {};
