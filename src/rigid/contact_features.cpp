@@ -14,6 +14,7 @@ constexpr double patch_margin = 0.25; // [spacings] by how much a point of it ma
 constexpr double still = 1e-7;      // [spacings]
 constexpr int settlings = 16;
 constexpr int halvings = 24;
+constexpr double straight = 1e-4; // [spacings] that an edge may be off its tangent
 
 Vec3 any_across(const Vec3& n) {
     const Vec3 t = std::abs(n[2]) < 0.9 ? Vec3{-n[1], n[0], 0} : Vec3{n[2], 0, -n[0]};
@@ -116,6 +117,7 @@ std::optional<Touch> NearestFeatures::along_edge(const Vec3& x, const Vec3& edge
         (slope(middle) < 0 ? low : high) = middle;
     }
     const Vec3 p = x + 0.5 * (low + high) * edge;
+    if (std::abs(probed_.distance(p)) > straight * spacing_) return {};
     const Vec3 before = other_.normal(x + low * edge), after = other_.normal(x + high * edge);
     const double a = dot(after, edge), b = -dot(before, edge);
     Vec3 n = a * before + b * after;

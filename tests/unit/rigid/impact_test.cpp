@@ -89,7 +89,7 @@ TEST(Stack, HeavyBodiesRestOnLightOnes) {
                         boxes.back().friction = friction;
                     }
                     RigidBodies bodies(on_floor(boxes, dimensions));
-                    run(bodies, 2e-3, 150);
+                    run(bodies, 2e-3, 100);
                     for (std::size_t b = 0; b < boxes.size(); ++b) {
                         const Vec3 moved = bodies.pose(b).centre - boxes[b].centre;
                         // Overlaps of 0.005 spacings are left alone, one above the other.
