@@ -13,10 +13,7 @@ constexpr std::size_t numbers_per_body = 13;
 
 RigidBodies::RigidBodies(BodiesSetup setup) : setup_(std::move(setup)), states_(setup_.bodies.size()) {
     for (std::size_t b = 0; b < size(); ++b) {
-        auto& body = setup_.bodies[b];
-        for (auto& probe : body.probes) {
-            if (probe.radius == 0) probe.surface = describe_surface(body.region.front(), probe.point, setup_.spacing);
-        }
+        const auto& body = setup_.bodies[b];
         states_[b].pose.centre = body.centre;
         any_moves_ = any_moves_ || moves(b);
         any_dynamic_ = any_dynamic_ || dynamic(b);
@@ -25,6 +22,11 @@ RigidBodies::RigidBodies(BodiesSetup setup) : setup_(std::move(setup)), states_(
         Vec3 spin = body.angular_velocity;
         for (std::size_t k = 0; k < 3; ++k) spin[k] = body.locked[3 + k] ? 0 : spin[k];
         states_[b].angular_momentum = body.inertia * spin;
+    }
+    for (auto& body : setup_.bodies) {
+        for (auto& probe : body.probes) {
+            if (any_dynamic_ && probe.radius == 0) probe.surface = describe_surface(body.region.front(), probe.point, setup_.spacing);
+        }
     }
     begin(0);
     contact_loads_.assign(6 * size(), 0.0);

@@ -130,9 +130,9 @@ std::optional<Touch> NearestFeatures::along_edge(const Vec3& x, const Vec3& edge
 
 std::optional<Touch> NearestFeatures::at(const Vec3& x, const SurfacePoint& surface, const Near& near) const {
     const Vec3& edge = surface.edge;
-    auto touch = measure(x);
     const bool edged = length(edge) > 0;
-    if (touch.gap > near.margin + (edged ? patch : patch_margin) * spacing_) return {};
+    if (other_.distance(x) > near.margin + (edged ? patch : patch_margin) * spacing_) return {};
+    Touch touch;
     if (const auto settled = settle(x, near.size)) {
         touch = measure(*settled);
     } else {
