@@ -12,10 +12,11 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr int rounds = 20;
-constexpr int idle_rounds = 4; // in a row that do not halve the error, after which no more is tried
+constexpr int rounds = 40;
+constexpr int idle_rounds = 8; // in a row that do not halve the error, after which no more is tried
 constexpr int sweeps = 20;     // of Gauss-Seidel, a round
-constexpr int guesses = 12;    // of who touches, a round
+constexpr int guesses = 40;    // of who touches, a round
+constexpr int at_once = 8;     // of these, all contacts together
 constexpr int multipliers = 6; // steps
 constexpr double soft = 1e-7;  // regularisation, over a row's own response
 
@@ -40,7 +41,10 @@ public:
         for (int round = 0, idle = 0; round < rounds && idle < idle_rounds && least > tolerance_; ++round) {
             for (int k = 0; k < sweeps; ++k) sweep();
             keep_better(best, least);
+            const VectorXd swept = impulse_;
+            verdicts_.clear();
             for (int k = 0; k < guesses && least > tolerance_; ++k) {
+                guess(k < at_once ? Guess::all : Guess::worst);
                 solve_directly();
                 // Nothing but the guess of the states uses impulses that pull.
                 const VectorXd found = impulse_;
@@ -48,8 +52,9 @@ public:
                 keep_better(best, least);
                 set(found);
             }
-            set(best);
-            idle = least > 0.5 * before ? idle + 1 : 0;
+            const bool better = least <= 0.5 * before;
+            idle = better ? 0 : idle + 1;
+            set(better ? best : swept);
             before = least;
         }
         return best;
@@ -136,10 +141,10 @@ private:
         VectorXd along;
         double multiplier;
     };
-    std::vector<Held> held(const std::vector<Verdict>& verdicts) const {
+    std::vector<Held> held() const {
         std::vector<Held> out;
         for (Index i = 0; i < contacts_; ++i) {
-            const auto& verdict = verdicts[static_cast<std::size_t>(i)];
+            const auto& verdict = verdicts_[static_cast<std::size_t>(i)];
             const Index n = 3 * i;
             if (verdict.state == State::open) continue;
             out.push_back({n, p_.wanted[i], p_.rows.row(n).transpose(), impulse_[n]});
@@ -157,11 +162,26 @@ private:
         return out;
     }
 
+    // The states of all contacts anew, or that of the one whose state is most wrong, without which guesses may go round in circles.
+    enum class Guess { all, worst };
+    void guess(Guess which) {
+        std::vector<Verdict> now;
+        for (Index i = 0; i < contacts_; ++i) now.push_back(judge(i));
+        if (which == Guess::worst && !verdicts_.empty()) {
+            std::size_t worst = now.size();
+            for (std::size_t i = 0; i < now.size(); ++i) {
+                if (now[i].state != verdicts_[i].state && (worst == now.size() || now[i].wrong > now[worst].wrong)) worst = i;
+            }
+            for (std::size_t i = 0; i < now.size(); ++i) {
+                if (now[i].state != verdicts_[i].state && i != worst) now[i] = verdicts_[i];
+            }
+        }
+        verdicts_ = std::move(now);
+    }
+
     // The impulses of the present states: of z the motion and l the multipliers z = sum b l, l' = l + (target - u(z)) / softness.
     void solve_directly() {
-        std::vector<Verdict> verdicts;
-        for (Index i = 0; i < contacts_; ++i) verdicts.push_back(judge(i));
-        auto holds = held(verdicts);
+        auto holds = held();
         const Index m = p_.rows.cols();
         MatrixXd matrix = MatrixXd::Identity(m, m);
         for (const auto& hold : holds) matrix.noalias() += hold.along * (p_.rows.row(hold.row) / (soft * own_[hold.row]));
@@ -184,7 +204,7 @@ private:
         for (const auto& hold : holds) {
             impulse[hold.row] = hold.multiplier;
             const auto i = hold.row / 3;
-            const auto& verdict = verdicts[static_cast<std::size_t>(i)];
+            const auto& verdict = verdicts_[static_cast<std::size_t>(i)];
             if (hold.row % 3 != 0 || verdict.state != State::slides) continue;
             for (int t = 0; t < 2; ++t) {
                 impulse[hold.row + 1 + t] = p_.friction[static_cast<std::size_t>(i)] * verdict.slip[t] * hold.multiplier;
@@ -199,6 +219,7 @@ private:
     VectorXd own_;     // [1/kg] a row's response to its own impulse
     VectorXd impulse_; // l
     VectorXd motion_;  // G^T l
+    std::vector<Verdict> verdicts_; // of the direct solution
 };
 } // namespace
 
