@@ -68,7 +68,7 @@ TEST(Impact, UnlikeBallsKeepMomentumAndEnergy) {
         left.mass *= ratio;
         for (auto& row : left.inertia) row = ratio * row;
         RigidBodies bodies(world({left, right}));
-        run(bodies, 2e-3, 100);
+        run(bodies, 2e-3, 80);
         EXPECT_NEAR(bodies.velocity(0)[0], (ratio - 1) / (ratio + 1), 1e-9);
         EXPECT_NEAR(bodies.velocity(1)[0], 2 * ratio / (ratio + 1), 1e-9);
     }
@@ -77,7 +77,7 @@ TEST(Impact, UnlikeBallsKeepMomentumAndEnergy) {
 TEST(Stack, HeavyBodiesRestOnLightOnes) {
     for (const int dimensions : {2, 3}) {
         const Tilt tilt{dimensions, 0};
-        for (const double ratio : {10.0, 100.0, 1000.0}) {
+        for (const double ratio : {10.0, 1000.0}) {
             for (const double friction : {0.0, 0.5}) {
                 // The heaviest on top, and between light ones.
                 for (const auto& order : {std::vector<double>{1, ratio}, {1, 1, ratio}, {1, ratio, 1}, {ratio, 1, ratio}}) {
@@ -89,7 +89,7 @@ TEST(Stack, HeavyBodiesRestOnLightOnes) {
                         boxes.back().friction = friction;
                     }
                     RigidBodies bodies(on_floor(boxes, dimensions));
-                    run(bodies, 2e-3, 100);
+                    run(bodies, 2e-3, 80);
                     for (std::size_t b = 0; b < boxes.size(); ++b) {
                         const Vec3 moved = bodies.pose(b).centre - boxes[b].centre;
                         // Overlaps of 0.005 spacings are left alone, one above the other.
