@@ -22,7 +22,7 @@ Vec3 nearest_image(Vec3 x, const std::array<double, 3>& period) {
 
 class Finder {
 public:
-    Finder(const RigidBodies& bodies, double dt) : bodies_(bodies), setup_(bodies.setup()) {
+    Finder(const RigidBodies& bodies, double dt) : bodies_(bodies), setup_(bodies.setup()), dt_(dt) {
         for (std::size_t b = 0; b < bodies.size(); ++b) {
             const double speed = bodies.moves(b) ? length(bodies.velocity(b)) + length(bodies.spin(b)) * setup_.bodies[b].reach : 0.0;
             margins_.push_back(0.02 * setup_.spacing + dt * (speed + dt * length(setup_.gravity)));
@@ -69,7 +69,8 @@ private:
         if (wall.inwards * (bodies_.pose(a).centre[axis] - wall.at) > body.reach + margin) return;
         place(a, {});
         const Obstacle side(wall);
-        const NearestFeatures features(placed_.at(a), side, {}, setup_.spacing);
+        NearestFeatures features(placed_.at(a), side, {}, setup_.spacing);
+        features.set_turning(dt_ * length(spin(a)));
         std::vector<Contact> pair;
         const auto everywhere = [](const Vec3&, double) { return true; };
         for_touches(features, a, {margin, body.reach}, everywhere, [&](const Touch& touch) {
@@ -77,6 +78,8 @@ private:
         });
         keep_best(std::move(pair));
     }
+
+    Vec3 spin(std::size_t b) const { return bodies_.moves(b) ? bodies_.spin(b) : Vec3{0, 0, 0}; }
 
     bool close(std::size_t a, std::size_t b) const {
         const auto& other = setup_.bodies[b];
@@ -102,6 +105,7 @@ private:
         }
         NearestFeatures features(placed_.at(of), obstacle, std::move(around), setup_.spacing);
         features.set_probed_rests(!bodies_.dynamic(of));
+        features.set_turning(dt_ * length(spin(of) - spin(at)));
         const double restitution = std::max(body.restitution, solid.restitution);
         const double friction = std::sqrt(body.friction * solid.friction);
         const Near near{margins_[of] + margins_[at], std::min(body.reach, solid.reach)};
@@ -150,6 +154,7 @@ private:
 
     const RigidBodies& bodies_;
     const BodiesSetup& setup_;
+    double dt_;                   // [s]
     std::vector<double> margins_; // [m] how near counts
     std::map<std::size_t, PlacedSolid> placed_;
     std::vector<std::size_t> resting_;

@@ -7,6 +7,7 @@ namespace treacle::rigid {
 namespace {
 constexpr double step = 2e-3;       // [spacings] how far directions are followed out of a surface
 constexpr double askew = 2e-5;      // of that step, what a direction out of the cone may lose: 6 mrad
+constexpr double most_turning = 0.3; // [rad] by which it may be out of it more, as the solids turn to each other in the step
 constexpr double lift = 2 * step;   // [spacings] by which a point that is looked at is out of what it overlaps
 constexpr double deepest = 0.1;     // [spacings] by which it is moved for that
 constexpr double patch = 0.75;      // [spacings] about a sample that it stands for
@@ -32,16 +33,17 @@ bool Obstacle::flat(const Vec3& x, double length_beside) const {
     return true;
 }
 
+void NearestFeatures::set_turning(double angle) { askew_ = std::max(askew, 1 - std::cos(std::min(angle, most_turning))); }
+
 Touch NearestFeatures::measure(const Vec3& x) const { return {x, other_.normal(x), other_.distance(x)}; }
 
 // Whether nothing of the probed solid is nearer to what lies in this direction than x is.
 bool NearestFeatures::in_cone(const Vec3& x, const Vec3& direction) const {
     const double e = step * spacing_;
     const Vec3 out = x + e * direction;
-    if (probed_.distance(out) < (1 - askew) * e) return false;
-    return !rests_ || std::ranges::none_of(around_, [&](const PlacedSolid* solid) {
-        return solid->distance(out) < (1 - askew) * e;
-    });
+    const double least = (1 - askew_) * e;
+    if (probed_.distance(out) < least) return false;
+    return !rests_ || std::ranges::none_of(around_, [&](const PlacedSolid* solid) { return solid->distance(out) < least; });
 }
 
 // Whether what rests is in the way of anything that comes to the point of the other surface against the normal.

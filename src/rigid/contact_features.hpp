@@ -64,10 +64,15 @@ class NearestFeatures {
 public:
     // `around`: what else rests near the two.
     NearestFeatures(const PlacedSolid& probed, const Obstacle& other, std::vector<const PlacedSolid*> around, double spacing)
-        : probed_(probed), other_(other), around_(std::move(around)), spacing_(spacing) {}
+        : probed_(probed), other_(other), around_(std::move(around)), spacing_(spacing) {
+        set_turning(0);
+    }
 
     // `rests`: the probed solid is one of those that count as one.
     void set_probed_rests(bool rests) { rests_ = rests; }
+
+    // By how much the two turn to each other in the step [rad]: faces that are as nearly parallel touch with both their ends.
+    void set_turning(double angle);
 
     // The nearest pair at the point of the probed surface, or within the sampling's spacing of it; if there is none, nothing.
     std::optional<Touch> at(const Vec3& x, const SurfacePoint& surface, const Near& near) const;
@@ -87,6 +92,7 @@ private:
     std::vector<const PlacedSolid*> around_;
     double spacing_;
     bool rests_ = false;
+    double askew_; // what a direction out of the cone may lose, over the way along it
 };
 
 SurfacePoint describe_surface(const scene::SolidRegion& region, const Vec3& x, double spacing);
