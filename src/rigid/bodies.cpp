@@ -1,6 +1,6 @@
 #include "rigid/bodies.hpp"
 
-#include "rigid/contact.hpp"
+#include "rigid/contact_features.hpp"
 
 #include <algorithm>
 #include <cassert>
@@ -22,6 +22,11 @@ RigidBodies::RigidBodies(BodiesSetup setup) : setup_(std::move(setup)), states_(
         Vec3 spin = body.angular_velocity;
         for (std::size_t k = 0; k < 3; ++k) spin[k] = body.locked[3 + k] ? 0 : spin[k];
         states_[b].angular_momentum = body.inertia * spin;
+    }
+    for (auto& body : setup_.bodies) {
+        for (auto& probe : body.probes) {
+            if (any_dynamic_ && probe.radius == 0) probe.surface = describe_surface(body.region.front(), probe.point, setup_.spacing);
+        }
     }
     begin(0);
     contact_loads_.assign(6 * size(), 0.0);
@@ -133,34 +138,6 @@ void RigidBodies::strike(std::span<const double> impulses) {
     }
 }
 
-void RigidBodies::meet(double dt) {
-    auto contacts = find_contacts(*this, dt);
-    contacts_ = static_cast<int>(contacts.size());
-    if (contacts.empty()) return;
-    const auto together = mobility();
-    std::vector<Movable> bodies(size());
-    for (std::size_t b = 0; b < size(); ++b) bodies[b] = {states_[b].velocity, spin(b), response(b)};
-    solve_contacts(contacts, bodies, together, {dt, length(setup_.gravity), setup_.spacing});
-    std::vector<double> impulses(6 * size());
-    for (std::size_t b = 0; b < size(); ++b) {
-        for (std::size_t k = 0; k < 3; ++k) {
-            impulses[6 * b + k] = bodies[b].impulse[k];
-            impulses[6 * b + 3 + k] = bodies[b].angular_impulse[k];
-        }
-        if (!dynamic(b)) continue;
-        auto& pose = states_[b].pose;
-        pose.centre = pose.centre + bodies[b].shift;
-        pose.turn = normalised(product(rotation_by(bodies[b].twist), pose.turn));
-    }
-    const auto answer = together.reaction(impulses);
-    for (std::size_t k = 0; k < impulses.size(); ++k) {
-        contact_loads_[k] += impulses[k];
-        joint_loads_[k] += answer[k];
-        impulses[k] += answer[k];
-    }
-    strike(impulses);
-}
-
 // The angular momentum stays; the axis of the rotation is that of the middle of the step, so that the energy is kept
 // to third order.
 Quaternion RigidBodies::next_turn(std::size_t body, double dt) const {
@@ -173,17 +150,8 @@ Quaternion RigidBodies::next_turn(std::size_t body, double dt) const {
 Pose RigidBodies::next_pose(std::size_t body, double dt) const {
     const auto& state = states_[body];
     if (!moves(body)) return state.pose;
-    if (!dynamic(body)) return pose_at(body, time_ + dt);
+    if (!dynamic(body)) return pose_at(body, time_ + gone_ + dt);
     return {state.pose.centre + dt * state.velocity, next_turn(body, dt)};
-}
-
-void RigidBodies::move(double dt) {
-    if (any_dynamic_) meet(dt);
-    hold(dt);
-    for (std::size_t b = 0; b < size(); ++b) states_[b].pose = next_pose(b, dt);
-    time_ += dt;
-    close_ledger(dt);
-    begin(0);
 }
 
 double RigidBodies::max_speed() const {

@@ -10,10 +10,19 @@
 
 namespace treacle::rigid {
 
+struct Contact;
+
+// A surface at one of its points.
+struct SurfacePoint {
+    Vec3 edge{0, 0, 0};    // unit tangent, where two faces meet; zero elsewhere and in the plane
+    Vec3 inwards{0, 0, 0}; // unit
+};
+
 // A ball about a point of a body's surface, of radius 0, or the body itself when it is a ball.
 struct Probe {
     Vec3 point{0, 0, 0}; // [m] at the start
     double radius = 0;   // [m]
+    SurfacePoint surface{}; // that RigidBodies finds
 };
 
 // What stays the same of a body. Places are those at the start of the run.
@@ -83,9 +92,10 @@ public:
     // By force [N] and torque about their centres [N m], 6 numbers a body; those of bodies that are not dynamic
     // do not count. Then by joints, such that the motion of a step of dt [s] would keep them closed.
     void push(std::span<const double> loads, double dt);
-    // Impulses of contacts and joints, then the motion by dt: kinematic bodies to their next place, dynamic ones by
-    // their velocities, the rotation such that the angular momentum is kept exactly. Throws SimulationError when
-    // joints cannot be kept closed.
+    // Impulses of contacts and joints, and the motion by dt: kinematic bodies to their next place, dynamic ones by
+    // their velocities, which are those of the middle of the step, the rotation such that the angular momentum is kept exactly.
+    // A body that bounces does so at the time of its impact within the step. Throws SimulationError when joints cannot be kept
+    // closed.
     void move(double dt);
 
     double time() const { return time_; } // [s]
@@ -158,7 +168,14 @@ private:
     std::vector<JointRow> joint_rows() const;
     std::vector<double> gaps(const std::vector<Pose>& poses) const;
     void strike(std::span<const double> impulses);
-    void meet(double dt);
+    double approach(const Contact& contact) const;
+    double gravity_along(const Contact& contact) const;
+    enum class Meeting { touches, hits, later };
+    Meeting expect(Contact& contact, double dt) const;
+    enum class Impacts { bounce, stop };
+    double meet(double dt, Impacts impacts);
+    void solve(const std::vector<Contact>& contacts, double dt);
+    void advance(double dt);
     void hold(double dt);
     std::array<double, 6> own_momentum(std::size_t body) const;
     void open_ledger();
@@ -166,7 +183,7 @@ private:
 
     BodiesSetup setup_;
     std::vector<State> states_;
-    double time_ = 0, step_ = 0;
+    double time_ = 0, step_ = 0, gone_ = 0; // [s]; the last: of the step that move() is in
     bool any_moves_ = false, any_dynamic_ = false;
     int contacts_ = 0;
     std::vector<double> lead_; // empty: none

@@ -1,7 +1,10 @@
 #include "rigid/contact.hpp"
 
+#include "rigid/contact_features.hpp"
+
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 namespace treacle::rigid {
 
@@ -19,12 +22,9 @@ Vec3 nearest_image(Vec3 x, const std::array<double, 3>& period) {
 
 class Finder {
 public:
-    Finder(const RigidBodies& bodies, double dt) : bodies_(bodies), setup_(bodies.setup()) {
+    Finder(const RigidBodies& bodies, double dt) : bodies_(bodies), setup_(bodies.setup()), dt_(dt) {
         for (std::size_t b = 0; b < bodies.size(); ++b) {
-            turns_.push_back(to_matrix(bodies.pose(b).turn));
-            const auto& body = setup_.bodies[b];
-            const double speed =
-                bodies.moves(b) ? length(bodies.velocity(b)) + length(bodies.spin(b)) * body.reach : 0.0;
+            const double speed = bodies.moves(b) ? length(bodies.velocity(b)) + length(bodies.spin(b)) * setup_.bodies[b].reach : 0.0;
             margins_.push_back(0.02 * setup_.spacing + dt * (speed + dt * length(setup_.gravity)));
         }
     }
@@ -33,29 +33,53 @@ public:
         for (std::size_t a = 0; a < bodies_.size(); ++a) {
             if (!bodies_.dynamic(a)) continue;
             for (const auto& wall : setup_.walls) meet_wall(a, wall);
+            std::vector<std::size_t> near;
             for (std::size_t b = 0; b < bodies_.size(); ++b) {
-                if (b == a || (bodies_.dynamic(b) && b < a) || setup_.joined(a, b) || setup_.bodies[b].conveys) continue;
-                if (close(a, b)) meet_body(a, b);
+                if (b != a && !setup_.joined(a, b) && !setup_.bodies[b].conveys && close(a, b)) near.push_back(b);
+            }
+            if (near.empty()) continue;
+            place(a, near);
+            for (const std::size_t b : near) {
+                if (!bodies_.dynamic(b) || b > a) meet_body(a, b);
             }
         }
         return std::move(found_);
     }
 
 private:
+    // What is near body a, by the nearest images to it, and what of it is not carried by loads.
+    void place(std::size_t a, const std::vector<std::size_t>& near) {
+        placed_.clear();
+        resting_.clear();
+        const auto put = [&](std::size_t b, const Vec3& way) {
+            const auto& body = setup_.bodies[b];
+            placed_.emplace(b, PlacedSolid(body.region.front(), body.centre, bodies_.pose(a).centre - way, bodies_.pose(b).turn));
+        };
+        put(a, {0, 0, 0});
+        for (const std::size_t b : near) {
+            put(b, nearest_image(bodies_.pose(a).centre - bodies_.pose(b).centre, setup_.period));
+            if (!bodies_.dynamic(b)) resting_.push_back(b);
+        }
+    }
+
     void meet_wall(std::size_t a, const Wall& wall) {
         const auto& body = setup_.bodies[a];
         const auto axis = static_cast<std::size_t>(wall.axis);
-        if (wall.inwards * (bodies_.pose(a).centre[axis] - wall.at) > body.reach + margins_[a]) return;
+        const double margin = margins_[a];
+        if (wall.inwards * (bodies_.pose(a).centre[axis] - wall.at) > body.reach + margin) return;
+        place(a, {});
+        const Obstacle side(wall);
+        NearestFeatures features(placed_.at(a), side, {}, setup_.spacing);
+        features.set_turning(dt_ * length(spin(a)));
         std::vector<Contact> pair;
-        Vec3 normal{0, 0, 0};
-        normal[axis] = wall.inwards;
-        for (const auto& probe : body.probes) {
-            const Vec3 arm = turns_[a] * (probe.point - body.centre) - probe.radius * normal;
-            const double gap = wall.inwards * (bodies_.pose(a).centre[axis] + arm[axis] - wall.at);
-            if (gap < margins_[a]) pair.push_back({a, -1, arm, {0, 0, 0}, normal, gap, body.restitution, body.friction});
-        }
+        const auto everywhere = [](const Vec3&, double) { return true; };
+        for_touches(features, a, {margin, body.reach}, everywhere, [&](const Touch& touch) {
+            pair.push_back({a, -1, touch.point - bodies_.pose(a).centre, {0, 0, 0}, touch.normal, touch.gap, body.restitution, body.friction});
+        });
         keep_best(std::move(pair));
     }
+
+    Vec3 spin(std::size_t b) const { return bodies_.moves(b) ? bodies_.spin(b) : Vec3{0, 0, 0}; }
 
     bool close(std::size_t a, std::size_t b) const {
         const auto& other = setup_.bodies[b];
@@ -71,29 +95,44 @@ private:
         keep_best(std::move(pair));
     }
 
-    // The probes of `of` against the solid of `at`; with sign -1 the contact is turned round.
+    // The samples of `of` against the solid of `at`; with sign -1 the contact is turned round.
     void probe(std::size_t of, std::size_t at, double sign, std::vector<Contact>& pair) const {
         const auto &body = setup_.bodies[of], &solid = setup_.bodies[at];
-        const auto& region = solid.region.front();
-        const Vec3 way = nearest_image(bodies_.pose(of).centre - bodies_.pose(at).centre, setup_.period);
-        const auto back = transposed(turns_[at]);
-        const double margin = margins_[of] + margins_[at];
-        const bool finite = region.closed() && !region.inverted();
-        for (const auto& one : body.probes) {
-            const Vec3 arm = turns_[of] * (one.point - body.centre);
-            if (finite && length(way + arm) > solid.reach + one.radius + margin) continue;
-            const Vec3 local = solid.centre + back * (way + arm);
-            const double gap = region.distance(local) - one.radius;
-            if (gap >= margin) continue;
-            const Vec3 normal = turns_[at] * region.normal(local);
-            const Vec3 surface = arm - one.radius * normal;
-            const double restitution = std::max(body.restitution, solid.restitution);
-            const double friction = std::sqrt(body.friction * solid.friction);
+        const Obstacle obstacle(placed_.at(at));
+        std::vector<const PlacedSolid*> around;
+        for (const std::size_t b : resting_) {
+            if (b != at && b != of) around.push_back(&placed_.at(b));
+        }
+        NearestFeatures features(placed_.at(of), obstacle, std::move(around), setup_.spacing);
+        features.set_probed_rests(!bodies_.dynamic(of));
+        features.set_turning(dt_ * length(spin(of) - spin(at)));
+        const double restitution = std::max(body.restitution, solid.restitution);
+        const double friction = std::sqrt(body.friction * solid.friction);
+        const Near near{margins_[of] + margins_[at], std::min(body.reach, solid.reach)};
+        const bool finite = solid.region.front().closed() && !solid.region.front().inverted();
+        const double reach = solid.reach + near.margin + setup_.spacing;
+        const auto within = [&](const Vec3& x, double radius) {
+            return !finite || length(x - placed_.at(at).centre()) <= reach + radius;
+        };
+        for_touches(features, of, near, within, [&](const Touch& touch) {
+            const Vec3 one = touch.point - placed_.at(of).centre(), other = touch.point - placed_.at(at).centre();
             if (sign > 0) {
-                pair.push_back({of, static_cast<int>(at), surface, way + surface, normal, gap, restitution, friction});
+                pair.push_back({of, static_cast<int>(at), one, other, touch.normal, touch.gap, restitution, friction});
             } else {
-                pair.push_back({at, static_cast<int>(of), way + surface, surface, -normal, gap, restitution, friction});
+                pair.push_back({at, static_cast<int>(of), other, one, -touch.normal, touch.gap, restitution, friction});
             }
+        });
+    }
+
+    template <class Within, class Report>
+    void for_touches(const NearestFeatures& features, std::size_t of, const Near& near, const Within& within, const Report& report) const {
+        const auto& solid = placed_.at(of);
+        for (const auto& sample : setup_.bodies[of].probes) {
+            const Vec3 x = solid.place(sample.point);
+            if (!within(x, sample.radius)) continue;
+            const auto touch = sample.radius > 0 ? features.of_ball(x, sample.radius, near.margin)
+                                                 : features.at(x, {solid.turned(sample.surface.edge), solid.turned(sample.surface.inwards)}, near);
+            if (touch) report(*touch);
         }
     }
 
@@ -115,8 +154,10 @@ private:
 
     const RigidBodies& bodies_;
     const BodiesSetup& setup_;
-    std::vector<Matrix3> turns_;
+    double dt_;                   // [s]
     std::vector<double> margins_; // [m] how near counts
+    std::map<std::size_t, PlacedSolid> placed_;
+    std::vector<std::size_t> resting_;
     std::vector<Contact> found_;
 };
 } // namespace

@@ -12,6 +12,7 @@ struct Contact {
     Vec3 normal{0, 0, 0};    // unit, towards `body`
     double gap = 0;          // [m], negative where they overlap
     double restitution = 0, friction = 0;
+    double wanted = 0; // least velocity along the normal after the impulses [m/s]
 };
 
 // Contacts that a step of dt [s] may close, in a fixed order; of each pair of bodies those that hold it best. Bodies
@@ -27,16 +28,11 @@ struct Movable {
     Vec3 shift{0, 0, 0};           // out of an overlap [m]
     Vec3 twist{0, 0, 0};           // [rad]
 };
-struct ContactStep {
-    double dt = 0;      // [s]
-    double gravity = 0; // [m/s2]
-    double spacing = 0; // [m]
-};
 
-// Impulses by projected Gauss-Seidel, such that no pair closes its gap within the step, with Newton's restitution
-// and Coulomb's friction; then shifts that take back a share of each overlap. They change neither momentum nor,
-// but for the lever arms that a shift changes, angular momentum. Bodies that joints link answer as `together` says.
+// Impulses such that each contact has at least the wanted velocity along its normal, with Coulomb's friction; then shifts that take
+// back a share of each overlap. They change neither momentum nor, but for the lever arms that a shift changes, angular momentum.
+// Bodies that joints link answer as `together` says. `speed` [m/s] is the scale of velocities, `spacing` [m] that of shifts.
 void solve_contacts(const std::vector<Contact>& contacts, std::vector<Movable>& bodies, const Mobility& together,
-                    const ContactStep& step);
+                    double speed, double spacing);
 
 } // namespace treacle::rigid

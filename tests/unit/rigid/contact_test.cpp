@@ -71,6 +71,36 @@ TEST(Contact, WithoutFrictionABoxSlidesOn) {
     EXPECT_NEAR(bodies.velocity(0)[0], 1, 1e-9);
 }
 
+// The lower edge touches first, and the box turns onto the other one within the same step.
+TEST(Contact, ABoxThatTurnsOntoAFaceLandsOnAllOfIt) {
+    constexpr double tilt = 0.01, turn = 0.04, step = 0.01; // [rad], [rad], [s]
+    const double height = 0.2 * std::sin(tilt);
+    for (const bool on_box : {false, true}) {
+        auto shape = box({-0.2, -0.2, height}, {0.2, 0.2, height + 0.1});
+        shape.centre = {0, 0, height + 0.05};
+        shape.rotation_axis = {0, 1, 0};
+        shape.rotation_angle = tilt;
+        auto brick = make_body(shape);
+        brick.angular_velocity = {0, -turn / step, 0};
+        auto setup = world({brick});
+        if (on_box) {
+            auto slab = make_body(box({-1, -1, -0.2}, {1, 1, 0}));
+            slab.kind = scene::BodyKind::fixed;
+            setup.bodies.push_back(slab);
+        } else {
+            setup.walls = {{2, 0, 1}};
+        }
+        RigidBodies bodies(setup);
+        run(bodies, step, 1);
+        double lowest = 1;
+        const auto& solid = setup.bodies[0];
+        const auto axes = to_matrix(bodies.pose(0).turn);
+        for (const auto& probe : solid.probes) lowest = std::min(lowest, (bodies.pose(0).centre + axes * (probe.point - solid.centre))[2]);
+        // Along straight lines, off by half the square of the angle times 0.2 m; 4 mm where only the lower edge counts.
+        EXPECT_GT(lowest, -0.5 * turn * turn * 0.2) << on_box;
+    }
+}
+
 TEST(Contact, BodiesThatCollideKeepTheirMomentum) {
     auto left = make_body(ball({0, 0, 0}, 0.1)), right = make_body(box({0.3, -0.07, -0.1}, {0.5, 0.1, 0.12}));
     left.velocity = {2, 0.1, 0};

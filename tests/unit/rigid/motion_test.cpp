@@ -50,6 +50,39 @@ TEST(FreeBody, FallsAsItShouldAndInThePlaneStaysInIt) {
     EXPECT_EQ(rotation_vector(bodies.pose(0).turn)[0], 0);
 }
 
+TEST(FreeBody, FliesExactlyWhenKicksGoFromTheMiddleOfAStepToThatOfTheNext) {
+    auto brick = make_body(box({0, 0, 0}, {0.2, 0.3, 0.5}));
+    brick.velocity = {1, 0, 2};
+    auto setup = world({brick});
+    setup.gravity = {0, 0, -gravity};
+    RigidBodies bodies(setup);
+    double before = 0;
+    for (int k = 0; k < 400; ++k) {
+        const double dt = k % 3 == 0 ? 0.5e-3 : 1e-3; // of unlike steps as well
+        bodies.begin(dt);
+        bodies.fall(0.5 * (before + dt));
+        bodies.move(before = dt);
+    }
+    const double t = bodies.time();
+    EXPECT_NEAR(bodies.pose(0).centre[0], 0.1 + t, 1e-12);
+    EXPECT_NEAR(bodies.pose(0).centre[2], 0.25 + 2 * t - 0.5 * gravity * t * t, 1.1 * gravity * 1e-6) << "a mean of unlike steps";
+}
+
+TEST(FreeBody, TumblesAtSecondOrderInTheStep) {
+    auto brick = make_body(box({0, 0, 0}, {0.2, 0.3, 0.5}));
+    brick.angular_velocity = {1, 8, 2};
+    const auto turned = [&](double dt) {
+        RigidBodies bodies(world({brick}));
+        run(bodies, dt, static_cast<int>(std::lround(0.8 / dt)));
+        return bodies.pose(0).turn;
+    };
+    const auto fine = turned(1e-4);
+    const auto error = [&](double dt) { return length(rotation_vector(product(turned(dt), conjugate(fine)))); };
+    const double coarse = error(8e-3), half = error(4e-3);
+    EXPECT_GT(coarse, 1e-6);
+    EXPECT_NEAR(std::log2(coarse / half), 2, 0.2);
+}
+
 TEST(FreeBody, LoadsGiveTheVelocitiesOfMassAndInertia) {
     RigidBodies bodies(world({make_body(box({0, 0, 0}, {0.2, 0.3, 0.5}))}));
     const double loads[6] = {3, 0, 0, 0, 0, 2};
@@ -103,6 +136,20 @@ TEST(KinematicBody, TakesTheShorterWayBetweenOtherAxes) {
     const double half = length(rotation_vector(product(middle, conjugate(from))));
     EXPECT_NEAR(length(rotation_vector(product(end.turn, conjugate(from)))), 2 * half, 1e-12);
     EXPECT_NEAR(2 * half, 2 * pi / 3, 1e-12);
+}
+
+TEST(Bodies, ARestoredStateGoesOnBitForBitBetweenImpacts) {
+    auto drop = make_body(box({0, 0, 0.1}, {0.2, 0.3, 0.6})), brick = make_body(box({0, 0, 0}, {0.2, 0.3, 0.05}));
+    drop.restitution = 0.9;
+    drop.friction = brick.friction = 0.4;
+    drop.angular_velocity = {1, 2, 3};
+    RigidBodies straight(on_floor({drop, brick}));
+    run(straight, 1e-3, 250);
+    RigidBodies resumed(on_floor({drop, brick}));
+    resumed.restore(straight.state());
+    run(straight, 1e-3, 250);
+    run(resumed, 1e-3, 250);
+    EXPECT_EQ(straight.state(), resumed.state());
 }
 
 TEST(Bodies, ARestoredStateGoesOnBitForBit) {
