@@ -274,15 +274,21 @@ Wanted later_runs(const StudyFile& file, const search::Point& point) {
 
 // Runs at one spacing until the answer there stands, at most `most` of them: at the answer so far, and then where it moves to. A run to
 // the side, unless the answer moves by itself, says how displacements change at this spacing: where the flow is wild, the
-// coarse runs tell that wrongly. False where no run succeeded.
+// coarse runs tell that wrongly. A run that fails is followed by one beside it. False where no run succeeded.
 bool settle_rung(const StudyFile& file, const Priors& priors, Trials& trials, std::vector<std::vector<EvaluatedRun>>& finer, std::size_t rung, Eigen::VectorXd& point) {
     constexpr double near = 0.03, reach = 0.15; // of the logarithm of a viscosity
     constexpr std::size_t most = 4;
+    constexpr int most_failures = 3;
     finer.emplace_back();
     auto next = point;
+    int failures = 0;
     while (finer.back().size() < most) {
         const auto run = trials.run({rung_runs(file, point_of(next))[rung]}).front();
-        if (!run) break; // its failure stands in the table; the others say what they can
+        if (!run) { // its failure stands in the table
+            if (++failures == most_failures) break;
+            next.array() += (failures % 2 == 1 ? reach : -2 * reach);
+            continue;
+        }
         finer.back().push_back(*run);
         point = estimate(trials.good(), priors, finer, range_prior(file)).point;
         const auto distance = [&](const EvaluatedRun& one) { return (one.point - point).cwiseAbs().maxCoeff(); };

@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
-"""SPH with `recovery: positions`: slabs that meet a floor, and liquid that meets liquid, lose energy and never gain it, on 1 to 3 ranks.
+"""SPH with `recovery: positions`: impacts lose energy and never gain it, tanks rest, a channel without a surface flows as it should, on 1 to 3 ranks.
 
 usage: impact_test.py PROGRAM MPIEXEC
 """
+import math
 import sys
 
 import harness
@@ -21,6 +22,67 @@ POOL = "  - {name: pool, density: 1000, viscosity: VISCOSITY, shapes: [{box: {mi
 # Speed [m/s], viscosity, spacing, whether there is liquid on the floor, ranks.
 CASES = [(0.5, "1 mPa.s", "1 cm", False, 1), (2, "1 mPa.s", "1 cm", False, 2), (10, "0 Pa.s", "1 cm", False, 3), (2, "1 mPa.s", "7 mm", False, 1),
          (2, "1000 Pa.s", "1 cm", False, 1), (3, "1 mPa.s", "1 cm", True, 2)]
+
+FREE = """schema_version: 1
+domain: {dimensions: 2, min: [0, 0], max: [0.5, 0.4], spacing: 1 cm, gravity: [0, 0]}
+liquids:
+  - {name: block, density: 1000, viscosity: 1 mPa.s, shapes: [{box: {min: [0.15, 0.04], max: [0.35, 0.2]}}], velocity: [0, -2]}
+method: {kind: sph, pressure: {solver: iisph_cg, recovery: positions}}
+time: {end: 0.15 s}
+output: {interval: 0.15 s}
+"""
+TANK = """schema_version: 1
+domain: {dimensions: 2, min: [0, 0], max: [0.2, 0.6], spacing: 1 cm}
+liquids:
+  - {name: water, density: 1000, viscosity: 1 mPa.s, shapes: [{box: {min: [0, 0], max: [0.2, 0.5]}}]}
+method: {kind: sph, pressure: {solver: iisph_cg, recovery: positions}}
+time: {end: 0.8 s}
+output: {interval: 0.4 s}
+"""
+CHANNEL = """schema_version: 1
+domain:
+  dimensions: 2
+  min: [0, -0.1]
+  max: [0.05, 0.1]
+  spacing: 5 mm
+  gravity: [10, 0]
+  boundaries: {x_min: periodic, x_max: periodic, y_min: {slip: no_slip}, y_max: {slip: no_slip}}
+liquids:
+  - {name: l, density: 1000, viscosity: 6, shapes: [{box: {min: [0, -0.1], max: [0.05, 0.1]}}]}
+method: {kind: sph, pressure: {solver: iisph_cg, recovery: positions}}
+time: {end: 0.3 s}
+output: {interval: 0.3 s}
+"""
+
+
+class Recoveries(Workplace):
+    def run_text(self, text, ranks):
+        with open(self.path("scene.yaml"), "w") as file:
+            file.write(text)
+        self.run_scene(self.path("scene.yaml"), "run", ranks, {})
+        return self.steps("run")
+
+    def test_a_free_block_that_meets_a_floor_gains_nothing(self):
+        steps = self.run_text(FREE, 2)
+        energies = steps["kinetic energy [J/m]"]
+        self.assertLessEqual(max(energies), 1000 * 0.2 * 0.16 * 2 * (1 + 1e-4))
+
+    def test_a_tank_rests(self):
+        steps = self.run_text(TANK, 2)
+        times, energies = steps["time [s]"], steps["potential energy [J/m]"]
+        self.assertLess(max(energies) / energies[0], 1.002)
+        late = [k for k, time in enumerate(times) if time > 0.5]
+        for k in late: # the level, by the centre of mass
+            self.assertLess(abs(energies[k] / energies[0] - 1), 0.003)
+            self.assertLess(steps["kinetic energy [J/m]"][k], 0.5 * 100 * 0.02**2)
+        floor = self.columns("run", "bodies.csv")["y_min pressure force y [N/m]"]
+        for k in late:
+            self.assertLess(abs(floor[k] / (-9.81 * 100) - 1), 0.02)
+
+    def test_a_full_channel_starts_as_the_series_says(self):
+        steps = self.run_text(CHANNEL, 3)
+        series = sum((-1) ** n * 32 / ((2 * n + 1) * math.pi) ** 3 * math.exp(-((2 * n + 1) * math.pi / 2) ** 2 * 0.006 * 0.3 / 0.01) for n in range(4))
+        self.assertLess(abs(steps["max speed [m/s]"][-1] / (10 * 0.01 / 0.012 * (1 - series)) - 1), 0.02)
 
 
 class Impacts(Workplace):
