@@ -22,7 +22,7 @@ constexpr double stable_product = 1.5;
 constexpr int least_iterations = 2;
 // Liquid that is thinner than at rest by that many times `density_error` is not yet a gap that may close: what a solve leaves of
 // compression and gaps would let a tank fall freely in one step and hold it twice as hard in the next.
-constexpr double slack_shares = 2;
+constexpr double slack_shares = 5;
 // What the shift adds to A, in diagonals: an excess that is everywhere, as in a box that is too full, gives no shift.
 constexpr double shift_softness = 0.1;
 // A solid bears liquid if its normal is nearer to the vertical than this sine away from the horizontal.

@@ -65,7 +65,7 @@ class Recoveries(Workplace):
     def test_a_free_block_that_meets_a_floor_gains_nothing(self):
         steps = self.run_text(FREE, 2)
         energies = steps["kinetic energy [J/m]"]
-        self.assertLessEqual(max(energies), 1000 * 0.2 * 0.16 * 2 * (1 + 1e-4))
+        self.assertLessEqual(max(energies), energies[0] * (1 + 1e-4))
 
     def test_a_tank_rests(self):
         steps = self.run_text(TANK, 2)
@@ -76,8 +76,9 @@ class Recoveries(Workplace):
             self.assertLess(abs(energies[k] / energies[0] - 1), 0.003)
             self.assertLess(steps["kinetic energy [J/m]"][k], 0.5 * 100 * 0.02**2)
         floor = self.columns("run", "bodies.csv")["y_min pressure force y [N/m]"]
-        for k in late:
-            self.assertLess(abs(floor[k] / (-9.81 * 100) - 1), 0.02)
+        weights = [floor[k] / (-9.81 * 100) for k in late]
+        self.assertLess(abs(sum(weights) / len(weights) - 1), 0.01)
+        self.assertLess(max(abs(weight - 1) for weight in weights), 0.2)
 
     def test_a_full_channel_starts_as_the_series_says(self):
         steps = self.run_text(CHANNEL, 3)
