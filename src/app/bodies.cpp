@@ -209,10 +209,10 @@ private:
     void extent(std::size_t b, std::vector<Diagnostic>& problems) const {
         const auto& domain = input_.scene.domain;
         const auto name = "bodies." + body(b).name;
-        if (dynamic(body(b)) && input_.method.pressure.solver != sph::PressureSolver::isph) {
-            problems.push_back({body(b).where, name + " is dynamic, with an IISPH solver",
-                                "IISPH is there to compare with and knows no bodies that give way",
-                                "write kind: kinematic, or method.pressure.solver: isph"});
+        if (dynamic(body(b)) && input_.method.pressure.solver == sph::PressureSolver::dfsph) {
+            problems.push_back({body(b).where, name + " is dynamic, with method.pressure.solver: dfsph",
+                                "it is there to compare with and knows no bodies that give way",
+                                "write kind: kinematic, or another solver"});
         }
         if (dynamic(body(b)) && input_.method.pressure.solid_term == sph::SolidTerm::unknowns) {
             problems.push_back({body(b).where, name + " is dynamic, with method.pressure.solid_term: unknowns",

@@ -49,7 +49,7 @@ void check_comparators(const Input& input, std::vector<Diagnostic>& problems) {
     const auto refuse = [&](const std::string& key, const std::string& cure) {
         problems.push_back({where, what + key, "it is there to compare with and knows one liquid", cure});
     };
-    if (pressure.solver != sph::PressureSolver::isph) refuse("solver other than isph", "write solver: isph");
+    if (pressure.solver == sph::PressureSolver::dfsph) refuse("solver: dfsph", "write another solver");
     if (pressure.solid_term == sph::SolidTerm::unknowns) refuse("solid_term: unknowns", "take another solid_term");
     if (pressure.dirichlet == sph::DirichletRule::ghosts) refuse("dirichlet: ghosts", "take another rule");
     if (pressure.corrections > 0) {
@@ -254,7 +254,7 @@ std::unique_ptr<sph::IsphStep> make_solver(const Comm& comm, const Input& input,
     setup.forces.surface_tension = input.scene.liquids.front().surface_tension;
     const auto materials = liquid_materials(input);
     if (sph::differ(materials)) {
-        setup.constants.mixture = sph::make_mixture(materials);
+        setup.constants.mixture = sph::make_mixture(materials, input.method.pressure.solver == sph::PressureSolver::isph ? sph::Loads::conducted : sph::Loads::adjoint);
         if (reference_speed > 0) setup.constants.mixture.recovery = recovery_cfl * domain.spacing / reference_speed;
     }
     for (const auto& face : domain.faces) setup.forces.friction.push_back(friction_of(face.slip));

@@ -304,10 +304,9 @@ void check_inflow(const Input& input, const Geometry& geometry, std::vector<Diag
     if (inlets.empty()) return;
     InletCheck check(input, geometry, problems);
     for (std::size_t q = 0; q < inlets.size(); ++q) check.check(q);
-    if (input.method.pressure.solver != sph::PressureSolver::isph) {
-        problems.push_back({inlets.front().where,
-                            "inlets cannot go with method.pressure.solver other than isph",
-                            "it is there to compare with and does not know them", "write solver: isph"});
+    if (input.method.pressure.solver == sph::PressureSolver::dfsph) {
+        problems.push_back({inlets.front().where, "inlets cannot go with method.pressure.solver: dfsph",
+                            "it is there to compare with and does not know them", "write another solver"});
     }
     if (input.method.pressure.corrections > 0) {
         problems.push_back({inlets.front().where, "inlets cannot go with method.pressure.corrections",

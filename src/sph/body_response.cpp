@@ -120,15 +120,17 @@ std::vector<double> BodyResponse::respond(std::span<const double> impulses) cons
 }
 
 void BodyResponse::apply_to_pressure(const Comm& comm, LiquidParticles& liquid) const {
+    apply(comm, liquid.store.owned(), liquid.pressure(), liquid.response());
+}
+
+void BodyResponse::apply(const Comm& comm, int owned, const Array<double>& x, const Array<double>& response) const {
     std::vector<double> sums(6 * loads_, 0.0);
-    const int n = liquid.store.owned();
-    Kokkos::parallel_reduce("treacle::body_impulses", n,
-                            ImpulseLoop{{sums.size()}, offset_, body_, row_, liquid.pressure()}, host_sums(sums));
+    Kokkos::parallel_reduce("treacle::body_impulses", owned, ImpulseLoop{{sums.size()}, offset_, body_, row_, x}, host_sums(sums));
     comm.sum(std::span(sums));
     const auto moved = upload(respond(sums));
     const auto offset = offset_, body = body_;
-    const auto row = row_, response = liquid.response();
-    Kokkos::parallel_for("treacle::body_response", n, KOKKOS_LAMBDA(int i) {
+    const auto row = row_;
+    Kokkos::parallel_for("treacle::body_response", owned, KOKKOS_LAMBDA(int i) {
         double sum = 0;
         for (int e = offset(i); e < offset(i + 1); ++e) {
             for (int k = 0; k < 6; ++k) sum += row(6 * e + k) * moved(6 * body(e) + k);

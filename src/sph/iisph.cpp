@@ -40,6 +40,7 @@ struct PrepareLoop {
     double slack;  // [kg/m3] of Aim::approach
     bool choosy;   // watch but the rows above solids
     double gravity[3];
+    RelativeDensity relative;
     Array<double> density, source, diagonal, watched;
     Array3 own, force;
 
@@ -88,9 +89,9 @@ struct PrepareLoop {
             force(i, k) = liquid[k] + c.wall_push * (g[k] - liquid[k]);
         }
         watched(i) = !choosy || bears(g, liquid) ? 1 : 0;
-        diagonal(i) = sum_lanes(square) + g[0] * g[0] + g[1] * g[1] + g[2] * g[2];
+        diagonal(i) = (sum_lanes(square) + g[0] * g[0] + g[1] * g[1] + g[2] * g[2]) / relative(i);
         if (aim != Iisph::Aim::divergence) {
-            const double excess = density(i) - c.rest_density;
+            const double excess = density(i) / relative(i) - c.rest_density;
             source(i) = ((aim == Iisph::Aim::approach ? math::min(excess + slack, 0.0) : excess) + dt * change) / (dt * dt); // (2.4)
         } else {
             source(i) = change / dt;
@@ -104,6 +105,8 @@ template <class Kernel>
 struct AccelerationLoop {
     Kernel kernel;
     Fluid fluid;
+    RelativeDensity relative;
+    Array<int> inlet; // of each particle, or empty
     Array3 force, acceleration;
 
     KOKKOS_INLINE_FUNCTION void operator()(int i) const {
@@ -120,8 +123,10 @@ struct AccelerationLoop {
         }
         const double q = fluid.load(i);
         const double sum[3] = {sum_lanes(fx), sum_lanes(fy), sum_lanes(fz)};
+        const bool held = inlet.size() > 0 && inlet(i) > 0;
+        const double share = held ? 0 : 1 / relative(i);
         for (int k = 0; k < 3; ++k) {
-            const double a = -q * force(i, k) - c.mass * sum[k];
+            const double a = share * (-q * force(i, k) - c.mass * sum[k]);
             acceleration(i, k) = a;
             fluid.motion(i, k) = a;
         }
@@ -172,14 +177,25 @@ void write_ghost_accelerations(LiquidParticles& liquid) {
                          });
 }
 
-// Half the last pressures as q; returns the sum of the squares of b where q > 0 or b > 0, and how many b > 0.
+// Densities as the pair sums see them: m over the volume, of whatever liquid.
+struct SumDensity {
+    Array<double> volume;
+    double mass;
+    KOKKOS_INLINE_FUNCTION double square(int i) const {
+        const double rho = mass / volume(i);
+        return rho * rho;
+    }
+};
+
+// A share of the last pressures as q; returns the sum of the squares of b where q > 0 or b > 0, and how many b > 0.
 std::array<double, 2> start_from_last(const Comm& comm, const LiquidParticles& liquid, const Array<double>& p,
-                                      double share, const Array<double>& q, const Array<double>& diagonal, const Array<double>& watched) {
-    const auto rho = liquid.density(), b = liquid.source();
+                                      double share, double mass, const Array<double>& q, const Array<double>& diagonal, const Array<double>& watched) {
+    const SumDensity rho{liquid.volume(), mass};
+    const auto b = liquid.source();
     std::array<double, 2> sums{};
     Kokkos::parallel_reduce("treacle::iisph_start", liquid.store.owned(),
         KOKKOS_LAMBDA(int i, double& square, double& compressed) {
-            q(i) = diagonal(i) > 0 ? share * math::max(0.0, p(i)) / (rho(i) * rho(i)) : 0;
+            q(i) = diagonal(i) > 0 ? share * math::max(0.0, p(i)) / rho.square(i) : 0;
             if (q(i) > 0 || b(i) > 0) square += watched(i) * b(i) * b(i);
             if (b(i) > 0 && diagonal(i) > 0) compressed += 1;
         }, sums[0], sums[1]);
@@ -193,12 +209,25 @@ void add_softness(int rows, double softness, const Array<double>& diagonal, cons
     Kokkos::parallel_for("treacle::iisph_softness", rows, KOKKOS_LAMBDA(int i) { product(i) += softness * diagonal(i) * q(i); });
 }
 
-RoleCounts write_pressures(LiquidParticles& liquid, const Array<double>& q) {
-    const auto p = liquid.pressure(), rho = liquid.density();
+// rho q: rows of BodyResponse have 1 / rho.
+void to_pressures(const LiquidParticles& liquid, const Array<double>& q, double mass, const Array<double>& out) {
+    const auto volume = liquid.volume();
+    Kokkos::parallel_for("treacle::iisph_pressed", liquid.store.owned(), KOKKOS_LAMBDA(int i) { out(i) = q(i) * mass / volume(i); });
+}
+
+// product += rho response
+void add_response(const LiquidParticles& liquid, const Array<double>& response, double mass, const Array<double>& product) {
+    const auto volume = liquid.volume();
+    Kokkos::parallel_for("treacle::iisph_answer", liquid.store.owned(), KOKKOS_LAMBDA(int i) { product(i) += response(i) * mass / volume(i); });
+}
+
+RoleCounts write_pressures(LiquidParticles& liquid, double mass, const Array<double>& q) {
+    const SumDensity rho{liquid.volume(), mass};
+    const auto p = liquid.pressure();
     const auto role = liquid.role();
     int pressed = 0;
     Kokkos::parallel_reduce("treacle::iisph_pressures", liquid.store.owned(), KOKKOS_LAMBDA(int i, int& count) {
-        p(i) = q(i) * rho(i) * rho(i);
+        p(i) = q(i) * rho.square(i);
         role(i) = q(i) > 0 ? Role::poisson : Role::dirichlet;
         count += static_cast<int>(q(i) > 0);
     }, pressed);
@@ -302,6 +331,7 @@ void Iisph::prepare(const StepParts& parts, double dt, Aim aim) {
     reserve(product_, n);
     reserve(diagonal_, n);
     reserve(watched_, n);
+    if (response_ != nullptr) reserve(pressed_, n), reserve(answered_, n);
     reserve(own_, n);
     if (parts.constants.wall_push == 1) force_ = own_;
     else reserve(force_, n);
@@ -317,7 +347,7 @@ void Iisph::prepare(const StepParts& parts, double dt, Aim aim) {
         Kokkos::parallel_for("treacle::iisph_prepare", fluid.count,
                              PrepareLoop<Kernel>{kernel, fluid, dt, aim, needed, slack_shares * parts.options.pressure.density_tolerance() * parts.constants.rest_density,
                                                  aim == Aim::approach && parts.options.pressure.stop == StoppingRule::density_error,
-                                                 {gravity_[0], gravity_[1], gravity_[2]}, density, liquid.source(),
+                                                 {gravity_[0], gravity_[1], gravity_[2]}, relative_density(parts.constants, liquid), density, liquid.source(),
                                                  diagonal_, watched_, own_, force_});
     });
 }
@@ -329,15 +359,21 @@ void Iisph::multiply(const StepParts& parts, const Array<double>& q) {
     write_place_loads(liquid);
     const auto fluid = gather_fluid(parts.constants, liquid, parts.solid, parts.neighbours);
     const auto& c = parts.constants;
+    const auto inlet = liquid.has_inlets() ? liquid.inlet() : Array<int>();
     with_kernel(parts.options.kernel, c.dimensions, c.support, [&](const auto& kernel) {
         using Kernel = std::decay_t<decltype(kernel)>;
         Kokkos::parallel_for("treacle::iisph_accelerations", fluid.count,
-                             AccelerationLoop<Kernel>{kernel, fluid, force_, liquid.acceleration()});
+                             AccelerationLoop<Kernel>{kernel, fluid, relative_density(c, liquid), inlet, force_, liquid.acceleration()});
         parts.halo.gather(liquid.store, {liquid.acceleration_field()});
         write_ghost_accelerations(liquid);
         Kokkos::parallel_for("treacle::iisph_density_changes", fluid.count,
                              DensityChangeLoop<Kernel>{kernel, fluid, own_, product_});
     });
+    if (response_ == nullptr) return;
+    const int n = liquid.store.owned();
+    to_pressures(liquid, q, c.mass, pressed_);
+    response_->apply(parts.comm, n, pressed_, answered_);
+    add_response(liquid, answered_, c.mass, product_);
 }
 
 // From q, with the sums of start_from_last.
@@ -362,7 +398,7 @@ solve::SolveReport Iisph::iterate(const StepParts& parts, Aim aim, double dt, co
     };
     const BoundedProblem problem{parts.liquid.store.owned(), product,
                                  product_, diagonal_, parts.liquid.source(), q_, watched_};
-    const auto report = options.solver != PressureSolver::iisph_jacobi && options.solver != PressureSolver::dfsph ? cg_.solve(parts.comm, problem, weight_, goal)
+    const auto report = options.solver == PressureSolver::iisph_cg ? cg_.solve(parts.comm, problem, weight_, goal)
                                                                    : bounded_jacobi(parts.comm, problem, weight_, goal);
     out = report.solve;
     out.relative_residual = reference > 0 ? std::sqrt(report.residual.square) / reference : 0;
@@ -381,8 +417,8 @@ solve::SolveReport Iisph::solve(const StepParts& parts, double dt, RoleCounts& r
     // Without the excess they change little from step to step.
     const double share = shifted || parts.options.pressure.solver == PressureSolver::dfsph ? 1 : warm_start;
     auto out = iterate(parts, shifted ? Aim::approach : Aim::density, dt,
-                       start_from_last(parts.comm, liquid, liquid.pressure(), share, q_, diagonal_, watched_));
-    roles = write_pressures(liquid, q_);
+                       start_from_last(parts.comm, liquid, liquid.pressure(), share, parts.constants.mass, q_, diagonal_, watched_));
+    roles = write_pressures(liquid, parts.constants.mass, q_);
     out.iteration_seconds = seconds_since(start);
     return out;
 }
@@ -392,7 +428,7 @@ solve::SolveReport Iisph::shift(const StepParts& parts, double dt) {
     prepare(parts, dt, Aim::places);
     auto& liquid = parts.liquid;
     constexpr double anew = 0; // the excess differs from step to step
-    auto out = iterate(parts, Aim::places, dt, start_from_last(parts.comm, liquid, liquid.pressure(), anew, q_, diagonal_, watched_));
+    auto out = iterate(parts, Aim::places, dt, start_from_last(parts.comm, liquid, liquid.pressure(), anew, parts.constants.mass, q_, diagonal_, watched_));
     multiply(parts, q_);
     ++out.products;
     const auto shift = liquid.acceleration();
@@ -407,10 +443,11 @@ solve::SolveReport Iisph::solve_divergence(const StepParts& parts, double dt, co
     const auto start = Clock::now();
     prepare(parts, dt, Aim::divergence);
     auto& liquid = parts.liquid;
-    auto out = iterate(parts, Aim::divergence, dt, start_from_last(parts.comm, liquid, last, 1, q_, diagonal_, watched_));
-    const auto rho = liquid.density(), q = q_;
+    auto out = iterate(parts, Aim::divergence, dt, start_from_last(parts.comm, liquid, last, 1, parts.constants.mass, q_, diagonal_, watched_));
+    const SumDensity rho{liquid.volume(), parts.constants.mass};
+    const auto q = q_;
     Kokkos::parallel_for("treacle::dfsph_pressures", liquid.store.owned(),
-                         KOKKOS_LAMBDA(int i) { last(i) = q(i) * rho(i) * rho(i); });
+                         KOKKOS_LAMBDA(int i) { last(i) = q(i) * rho.square(i); });
     write_loads(liquid, q_);
     parts.halo.gather(liquid.store, {liquid.load_field()});
     out.iteration_seconds = seconds_since(start);
@@ -419,7 +456,7 @@ solve::SolveReport Iisph::solve_divergence(const StepParts& parts, double dt, co
 
 std::size_t Iisph::bytes() const {
     return 8 * (q_.span() + product_.span() + diagonal_.span() + own_.span() +
-                (force_.data() == own_.data() ? 0 : force_.span())) + cg_.bytes();
+                (force_.data() == own_.data() ? 0 : force_.span()) + watched_.span() + pressed_.span() + answered_.span()) + cg_.bytes();
 }
 
 } // namespace treacle::sph

@@ -1,5 +1,6 @@
 #pragma once
 #include "base/vec3.hpp"
+#include "sph/body_response.hpp"
 #include "sph/bounded_cg.hpp"
 #include "sph/prediction.hpp"
 #include "sph/step_parts.hpp"
@@ -29,6 +30,9 @@ public:
     enum class Aim { density, approach, places, divergence };
     void prepare(const StepParts& parts, double dt, Aim aim = Aim::density);
 
+    // Dynamic bodies give way: A has their term as well, until this is called with none. For the poses that `response` was built for.
+    void give_way(const BodyResponse* response) { response_ = response; }
+
     // Collective: product() = A q, on owned rows, with q of the owned particles. Writes the fields load, acceleration,
     // place, motion.
     void multiply(const StepParts& parts, const Array<double>& q);
@@ -53,12 +57,14 @@ private:
     solve::SolveReport iterate(const StepParts& parts, Aim aim, double dt, const std::array<double, 2>& start);
 
     Vec3 gravity_;
+    const BodyResponse* response_ = nullptr;
     Array<double> q_{"treacle::iisph_q", 0};
     Array<double> product_{"treacle::iisph_product", 0};
     Array<double> diagonal_{"treacle::iisph_diagonal", 0};
     Array<double> watched_{"treacle::iisph_watched", 0}; // 1 in rows for which largest_residual holds, else 0
     Array3 own_{"treacle::iisph_own", 0};     // g
     Array3 force_{"treacle::iisph_force", 0}; // g of the forces: the same array unless walls push harder
+    Array<double> pressed_{"treacle::iisph_pressed", 0}, answered_{"treacle::iisph_answered", 0}; // with bodies that give way
     BoundedCg cg_;
     double weight_ = 0; // of Jacobi; 0: not known yet
 };

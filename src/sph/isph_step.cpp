@@ -361,7 +361,11 @@ void IsphStep::find_pressures(StepReport& report, double dt) {
 void IsphStep::find_pressures_by_iisph(StepReport& report, double dt) {
     const auto phase = timers_.scope("solve");
     const auto first = report.pressure; // of DFSPH
+    const bool answering = implicit_bodies(setup_.options, bodies_);
+    if (answering) response_.build(setup_.options, setup_.constants, liquid_, solid_, neighbours_, bodies_);
+    iisph_.give_way(answering ? &response_ : nullptr);
     report.pressure = iisph_.solve(parts(), dt, report.roles);
+    iisph_.give_way(nullptr); // a shift of places does not move them
     add_work(first, report.pressure);
     last_pressures_ = LastPressures::known;
     if (report.pressure.converged()) return;

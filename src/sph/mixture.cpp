@@ -10,7 +10,7 @@ namespace {
 double harmonic_mean(double a, double b) { return a + b > 0 ? 2 * a * b / (a + b) : 0; }
 } // namespace
 
-Mixture make_mixture(std::span<const LiquidMaterial> liquids) {
+Mixture make_mixture(std::span<const LiquidMaterial> liquids, Loads loads) {
     if (liquids.empty()) throw std::invalid_argument("no liquids");
     const std::size_t n = liquids.size();
     Mixture out;
@@ -29,7 +29,8 @@ Mixture make_mixture(std::span<const LiquidMaterial> liquids) {
             const double other = liquids[j].density / liquids.front().density, mean = 2 / (s + other);
             const auto at = [&](std::size_t table) -> double& { return pair((table * n + i) * n + j); };
             at(Mixture::conductance) = mean;
-            at(Mixture::own_load) = mean * (other / s);
+            at(Mixture::own_load) = loads == Loads::adjoint ? 1 / s : mean * (other / s);
+            at(Mixture::other_load) = loads == Loads::adjoint ? 1 / s : mean;
             at(Mixture::laminar) = harmonic_mean(liquids[i].viscosity, liquids[j].viscosity) / s;
             at(Mixture::colliding) = mean * other;
         }

@@ -19,7 +19,8 @@ struct Mixture {
     // Of liquid i beside liquid j, with their densities s over the first one's and their viscosities.
     enum Table {
         conductance, // 2 / (s_i + s_j): symmetric
-        own_load,    // 2 s_j / (s_i (s_i + s_j)): of the own pressure in the acceleration
+        own_load,    // 2 s_j / (s_i (s_i + s_j)): of the own pressure in the acceleration, or 1 / s_i
+        other_load,  // the conductance: of the neighbour's, or 1 / s_i
         laminar,     // harmonic mean of the viscosities over s_i [Pa s]
         colliding,   // 2 s_j / (s_i + s_j)
         tables
@@ -39,7 +40,9 @@ struct Mixture {
 };
 
 // For liquids whose first one has the density of Constants. Throws std::invalid_argument without liquids. Needs Kokkos.
-Mixture make_mixture(std::span<const LiquidMaterial> liquids);
+// With Loads::adjoint forces between liquids do the work that their compression takes, as IISPH asks for.
+enum class Loads { conducted, adjoint };
+Mixture make_mixture(std::span<const LiquidMaterial> liquids, Loads loads = Loads::conducted);
 
 // Whether the liquids differ, so that make_mixture is needed.
 bool differ(std::span<const LiquidMaterial> liquids);
@@ -95,7 +98,7 @@ struct SeveralLiquids {
             return a * of(Mixture::conductance, index);
         }
         KOKKOS_INLINE_FUNCTION Lanes loads(const int* index, double own, Lanes other) const {
-            return own * of(Mixture::own_load, index) + other * of(Mixture::conductance, index);
+            return own * of(Mixture::own_load, index) + other * of(Mixture::other_load, index);
         }
         KOKKOS_INLINE_FUNCTION Lanes drag(const int* index, double laminar, double colliding, Lanes approach) const {
             return laminar * of(Mixture::laminar, index) * approach +

@@ -54,6 +54,34 @@ time: {end: 0.3 s}
 output: {interval: 0.3 s}
 """
 
+FILM = """schema_version: 1
+domain: {min: [0, 0, 0], max: [0.5, 0.5, 0.6], spacing: 4 cm}
+liquids: [{name: water, density: 1000, shapes: [{box: {min: [0, 0, 0], max: [0.5, 0.5, 0.04]}}]}]
+bodies:
+  - {name: c, kind: dynamic, density: 2000, velocity: [0, 0, -2], shape: {box: {min: [0.15, 0.15, 0.06], max: [0.35, 0.35, 0.26]}}}
+method: {kind: sph, pressure: {solver: iisph_cg, recovery: positions}}
+time: {end: 0.12 s}
+output: {interval: 0.06 s}
+"""
+LAYERS = """schema_version: 1
+domain: {dimensions: 2, min: [0, 0], max: [0.4, 0.4], spacing: 1 cm}
+liquids:
+  - {name: heavy, density: 1000, viscosity: 1 mPa.s, shapes: [{box: {min: [0, 0.05], max: [0.4, 0.15]}}], velocity: [0, -2]}
+  - {name: light, density: 200, viscosity: 1 mPa.s, shapes: [{box: {min: [0, 0.15], max: [0.4, 0.25]}}], velocity: [0, -2]}
+method: {kind: sph, pressure: {solver: iisph_cg, recovery: positions}}
+time: {end: 0.1 s}
+output: {interval: 0.1 s}
+"""
+INLET = """schema_version: 1
+domain: {dimensions: 2, max: [0.6, 0.2], spacing: 1 cm, gravity: [0, 0], boundaries: {x_min: open, x_max: open}}
+liquids: [{name: w, density: 1000, viscosity: 1 Pa.s, shapes: [{box: {min: [0.1, 0], max: [0.6, 0.2]}}]}]
+inlets: [{name: in, rectangle: {centre: [0.1, 0.1], direction: [1, 0], width: 0.2, height: 0}, velocity: 0.2 m/s}]
+outlets: [{name: out, half_space: {point: [0.5, 0], normal: [-1, 0]}}]
+method: {kind: sph, pressure: {solver: iisph_cg, recovery: positions}}
+time: {end: 1 s}
+output: {interval: 0.5 s}
+"""
+
 
 class Recoveries(Workplace):
     def run_text(self, text, ranks):
@@ -79,6 +107,29 @@ class Recoveries(Workplace):
         weights = [floor[k] / (-9.81 * 100) for k in late]
         self.assertLess(abs(sum(weights) / len(weights) - 1), 0.01)
         self.assertLess(max(abs(weight - 1) for weight in weights), 0.2)
+
+    def test_a_body_that_meets_a_film_gains_nothing(self):
+        steps = self.run_text(FILM, 2)
+        body = self.columns("run", "bodies.csv")
+        mass = 2000 * 0.2**3
+
+        def square(what, unit):
+            return sum(body[f"c {what} {axis} [{unit}]"] ** 2 for axis in "xyz")
+
+        energy = steps["kinetic energy [J]"] + steps["potential energy [J]"] + mass * 9.81 * body["c position z [m]"]
+        energy += mass * square("velocity", "m/s") / 2 + mass * 0.2**2 / 6 * square("angular velocity", "rad/s") / 2
+        self.assertLessEqual(max(energy), energy[0] * (1 + 1e-4))
+        self.assertLess(max(body["c velocity z [m/s]"]), 0.05)
+
+    def test_two_liquids_that_meet_a_floor_gain_nothing(self):
+        steps = self.run_text(LAYERS, 2)
+        energies = steps["kinetic energy [J/m]"] + steps["potential energy [J/m]"]
+        self.assertLessEqual(max(energies), energies[0] * (1 + 1e-4))
+
+    def test_an_inlet_pushes_liquid_at_rest_on(self):
+        steps = self.run_text(INLET, 2)
+        self.assertLess(max(steps["max speed [m/s]"]), 0.4)
+        self.assertGreater(min(steps["particles"]), 790)
 
     def test_a_full_channel_starts_as_the_series_says(self):
         steps = self.run_text(CHANNEL, 3)
