@@ -118,8 +118,9 @@ TEST_P(IisphCase, ProductsAreTheSameOnAnyNumberOfRanks) {
     EXPECT_NEAR(dot(ax, y), dot(x, ay), rounding * std::sqrt(dot(ax, ax) * dot(y, y)));
 }
 
+namespace {
 // The operator is the step's own pressure force, seen by the step's own prediction of the density.
-TEST_P(IisphCase, ThePressureForceTakesTheProductOffTheSource) {
+void expect_the_force_to_take_the_product_off_the_source(const Sample& sample) {
     Operator op(Comm::world(), sample);
     auto& parts = op.parts;
     const auto before = by_id(parts.comm, parts.liquid, parts.liquid.source());
@@ -132,6 +133,20 @@ TEST_P(IisphCase, ThePressureForceTakesTheProductOffTheSource) {
     double scale = 0;
     for (const auto& [id, value] : before) scale = std::max({scale, std::abs(value), std::abs(product.at(id))});
     for (const auto& [id, value] : before) EXPECT_NEAR(value - after.at(id), product.at(id), 10 * rounding * scale);
+}
+} // namespace
+
+TEST_P(IisphCase, ThePressureForceTakesTheProductOffTheSource) { expect_the_force_to_take_the_product_off_the_source(sample); }
+
+TEST_P(IisphCase, WithSeveralLiquidsForcesDoTheWorkOfTheirCompression) {
+    sample.setup.constants.mixture = make_mixture(std::vector<LiquidMaterial>{{rest_density, 0}, {rest_density / 8, 0}}, Loads::adjoint);
+    for (std::size_t k = 0; k < sample.liquid.size(); ++k) sample.liquid[k].liquid = int(k % 2);
+    expect_the_force_to_take_the_product_off_the_source(sample);
+    Operator op(Comm::world(), sample);
+    const auto q = random_numbers(sample, 1), r = random_numbers(sample, 2);
+    const auto aq = op.product(q), ar = op.product(r);
+    EXPECT_NEAR(dot(aq, r), dot(q, ar), rounding * std::sqrt(dot(aq, aq) * dot(r, r)));
+    EXPECT_GT(dot(q, aq), 0);
 }
 
 namespace {
