@@ -164,8 +164,13 @@ BoundedReport bounded_jacobi(const Comm& comm, const BoundedProblem& problem, do
     const auto &q = problem.q, &product = problem.product, &b = problem.right_hand_side;
     const auto &diagonal = problem.diagonal, &watched = problem.watched;
     do {
-        problem.multiply(q);
-        if (report.solve.iterations == 0) scale_guess(comm, problem.rows, problem);
+        const bool first = report.solve.iterations == 0;
+        if (first && problem.from_zero) {
+            Kokkos::deep_copy(product, 0.0);
+        } else {
+            problem.multiply(q);
+        }
+        if (first && !problem.from_zero) scale_guess(comm, problem.rows, problem);
         report.residual = sum_rows(comm, problem.rows, KOKKOS_LAMBDA(int i, double* sums) {
             const double inverse = diagonal(i) > 0 ? 1 / diagonal(i) : 0;
             const double g = diagonal(i) > 0 ? product(i) - b(i) : 0;
@@ -194,8 +199,12 @@ BoundedReport BoundedCg::solve(const Comm& comm, const BoundedProblem& problem, 
         return take_gradient(comm, n, v, length);
     };
     Kokkos::deep_copy(gradient_, 0.0);
-    multiply(v.q);
-    scale_guess(comm, n, problem);
+    if (problem.from_zero) {
+        Kokkos::deep_copy(problem.product, 0.0);
+    } else {
+        multiply(v.q);
+        scale_guess(comm, n, problem);
+    }
     auto now = take_gradient(comm, n, v, length);
     turn_direction(n, v, 0);
     for (report.residual = now.residual; !ended(goal, report); report.residual = now.residual) {

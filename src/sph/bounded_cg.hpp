@@ -16,6 +16,7 @@ struct BoundedProblem {
     Array<double> diagonal; // > 0, or 0 in rows that stay 0
     Array<double> right_hand_side;
     Array<double> q;        // in: guess >= 0, of which the best multiple is taken; out: solution
+    bool from_zero = false; // the guess is 0: needs no product
     Array<double> watched;  // 1, or 0 in rows that do not count for BoundedResidual::square; empty: all 1
 };
 

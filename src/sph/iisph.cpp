@@ -397,7 +397,7 @@ solve::SolveReport Iisph::iterate(const StepParts& parts, Aim aim, double dt, co
         if (softness > 0) add_softness(parts.liquid.store.owned(), softness, diagonal_, q, product_);
     };
     const BoundedProblem problem{parts.liquid.store.owned(), product,
-                                 product_, diagonal_, parts.liquid.source(), q_, watched_};
+                                 product_, diagonal_, parts.liquid.source(), q_, aim == Aim::places, watched_};
     const auto report = options.solver == PressureSolver::iisph_cg ? cg_.solve(parts.comm, problem, weight_, goal)
                                                                    : bounded_jacobi(parts.comm, problem, weight_, goal);
     out = report.solve;
@@ -429,9 +429,14 @@ solve::SolveReport Iisph::shift(const StepParts& parts, double dt) {
     auto& liquid = parts.liquid;
     constexpr double anew = 0; // the excess differs from step to step
     auto out = iterate(parts, Aim::places, dt, start_from_last(parts.comm, liquid, liquid.pressure(), anew, parts.constants.mass, q_, diagonal_, watched_));
+    const auto shift = liquid.acceleration();
+    if (out.products == 0) { // q = 0
+        Kokkos::deep_copy(shift, 0.0);
+        out.iteration_seconds = seconds_since(start);
+        return out;
+    }
     multiply(parts, q_);
     ++out.products;
-    const auto shift = liquid.acceleration();
     Kokkos::parallel_for("treacle::iisph_shift", liquid.store.owned(), KOKKOS_LAMBDA(int i) {
         for (int k = 0; k < 3; ++k) shift(i, k) *= dt;
     });
