@@ -412,10 +412,16 @@ void vary_measured(const StudyFile& file, const Priors& priors, Trials& trials, 
         const auto index = wanted.second.parameter;
         const auto& parameter = file.study.parameters[index];
         const double deviation = file.deviations[index - file.searched];
-        const double step = wanted.second.value - *parameter.number(parameter.values.front());
-        const auto run = trials.run({wanted}).front();
-        if (!run) throw InputError({parameter.where, "the run with " + parameter.name + " raised by " + format_number(step) + " failed", "its share of the interval is not known",
-                                    "see the table for the reason"});
+        double step = wanted.second.value - *parameter.number(parameter.values.front());
+        auto run = trials.run({wanted}).front();
+        if (!run) {
+            auto lowered = wanted;
+            lowered.second.value -= 2 * step;
+            step = -step;
+            run = trials.run({lowered}).front();
+        }
+        if (!run) throw InputError({parameter.where, "the runs with " + parameter.name + " raised and lowered by " + format_number(-step) + " failed",
+                                    "its share of the interval is not known", "see the table for the reason"});
         const Eigen::VectorXd shift = (estimate(trials.good(), priors, {{*run}}, range_prior(file)).point - point) * deviation / step;
         for (std::size_t k = 0; k < file.searched; ++k) out.estimate->parts[k].measured.emplace_back(parameter.name, shift[Eigen::Index(k)] * shift[Eigen::Index(k)]);
         out.covariance += shift * shift.transpose();
