@@ -2,6 +2,11 @@
 
 namespace treacle::rigid {
 
+Vec3 any_perpendicular(const Vec3& n) {
+    const Vec3 t = std::abs(n[2]) < 0.9 ? Vec3{-n[1], n[0], 0} : Vec3{n[2], 0, -n[0]};
+    return (1 / length(t)) * t;
+}
+
 Matrix3 transposed(const Matrix3& m) {
     Matrix3 out;
     for (std::size_t i = 0; i < 3; ++i) {

@@ -16,6 +16,8 @@ inline Vec3 cross(const Vec3& a, const Vec3& b) {
     return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
 }
 inline double length(const Vec3& a) { return std::sqrt(dot(a, a)); }
+// Unit vector at right angles to the unit vector n.
+Vec3 any_perpendicular(const Vec3& n);
 
 using Matrix3 = std::array<Vec3, 3>; // rows
 inline constexpr Matrix3 zero_matrix{};

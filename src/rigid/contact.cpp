@@ -47,7 +47,7 @@ public:
     }
 
 private:
-    // What is near body a, by the nearest images to it, and what of it is not carried by loads.
+    // Places body a and the nearest images of those near it; notes which of these do not obey loads.
     void place(std::size_t a, const std::vector<std::size_t>& near) {
         placed_.clear();
         resting_.clear();

@@ -16,17 +16,12 @@ constexpr double still = 1e-7;      // [spacings]
 constexpr int settlings = 16;
 constexpr int halvings = 24;
 constexpr double straight = 1e-4; // [spacings] that an edge may be off its tangent
-
-Vec3 any_across(const Vec3& n) {
-    const Vec3 t = std::abs(n[2]) < 0.9 ? Vec3{-n[1], n[0], 0} : Vec3{n[2], 0, -n[0]};
-    return (1 / length(t)) * t;
-}
 } // namespace
 
-// Whether the normal is the same a length beside x.
+// True when the normal is the same at x and at `length_beside` [m] from it.
 bool Obstacle::flat(const Vec3& x, double length_beside) const {
     if (!solid_) return true;
-    const Vec3 n = normal(x), t = any_across(n);
+    const Vec3 n = normal(x), t = any_perpendicular(n);
     for (const Vec3& across : {t, cross(n, t)}) {
         if (length(normal(x + length_beside * across) - n) > 1e-9) return false;
     }
@@ -37,7 +32,7 @@ void NearestFeatures::set_turning(double angle) { askew_ = std::max(askew, 1 - s
 
 Touch NearestFeatures::measure(const Vec3& x) const { return {x, other_.normal(x), other_.distance(x)}; }
 
-// Whether nothing of the probed solid is nearer to what lies in this direction than x is.
+// True when x is the point of the probed solid nearest to what lies in this direction.
 bool NearestFeatures::in_cone(const Vec3& x, const Vec3& direction) const {
     const double e = step * spacing_;
     const Vec3 out = x + e * direction;
@@ -46,7 +41,7 @@ bool NearestFeatures::in_cone(const Vec3& x, const Vec3& direction) const {
     return !rests_ || std::ranges::none_of(around_, [&](const PlacedSolid* solid) { return solid->distance(out) < least; });
 }
 
-// Whether what rests is in the way of anything that comes to the point of the other surface against the normal.
+// True when a resting solid lies on the other surface at this point, so that nothing can reach it against the normal.
 bool NearestFeatures::covered(const Vec3& foot, const Vec3& normal) const {
     const double e = step * spacing_;
     return std::ranges::any_of(around_, [&](const PlacedSolid* solid) {
@@ -109,7 +104,7 @@ std::optional<Vec3> NearestFeatures::settle(const Vec3& first, double size) cons
     return {};
 }
 
-// Where the edge passes the other solid nearest, and the normal across it: of two edges that cross that of both.
+// Contact point where the edge passes nearest to the other solid, with the normal across it: of two crossing edges, at right angles to both.
 std::optional<Touch> NearestFeatures::along_edge(const Vec3& x, const Vec3& edge) const {
     const auto slope = [&](double s) { return dot(edge, other_.normal(x + s * edge)); };
     double low = -patch * spacing_, high = -low;

@@ -52,13 +52,13 @@ private:
     Vec3 normal_{0, 0, 0};
 };
 
-// How far a contact may be open [m], and the size of the smaller solid [m].
+// Largest gap of a contact [m], and bounding radius of the smaller solid [m].
 struct Near {
     double margin = 0, size = 0;
 };
 
-// Of pairs of points of two solids those that are nearest to each other: their normal lies in the normal cones of both. Whether
-// it does, the signed distance says: a direction d is in the cone of the point x when the point at x + e d is at the distance e.
+// Pairs of points of two solids that are nearest to each other: their normal lies in the normal cones of both. The signed distance
+// decides: a direction d is in the cone of the point x when the point at x + e d is at the distance e.
 // Solids that rest count as one, so that no face is seen that another one covers.
 class NearestFeatures {
 public:
@@ -71,12 +71,12 @@ public:
     // `rests`: the probed solid is one of those that count as one.
     void set_probed_rests(bool rests) { rests_ = rests; }
 
-    // By how much the two turn to each other in the step [rad]: faces that are as nearly parallel touch with both their ends.
+    // Angle by which the two turn to each other in the step [rad]: faces that are as nearly parallel touch with both their ends.
     void set_turning(double angle);
 
     // The nearest pair at the point of the probed surface, or within the sampling's spacing of it; if there is none, nothing.
     std::optional<Touch> at(const Vec3& x, const SurfacePoint& surface, const Near& near) const;
-    // Of a ball about x.
+    // Contact of a ball about x.
     std::optional<Touch> of_ball(const Vec3& x, double radius, double margin) const;
 
 private:

@@ -43,9 +43,7 @@ private:
         // Along the sliding, so that the friction of a sliding body points against it.
         const Vec3 sliding = relative - approach * contact.normal;
         const double speed = length(sliding);
-        const Vec3 any = std::abs(contact.normal[2]) < 0.9 ? Vec3{-contact.normal[1], contact.normal[0], 0}
-                                                           : Vec3{contact.normal[2], 0, -contact.normal[0]};
-        const Vec3 first = speed > 1e-12 ? (1 / speed) * sliding : (1 / length(any)) * any;
+        const Vec3 first = speed > 1e-12 ? (1 / speed) * sliding : any_perpendicular(contact.normal);
         directions_.push_back({contact.normal, first, cross(contact.normal, first)});
         for (std::size_t k = 0; k < 3; ++k) {
             const Vec3& direction = directions_.back()[k];
