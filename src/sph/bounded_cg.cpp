@@ -81,8 +81,9 @@ Standing step_along(const Comm& comm, int rows, const Views& v, double step, dou
     });
 }
 
-// q and A q times what makes q.Aq/2 - b.q least: never above its value at q = 0, whatever the guess.
-void scale_guess(const Comm& comm, int rows, const BoundedProblem& problem) {
+// Multiplies q and A q by what makes q.Aq/2 - b.q least.
+void scale_guess(const Comm& comm, const BoundedProblem& problem) {
+    const int rows = problem.rows;
     const auto &q = problem.q, &product = problem.product, &b = problem.right_hand_side;
     std::array<double, 2> dots{};
     Kokkos::parallel_reduce("treacle::bounded_guess", rows, KOKKOS_LAMBDA(int i, double& along, double& curvature) {
@@ -96,6 +97,17 @@ void scale_guess(const Comm& comm, int rows, const BoundedProblem& problem) {
         q(i) *= length;
         product(i) *= length;
     });
+}
+
+// Product of the guess. Returns how many products that took.
+int multiply_guess(const Comm& comm, const BoundedProblem& problem) {
+    if (problem.guess == BoundedGuess::zero) {
+        Kokkos::deep_copy(problem.product, 0.0);
+        return 0;
+    }
+    problem.multiply(problem.q);
+    if (problem.guess == BoundedGuess::best_multiple) scale_guess(comm, problem);
+    return 1;
 }
 
 // q -= step d, cut at 0; g is left stale.
@@ -163,14 +175,12 @@ BoundedReport bounded_jacobi(const Comm& comm, const BoundedProblem& problem, do
     BoundedReport report;
     const auto &q = problem.q, &product = problem.product, &b = problem.right_hand_side;
     const auto &diagonal = problem.diagonal, &watched = problem.watched;
+    report.solve.products = multiply_guess(comm, problem);
     do {
-        const bool first = report.solve.iterations == 0;
-        if (first && problem.from_zero) {
-            Kokkos::deep_copy(product, 0.0);
-        } else {
+        if (report.solve.iterations > 0) {
             problem.multiply(q);
+            ++report.solve.products;
         }
-        if (first && !problem.from_zero) scale_guess(comm, problem.rows, problem);
         report.residual = sum_rows(comm, problem.rows, KOKKOS_LAMBDA(int i, double* sums) {
             const double inverse = diagonal(i) > 0 ? 1 / diagonal(i) : 0;
             const double g = diagonal(i) > 0 ? product(i) - b(i) : 0;
@@ -178,7 +188,6 @@ BoundedReport bounded_jacobi(const Comm& comm, const BoundedProblem& problem, do
             q(i) = math::max(0.0, q(i) - omega * g * inverse);
         }).residual;
         ++report.solve.iterations;
-        ++report.solve.products;
     } while (!ended(goal, report));
     return report;
 }
@@ -199,12 +208,7 @@ BoundedReport BoundedCg::solve(const Comm& comm, const BoundedProblem& problem, 
         return take_gradient(comm, n, v, length);
     };
     Kokkos::deep_copy(gradient_, 0.0);
-    if (problem.from_zero) {
-        Kokkos::deep_copy(problem.product, 0.0);
-    } else {
-        multiply(v.q);
-        scale_guess(comm, n, problem);
-    }
+    report.solve.products = multiply_guess(comm, problem);
     auto now = take_gradient(comm, n, v, length);
     turn_direction(n, v, 0);
     for (report.residual = now.residual; !ended(goal, report); report.residual = now.residual) {

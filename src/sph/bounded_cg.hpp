@@ -7,6 +7,10 @@
 
 namespace treacle::sph {
 
+// Guess of a solve: 0, which needs no product; the given one; or that of its multiples with the least q.Aq/2 - b.q, never above
+// the value at q = 0.
+enum class BoundedGuess { zero, given, best_multiple };
+
 // min q.Aq/2 - b.q over q >= 0, A symmetric and positive semidefinite, on the owned rows.
 struct BoundedProblem {
     int rows = 0;
@@ -15,8 +19,8 @@ struct BoundedProblem {
     Array<double> product;
     Array<double> diagonal; // > 0, or 0 in rows that stay 0
     Array<double> right_hand_side;
-    Array<double> q;        // in: guess >= 0, of which the best multiple is taken; out: solution
-    bool from_zero = false; // the guess is 0: needs no product
+    Array<double> q;        // in: guess >= 0, out: solution
+    BoundedGuess guess = BoundedGuess::given;
     Array<double> watched;  // 1, or 0 in rows that do not count for BoundedResidual::square; empty: all 1
 };
 

@@ -20,10 +20,10 @@ constexpr double least_neighbours = 2.0 / 3;
 constexpr double stable_product = 1.5;
 // As published: without them a step may end before a pressure wave has started.
 constexpr int least_iterations = 2;
-// Liquid that is thinner than at rest by that many times `density_error` is not yet a gap that may close: what a solve leaves of
-// compression and gaps would let a tank fall freely in one step and hold it twice as hard in the next.
-constexpr double slack_shares = 5;
-// What the shift adds to A, in diagonals: an excess that is everywhere, as in a box that is too full, gives no shift.
+// Liquid thinner than at rest by less than that many times `density_error` counts as full: compression and gaps that a solve leaves
+// would let a tank fall freely in one step and hold it twice as hard in the next.
+constexpr double slack_factor = 5;
+// Diagonals added to A for the shift: an excess that is everywhere, as in a box that is too full, gives no shift.
 constexpr double shift_softness = 0.1;
 // A solid bears liquid if its normal is nearer to the vertical than this sine away from the horizontal.
 constexpr double least_slope = 0.2;
@@ -38,13 +38,13 @@ struct PrepareLoop {
     Iisph::Aim aim;
     double needed; // neighbours
     double slack;  // [kg/m3] of Aim::approach
-    bool choosy;   // watch but the rows above solids
+    bool bearing;  // only rows above solids are watched
     double gravity[3];
     RelativeDensity relative;
     Array<double> density, source, diagonal, watched;
     Array3 own, force;
 
-    // Whether solids, of which g has the share g - liquid, are below.
+    // True when solids, whose part of g is g - liquid, are below.
     KOKKOS_INLINE_FUNCTION bool bears(const double g[3], const double liquid[3]) const {
         double along = 0, square = 0, pull = 0;
         for (int k = 0; k < 3; ++k) {
@@ -88,7 +88,7 @@ struct PrepareLoop {
             own(i, k) = g[k];
             force(i, k) = liquid[k] + c.wall_push * (g[k] - liquid[k]);
         }
-        watched(i) = !choosy || bears(g, liquid) ? 1 : 0;
+        watched(i) = !bearing || bears(g, liquid) ? 1 : 0;
         diagonal(i) = (sum_lanes(square) + g[0] * g[0] + g[1] * g[1] + g[2] * g[2]) / relative(i);
         if (aim != Iisph::Aim::divergence) {
             const double excess = density(i) / relative(i) - c.rest_density;
@@ -123,10 +123,10 @@ struct AccelerationLoop {
         }
         const double q = fluid.load(i);
         const double sum[3] = {sum_lanes(fx), sum_lanes(fy), sum_lanes(fz)};
-        const bool held = inlet.size() > 0 && inlet(i) > 0;
-        const double share = held ? 0 : 1 / relative(i);
+        const bool prescribed = inlet.size() > 0 && inlet(i) > 0;
+        const double inverse_density = prescribed ? 0 : 1 / relative(i);
         for (int k = 0; k < 3; ++k) {
-            const double a = share * (-q * force(i, k) - c.mass * sum[k]);
+            const double a = inverse_density * (-q * force(i, k) - c.mass * sum[k]);
             acceleration(i, k) = a;
             fluid.motion(i, k) = a;
         }
@@ -177,30 +177,35 @@ void write_ghost_accelerations(LiquidParticles& liquid) {
                          });
 }
 
-// Densities as the pair sums see them: m over the volume, of whatever liquid.
+// Density of the pair sums: m over the volume, of whatever liquid.
 struct SumDensity {
     Array<double> volume;
     double mass;
-    KOKKOS_INLINE_FUNCTION double square(int i) const {
-        const double rho = mass / volume(i);
-        return rho * rho;
-    }
+    KOKKOS_INLINE_FUNCTION double operator()(int i) const { return mass / volume(i); }
+    KOKKOS_INLINE_FUNCTION double square(int i) const { return (*this)(i) * (*this)(i); }
+};
+SumDensity sum_density(const StepParts& parts) { return {parts.liquid.volume(), parts.constants.mass}; }
+
+struct Guess {
+    Array<double> pressure; // [owned] of the last solve [Pa]
+    double factor;          // on it
 };
 
-// A share of the last pressures as q; returns the sum of the squares of b where q > 0 or b > 0, and how many b > 0.
-std::array<double, 2> start_from_last(const Comm& comm, const LiquidParticles& liquid, const Array<double>& p,
-                                      double share, double mass, const Array<double>& q, const Array<double>& diagonal, const Array<double>& watched) {
-    const SumDensity rho{liquid.volume(), mass};
-    const auto b = liquid.source();
+// Writes the guess as q; returns the sum of the squares of b in watched rows where q > 0 or b > 0, and how many b > 0.
+std::array<double, 2> write_guess(const StepParts& parts, const Guess& guess, const Array<double>& q, const Array<double>& diagonal,
+                                  const Array<double>& watched) {
+    const auto rho = sum_density(parts);
+    const auto p = guess.pressure, b = parts.liquid.source();
+    const double factor = guess.factor;
+    const int n = parts.liquid.store.owned();
     std::array<double, 2> sums{};
-    Kokkos::parallel_reduce("treacle::iisph_start", liquid.store.owned(),
-        KOKKOS_LAMBDA(int i, double& square, double& compressed) {
-            q(i) = diagonal(i) > 0 ? share * math::max(0.0, p(i)) / rho.square(i) : 0;
-            if (q(i) > 0 || b(i) > 0) square += watched(i) * b(i) * b(i);
-            if (b(i) > 0 && diagonal(i) > 0) compressed += 1;
-        }, sums[0], sums[1]);
-    if (liquid.store.owned() == 0) sums = {};
-    comm.sum(std::span(sums));
+    Kokkos::parallel_reduce("treacle::iisph_start", n, KOKKOS_LAMBDA(int i, double& square, double& compressed) {
+        q(i) = diagonal(i) > 0 ? factor * math::max(0.0, p(i)) / rho.square(i) : 0;
+        if (q(i) > 0 || b(i) > 0) square += watched(i) * b(i) * b(i);
+        if (b(i) > 0 && diagonal(i) > 0) compressed += 1;
+    }, sums[0], sums[1]);
+    if (n == 0) sums = {};
+    parts.comm.sum(std::span(sums));
     return sums;
 }
 
@@ -209,29 +214,30 @@ void add_softness(int rows, double softness, const Array<double>& diagonal, cons
     Kokkos::parallel_for("treacle::iisph_softness", rows, KOKKOS_LAMBDA(int i) { product(i) += softness * diagonal(i) * q(i); });
 }
 
-// rho q: rows of BodyResponse have 1 / rho.
-void to_pressures(const LiquidParticles& liquid, const Array<double>& q, double mass, const Array<double>& out) {
-    const auto volume = liquid.volume();
-    Kokkos::parallel_for("treacle::iisph_pressed", liquid.store.owned(), KOKKOS_LAMBDA(int i) { out(i) = q(i) * mass / volume(i); });
+// scaled = rho q: rows of BodyResponse have 1 / rho.
+void multiply_by_density(const StepParts& parts, const Array<double>& q, const Array<double>& scaled) {
+    const auto rho = sum_density(parts);
+    Kokkos::parallel_for("treacle::iisph_pressed", parts.liquid.store.owned(), KOKKOS_LAMBDA(int i) { scaled(i) = q(i) * rho(i); });
 }
 
 // product += rho response
-void add_response(const LiquidParticles& liquid, const Array<double>& response, double mass, const Array<double>& product) {
-    const auto volume = liquid.volume();
-    Kokkos::parallel_for("treacle::iisph_answer", liquid.store.owned(), KOKKOS_LAMBDA(int i) { product(i) += response(i) * mass / volume(i); });
+void add_response(const StepParts& parts, const Array<double>& response, const Array<double>& product) {
+    const auto rho = sum_density(parts);
+    Kokkos::parallel_for("treacle::iisph_answer", parts.liquid.store.owned(), KOKKOS_LAMBDA(int i) { product(i) += response(i) * rho(i); });
 }
 
-RoleCounts write_pressures(LiquidParticles& liquid, double mass, const Array<double>& q) {
-    const SumDensity rho{liquid.volume(), mass};
-    const auto p = liquid.pressure();
-    const auto role = liquid.role();
+RoleCounts write_pressures(const StepParts& parts, const Array<double>& q) {
+    const auto rho = sum_density(parts);
+    const auto p = parts.liquid.pressure();
+    const auto role = parts.liquid.role();
+    const int n = parts.liquid.store.owned();
     int pressed = 0;
-    Kokkos::parallel_reduce("treacle::iisph_pressures", liquid.store.owned(), KOKKOS_LAMBDA(int i, int& count) {
+    Kokkos::parallel_reduce("treacle::iisph_pressures", n, KOKKOS_LAMBDA(int i, int& count) {
         p(i) = q(i) * rho.square(i);
         role(i) = q(i) > 0 ? Role::poisson : Role::dirichlet;
         count += static_cast<int>(q(i) > 0);
     }, pressed);
-    return {pressed, liquid.store.owned() - pressed, 0};
+    return {pressed, n - pressed, 0};
 }
 
 // The stopping rules of the pressure solve; the reference is the norm of b, 0 where the density's rule is enough.
@@ -342,13 +348,15 @@ void Iisph::prepare(const StepParts& parts, double dt, Aim aim) {
     // The corrections ask for what the pressure system asked for.
     const bool own = parts.options.pressure.solver != PressureSolver::isph;
     const auto density = own ? liquid.density() : liquid.blended_density();
+    const auto& options = parts.options.pressure;
+    const double slack = slack_factor * options.density_tolerance() * parts.constants.rest_density;
+    const bool bearing = aim == Aim::approach && options.stop == StoppingRule::density_error;
     with_kernel(parts.options.kernel, parts.constants.dimensions, parts.constants.support, [&](const auto& kernel) {
         using Kernel = std::decay_t<decltype(kernel)>;
         Kokkos::parallel_for("treacle::iisph_prepare", fluid.count,
-                             PrepareLoop<Kernel>{kernel, fluid, dt, aim, needed, slack_shares * parts.options.pressure.density_tolerance() * parts.constants.rest_density,
-                                                 aim == Aim::approach && parts.options.pressure.stop == StoppingRule::density_error,
-                                                 {gravity_[0], gravity_[1], gravity_[2]}, relative_density(parts.constants, liquid), density, liquid.source(),
-                                                 diagonal_, watched_, own_, force_});
+                             PrepareLoop<Kernel>{kernel, fluid, dt, aim, needed, slack, bearing, {gravity_[0], gravity_[1], gravity_[2]},
+                                                 relative_density(parts.constants, liquid), density, liquid.source(), diagonal_,
+                                                 watched_, own_, force_});
     });
 }
 
@@ -370,34 +378,46 @@ void Iisph::multiply(const StepParts& parts, const Array<double>& q) {
                              DensityChangeLoop<Kernel>{kernel, fluid, own_, product_});
     });
     if (response_ == nullptr) return;
-    const int n = liquid.store.owned();
-    to_pressures(liquid, q, c.mass, pressed_);
-    response_->apply(parts.comm, n, pressed_, answered_);
-    add_response(liquid, answered_, c.mass, product_);
+    multiply_by_density(parts, q, pressed_);
+    response_->apply(parts.comm, liquid.store.owned(), pressed_, answered_);
+    add_response(parts, answered_, product_);
 }
 
-// From q, with the sums of start_from_last.
-solve::SolveReport Iisph::iterate(const StepParts& parts, Aim aim, double dt, const std::array<double, 2>& start) {
-    const auto [square, compressed] = start;
+namespace {
+BoundedGuess guess_of(Iisph::Aim aim) {
+    switch (aim) {
+    case Iisph::Aim::places: return BoundedGuess::zero;            // the excess differs from step to step
+    case Iisph::Aim::approach: return BoundedGuess::best_multiple; // so that no energy comes with it
+    case Iisph::Aim::density:
+    case Iisph::Aim::divergence: break;
+    }
+    return BoundedGuess::given;
+}
+} // namespace
+
+solve::SolveReport Iisph::iterate(const StepParts& parts, Aim aim, double dt, const Array<double>& last) {
+    const auto& options = parts.options.pressure;
+    const auto guess = guess_of(aim);
+    // The published IISPH starts from a part of the last pressures; without the excess they change little from step to step.
+    const double factor = guess == BoundedGuess::zero ? 0 : aim == Aim::density && options.solver != PressureSolver::dfsph ? warm_start : 1;
+    const auto [square, compressed] = write_guess(parts, {last, factor}, q_, diagonal_, watched_);
     solve::SolveReport out;
     if (compressed == 0) { // q = 0 is the solution
         Kokkos::deep_copy(q_, 0.0);
         return out;
     }
     if (weight_ == 0) weight_ = iisph_weight(parts.options, parts.constants);
-    const auto& options = parts.options.pressure;
     const double reference = std::sqrt(square);
     const bool divergence = aim == Aim::divergence;
     const bool loose = aim == Aim::places && options.stop == StoppingRule::density_error;
     const auto goal = divergence ? divergence_goal(parts.options, parts.constants, dt)
                                  : goal_of(parts.options, parts.constants, dt, loose ? 0 : reference);
-    const double softness = aim == Aim::places ? shift_softness : 0;
+    const int rows = parts.liquid.store.owned();
     const auto product = [&](const Array<double>& q) {
         multiply(parts, q);
-        if (softness > 0) add_softness(parts.liquid.store.owned(), softness, diagonal_, q, product_);
+        if (aim == Aim::places) add_softness(rows, shift_softness, diagonal_, q, product_);
     };
-    const BoundedProblem problem{parts.liquid.store.owned(), product,
-                                 product_, diagonal_, parts.liquid.source(), q_, aim == Aim::places, watched_};
+    const BoundedProblem problem{rows, product, product_, diagonal_, parts.liquid.source(), q_, guess, watched_};
     const auto report = options.solver == PressureSolver::iisph_cg ? cg_.solve(parts.comm, problem, weight_, goal)
                                                                    : bounded_jacobi(parts.comm, problem, weight_, goal);
     out = report.solve;
@@ -411,14 +431,10 @@ solve::SolveReport Iisph::iterate(const StepParts& parts, Aim aim, double dt, co
 
 solve::SolveReport Iisph::solve(const StepParts& parts, double dt, RoleCounts& roles) {
     const auto start = Clock::now();
-    const bool shifted = parts.options.pressure.recovery == DensityRecovery::positions;
-    prepare(parts, dt, shifted ? Aim::approach : Aim::density);
-    auto& liquid = parts.liquid;
-    // Without the excess they change little from step to step.
-    const double share = shifted || parts.options.pressure.solver == PressureSolver::dfsph ? 1 : warm_start;
-    auto out = iterate(parts, shifted ? Aim::approach : Aim::density, dt,
-                       start_from_last(parts.comm, liquid, liquid.pressure(), share, parts.constants.mass, q_, diagonal_, watched_));
-    roles = write_pressures(liquid, parts.constants.mass, q_);
+    const Aim aim = parts.options.pressure.recovers_places() ? Aim::approach : Aim::density;
+    prepare(parts, dt, aim);
+    auto out = iterate(parts, aim, dt, parts.liquid.pressure());
+    roles = write_pressures(parts, q_);
     out.iteration_seconds = seconds_since(start);
     return out;
 }
@@ -427,19 +443,17 @@ solve::SolveReport Iisph::shift(const StepParts& parts, double dt) {
     const auto start = Clock::now();
     prepare(parts, dt, Aim::places);
     auto& liquid = parts.liquid;
-    constexpr double anew = 0; // the excess differs from step to step
-    auto out = iterate(parts, Aim::places, dt, start_from_last(parts.comm, liquid, liquid.pressure(), anew, parts.constants.mass, q_, diagonal_, watched_));
+    auto out = iterate(parts, Aim::places, dt, liquid.pressure());
     const auto shift = liquid.acceleration();
     if (out.products == 0) { // q = 0
         Kokkos::deep_copy(shift, 0.0);
-        out.iteration_seconds = seconds_since(start);
-        return out;
+    } else {
+        multiply(parts, q_);
+        ++out.products;
+        Kokkos::parallel_for("treacle::iisph_shift", liquid.store.owned(), KOKKOS_LAMBDA(int i) {
+            for (int k = 0; k < 3; ++k) shift(i, k) *= dt;
+        });
     }
-    multiply(parts, q_);
-    ++out.products;
-    Kokkos::parallel_for("treacle::iisph_shift", liquid.store.owned(), KOKKOS_LAMBDA(int i) {
-        for (int k = 0; k < 3; ++k) shift(i, k) *= dt;
-    });
     out.iteration_seconds = seconds_since(start);
     return out;
 }
@@ -448,11 +462,10 @@ solve::SolveReport Iisph::solve_divergence(const StepParts& parts, double dt, co
     const auto start = Clock::now();
     prepare(parts, dt, Aim::divergence);
     auto& liquid = parts.liquid;
-    auto out = iterate(parts, Aim::divergence, dt, start_from_last(parts.comm, liquid, last, 1, parts.constants.mass, q_, diagonal_, watched_));
-    const SumDensity rho{liquid.volume(), parts.constants.mass};
+    auto out = iterate(parts, Aim::divergence, dt, last);
+    const auto rho = sum_density(parts);
     const auto q = q_;
-    Kokkos::parallel_for("treacle::dfsph_pressures", liquid.store.owned(),
-                         KOKKOS_LAMBDA(int i) { last(i) = q(i) * rho.square(i); });
+    Kokkos::parallel_for("treacle::dfsph_pressures", liquid.store.owned(), KOKKOS_LAMBDA(int i) { last(i) = q(i) * rho.square(i); });
     write_loads(liquid, q_);
     parts.halo.gather(liquid.store, {liquid.load_field()});
     out.iteration_seconds = seconds_since(start);

@@ -5,8 +5,6 @@
 #include "sph/prediction.hpp"
 #include "sph/step_parts.hpp"
 
-#include <array>
-
 namespace treacle::sph {
 
 // Implicit incompressible SPH (Ihmsen et al. 2014) without a matrix, in q = p / rho^2:
@@ -21,24 +19,29 @@ namespace treacle::sph {
 // energy or keeps it, whatever u* and the step.
 class Iisph {
 public:
-    // gravity [m/s2]: by what it alone would compress, Aim::approach knows when it is held up.
+    // gravity [m/s2] tells Aim::approach which solids bear liquid.
     explicit Iisph(const Vec3& gravity = {0, 0, 0}) : gravity_(gravity) {}
 
-    // (S5) b, g, the diagonal of A. Ghosts' velocities must be current. Writes the fields source, place, motion.
-    // With Aim::approach b_i leaves out what the density exceeds rho0 by before the step. Aim::places differs from Aim::density by when to stop: largest_residual does not count. With Aim::divergence b_i is the density's rate of change over dt, and rows of particles with few neighbours, whose
-    // density says little, stay 0 (Bender & Koschier 2017).
+    // Source b of the solve.
+    //   density:    (rho*_i - rho0) / dt^2
+    //   approach:   the same without what the density exceeds rho0 by before the step, liquid within a slack of rho0 counting as full;
+    //               of stop: density_error, largest_residual holds in rows above solids that bear them
+    //   places:     as density, of a shift of places; largest_residual does not hold
+    //   divergence: the density's rate of change over dt; rows with few neighbours, whose density says little, stay 0 (Bender &
+    //               Koschier 2017)
     enum class Aim { density, approach, places, divergence };
+    // (S5) b, g, the diagonal of A. Ghosts' velocities must be current. Writes the fields source, place, motion.
     void prepare(const StepParts& parts, double dt, Aim aim = Aim::density);
 
-    // Dynamic bodies give way: A has their term as well, until this is called with none. For the poses that `response` was built for.
+    // Dynamic bodies give way: A has their term as well, until this is called with nullptr. `response` must be that of the present poses.
     void give_way(const BodyResponse* response) { response_ = response; }
 
     // Collective: product() = A q, on owned rows, with q of the owned particles. Writes the fields load, acceleration,
     // place, motion.
     void multiply(const StepParts& parts, const Array<double>& q);
 
-    // Collective: prepares and solves, starting from half the last pressures, or all of them with DFSPH. Writes pressure and role: Poisson where
-    // the pressure is positive, Dirichlet elsewhere.
+    // Collective: prepares and solves, from half the last pressures, with DFSPH from all of them, with Aim::approach from their best
+    // multiple. Writes pressure and role: Poisson where the pressure is positive, Dirichlet elsewhere.
     solve::SolveReport solve(const StepParts& parts, double dt, RoleCounts& roles);
 
     // (I2) Collective: what the density would exceed rho0 by after a step dt with the velocities, ghosts' included, as a shift
@@ -54,7 +57,8 @@ public:
     std::size_t bytes() const;
 
 private:
-    solve::SolveReport iterate(const StepParts& parts, Aim aim, double dt, const std::array<double, 2>& start);
+    // Solves what prepare() has prepared; last: pressures to start from [owned] [Pa].
+    solve::SolveReport iterate(const StepParts& parts, Aim aim, double dt, const Array<double>& last);
 
     Vec3 gravity_;
     const BodyResponse* response_ = nullptr;

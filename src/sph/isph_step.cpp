@@ -421,7 +421,7 @@ void IsphStep::move(StepReport& report, double dt) {
         compute_xsph(setup_.options, setup_.constants, liquid_, solid_, neighbours_);
         clear_held(liquid_, liquid_.acceleration());
     }
-    const bool shifts = setup_.options.pressure.recovery == DensityRecovery::positions;
+    const bool shifts = setup_.options.pressure.recovers_places();
     const auto gone = move_particles(setup_.domain, liquid_, dt, smooth || shifts ? Use::yes : Use::no);
     if (bodies_.any_moves()) {
         bodies_.rigid.move(dt);
@@ -474,7 +474,7 @@ StepReport IsphStep::advance(double dt) {
         const auto phase = timers_.scope("pressure force");
         push_by_pressure(report, dt);
     }
-    if (setup_.options.pressure.recovery == DensityRecovery::positions) shift_positions(report, dt);
+    if (setup_.options.pressure.recovers_places()) shift_positions(report, dt);
     {
         const auto phase = timers_.scope("move");
         move(report, dt);

@@ -7,10 +7,14 @@ namespace treacle::sph {
 namespace {
 constexpr double least_tolerance = 1e-14;
 
-const Complaint out_of_reach{"must be 0 or at least 1e-14", "rounding alone leaves about 1e-15", "1e-10 is very accurate already"};
+const char* const unreachable = "rounding alone leaves about 1e-15";
+const char* const accurate = "1e-10 is very accurate already";
 
-Range reachable(const Range& range) {
-    return range.because("rounding alone leaves about 1e-15", "1e-10 is very accurate already");
+Range reachable(const Range& range) { return range.because(unreachable, accurate); }
+
+// A tolerance, or 0 for the one that goes with the other options.
+void check_tolerance(Declaration& d, const std::string& key, double value) {
+    d.check(value == 0 || value >= least_tolerance, key, {"must be 0 or at least 1e-14", unreachable, accurate});
 }
 } // namespace
 
@@ -137,13 +141,13 @@ void PressureOptions::declare(Declaration& d) {
              "Iterate until the mean compression, or until the relative residual, is small enough.");
     d.number("density_error", density_error, unit::none, range_at_least(0),
              "Mean compression of the Poisson particles at which iterating ends, as a share of the density; 0: 1e-5, with `recovery: positions` 1e-3.");
-    d.check(density_error == 0 || density_error >= least_tolerance, "density_error", out_of_reach);
+    check_tolerance(d, "density_error", density_error);
     d.choice("recovery", recovery, {{"velocities", DensityRecovery::velocities}, {"positions", DensityRecovery::positions}},
              "How liquid that is compressed gets its density back. `velocities`: within a step, by the pressures that move it, "
              "so that it is thrown apart the faster the shorter the step. `positions`: the pressures only stop what would "
              "compress it further, and a second solve moves the particles apart without a velocity; no impact gains energy. "
              "Needs `solver: iisph_cg` or `iisph_jacobi`.");
-    d.check(recovery == DensityRecovery::velocities || solver == PressureSolver::iisph_cg || solver == PressureSolver::iisph_jacobi, "recovery",
+    d.check(!recovers_places() || solver == PressureSolver::iisph_cg || solver == PressureSolver::iisph_jacobi, "recovery",
             {"needs solver: iisph_cg or iisph_jacobi", "no other's pressures take energy out of whatever they meet", "set the solver too, or leave it out"});
     d.number("divergence_error", divergence_error, unit::none, reachable(range_at_least(least_tolerance)),
              "Of `dfsph`: mean compression in a step, as a share of the density, that the velocities may have before "
@@ -152,7 +156,7 @@ void PressureOptions::declare(Declaration& d) {
              "Relative residual that must be reached as well, with `stop: density_error`: gravity compresses only the "
              "lowest layer in a step, too little to count on average, and the liquid would fall until it does. With `recovery: positions` "
              "it holds for particles above solids that bear them. 0: 0.1, with `recovery: positions` 0.05.");
-    d.check(largest_residual == 0 || largest_residual >= least_tolerance, "largest_residual", out_of_reach);
+    check_tolerance(d, "largest_residual", largest_residual);
     d.number("residual", residual, unit::none, reachable(range_between(least_tolerance, 1)),
              "Relative residual at which iterating ends, with `stop: residual`.");
     d.integer("corrections", corrections, range_between(0, 20),
@@ -274,7 +278,7 @@ void SphOptions::declare(Declaration& d) {
     d.block("density", density, "How densities are measured.");
     d.block("pressure", pressure, "The pressure solve.");
     d.block("viscosity", viscosity, "The viscosity of the liquids, and numerical viscosity that keeps particles in order.");
-    d.check(viscosity.xsph == 0 || pressure.recovery == DensityRecovery::velocities, "viscosity.xsph",
+    d.check(viscosity.xsph == 0 || !pressure.recovers_places(), "viscosity.xsph",
             {"cannot go with pressure.recovery: positions", "either moves particles by more than their velocities", "leave one of the two out"});
     d.block("surface_tension", surface_tension, "The surface tension of the liquids against air.");
     d.number("rebalance_above", rebalance_above, unit::none, range_at_least(1),
