@@ -6,6 +6,7 @@ import math
 import numpy
 
 from .run import run_scene, scratch
+from .scenes import open_domain
 from .table import Figure
 
 TANK = """
@@ -60,13 +61,7 @@ output: {{interval: 0}}
 HIT = """
 schema_version: 1
 title: A body hits a blob
-domain:
-  dimensions: {dimensions}
-  min: {low}
-  max: {high}
-  spacing: {spacing}
-  gravity: {gravity}
-  boundaries: {{{sides}}}
+{domain}
 liquids: [{{name: syrup, density: 1000, viscosity: {viscosity}, shapes: [{{sphere: {{centre: {centre}, radius: 0.3}}}}]}}]
 bodies:
   - name: b
@@ -151,11 +146,9 @@ def hits(context):
     cases = itertools.product((2, 3), ("no_slip", "free_slip", "{length: 20 mm}"), (0, 1, 100, 1e5), ("step: 1 ms", "step: 5 ms", "cfl: 3"), (1, 2, 3))
     linear = angular = 0
     for dimensions, slip, viscosity, step, ranks in context.sample(cases, 4, 24):
-        axes = "xyz"[:dimensions]
         space = dimensions == 3
         steps, bodies = run_text(context, HIT.format(
-            dimensions=dimensions, low=[-1] * dimensions, high=[1] * dimensions, spacing="50 mm" if space else "20 mm", gravity=[0] * dimensions,
-            sides=", ".join(f"{axis}_{side}: open" for axis in axes for side in ("min", "max")), viscosity=viscosity,
+            domain=open_domain(dimensions, [-1] * dimensions, [1] * dimensions, "50 mm" if space else "20 mm", [0] * dimensions), viscosity=viscosity,
             centre=[0] * dimensions, velocity=[1.5] + [0] * (dimensions - 1), slip=slip, box_low=[-0.6, 0.05, -0.1][:dimensions],
             box_high=[-0.4, 0.15, 0.1][:dimensions], step=step), "hit", ranks)
         mass = 1000 * 0.2 * 0.1 * (0.2 if space else 1)

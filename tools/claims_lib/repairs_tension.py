@@ -7,6 +7,7 @@ import numpy
 
 from .gtest import run_gtest
 from .run import run_scene, scratch
+from .scenes import open_domain
 from .table import Figure
 
 TENSION, DENSITY, RADIUS = 0.072, 1000, 1e-3
@@ -14,13 +15,7 @@ TENSION, DENSITY, RADIUS = 0.072, 1000, 1e-3
 DROP = """
 schema_version: 1
 title: A drop in free space
-domain:
-  {dimensions}
-  min: {low}
-  max: {high}
-  spacing: {spacing}
-  gravity: {gravity}
-  boundaries: {{{sides}}}
+{domain}
 liquids:
   - name: water
     density: 1000
@@ -39,11 +34,9 @@ def drop_scene(dimensions, cells, viscosity, offset, speed, end):
     spacing = RADIUS / cells
     half = spacing * int(numpy.ceil(1.4 * cells + 3))
     way = spacing * int(numpy.ceil(speed * end / spacing))
-    axes = "xyz"[:dimensions]
+    domain = open_domain(dimensions, [-half] * dimensions, [half + way] + [half] * (dimensions - 1), spacing, [0] * dimensions)
     return DROP.format(
-        dimensions="dimensions: 2" if dimensions == 2 else "dimensions: 3", spacing=spacing, viscosity=viscosity, end=end,
-        low=[-half] * dimensions, high=[half + way] + [half] * (dimensions - 1), gravity=[0] * dimensions,
-        sides=", ".join(f"{axis}_{side}: open" for axis in axes for side in ("min", "max")),
+        domain=domain, viscosity=viscosity, end=end,
         velocity=[speed] + [0] * (dimensions - 1), centre=[offset * spacing * k for k in (1, 0.7, 0.4)[:dimensions]])
 
 

@@ -5,7 +5,8 @@ import math
 
 import numpy
 
-from .sph_runs import on_ranks, over_cases
+from .scenes import open_domain
+from .sph_runs import crossings, on_ranks, over_cases
 
 TENSION = 0.05 # [N/m]
 
@@ -30,13 +31,7 @@ output: {{interval: 1 ms}}
 DROP = """
 schema_version: 1
 title: A drop in free space
-domain:
-  dimensions: {dimensions}
-  min: {low}
-  max: {high}
-  spacing: {spacing}
-  gravity: {gravity}
-  boundaries: {{{sides}}}
+{domain}
 liquids:
   - {{name: d, density: 1000, viscosity: {viscosity}, surface_tension: {tension}, shapes: [{shape}]}}
 method: {{kind: sph, kernel: {kernel}, surface_tension: {{model: curvature}}}}
@@ -47,15 +42,6 @@ output: {{interval: {interval}}}
 RADIUS = 4e-3 # [m]
 LONG = 0.3 # of a capsule: its length over its width, less 1
 HALF_PERIOD = 54.4 # of the plane drop, small amplitude, as large as the box [ms]
-
-
-def crossings(time, value):
-    """Where it passes zero."""
-    found = []
-    for k in range(len(value) - 1):
-        if value[k] * value[k + 1] < 0:
-            found.append(float(time[k] + (time[k + 1] - time[k]) * value[k] / (value[k] - value[k + 1])))
-    return found
 
 
 def shape_of(run):
@@ -112,8 +98,7 @@ def drop_scene(dimensions, particles, viscosity, kernel, *, long, periods):
     if long:
         radius, _ = capsule(dimensions)
         shape = f"{{capsule: {{centre: {centre}, axis: {[1, 0, 0][:dimensions]}, radius: {radius}, height: {2 * LONG * radius}}}}}"
-    return DROP.format(dimensions=dimensions, low=[-room] * dimensions, high=[room] * dimensions, spacing=spacing, gravity=[0] * dimensions,
-                       sides=", ".join(f"{axis}_{side}: open" for axis in "xyz"[:dimensions] for side in ("min", "max")),
+    return DROP.format(domain=open_domain(dimensions, [-room] * dimensions, [room] * dimensions, spacing, [0] * dimensions),
                        viscosity=viscosity, tension=TENSION, shape=shape, kernel=kernel, end=2 * periods * half, interval=half / 40)
 
 

@@ -6,7 +6,7 @@ import math
 
 import numpy
 
-from .sph_runs import judged, on_ranks, over_cases, profile, scene_run
+from .sph_runs import crossings, judged, on_ranks, over_cases, profile, scene_run
 from .table import Figure
 from .viscous_walls import start_up
 
@@ -401,11 +401,10 @@ def interfacial_wave(context):
             time.append(at)
             mode.append(float(numpy.cos(math.pi * frame["position"][frame["liquid"] == 0, 0]).sum()))
         time, mode = numpy.array(time), numpy.array(mode) / mode[0]
-        crossing = [float(numpy.interp(0, (-mode[k], -mode[k + 1]), (time[k], time[k + 1]))) if mode[k] > 0 else
-                    float(numpy.interp(0, (mode[k], mode[k + 1]), (time[k], time[k + 1]))) for k in range(len(mode) - 1) if mode[k] * mode[k + 1] < 0]
-        if len(crossing) < 2:
-            return f"{len(crossing)} passages in {time[-1]:.2f} s, the mode's amplitude from 1 to {mode[-1]:.2f}", False
-        found, left = crossing[1] - crossing[0], -float(mode.min())
+        passed = crossings(time, mode)
+        if len(passed) < 2:
+            return f"{len(passed)} passages in {time[-1]:.2f} s, the mode's amplitude from 1 to {mode[-1]:.2f}", False
+        found, left = passed[1] - passed[0], -float(mode.min())
         return (f"period {100 * (found / half - 1):+.1f} %, amplitude {100 * (left - 1):+.0f} % after half a period",
                 abs(found / half - 1) <= 0.03 and left >= 0.95)
 

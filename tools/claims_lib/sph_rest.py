@@ -7,6 +7,7 @@ import numpy
 
 from . import dam_breaks, repairs_time
 from .run import run_scene, scratch
+from .scenes import open_domain
 from .sph_runs import GRAVITY, judged, on_ranks, over_cases, scene_run
 from .table import Figure
 
@@ -26,13 +27,7 @@ output: {{interval: 0.1}}
 COLUMN = """
 schema_version: 1
 title: A stiff column hangs
-domain:
-  dimensions: {dimensions}
-  min: {low}
-  max: {high}
-  spacing: {spacing}
-  gravity: {gravity}
-  boundaries: {{{sides}}}
+{domain}
 liquids: [{{name: pitch, density: 1000, viscosity: {viscosity}, shapes: [{{box: {{min: {column_low}, max: {column_high}}}}}]}}]
 bodies:
 {plates}
@@ -140,9 +135,8 @@ def column_scene(dimensions, across, viscosity, end):
         return [x, y] + ([x] if space else [])
 
     return COLUMN.format(
-        dimensions=dimensions, low=at(-room, -0.8), high=at(room, 0.25), spacing=spacing, viscosity=viscosity, end=end,
-        interval=end / 10, plates=plates, gravity=[0, -GRAVITY, 0][:dimensions],
-        sides=", ".join(f"{axis}_{side}: open" for axis in "xyz"[:dimensions] for side in ("min", "max")),
+        domain=open_domain(dimensions, at(-room, -0.8), at(room, 0.25), spacing, [0, -GRAVITY, 0][:dimensions]),
+        viscosity=viscosity, end=end, interval=end / 10, plates=plates,
         column_low=at(-half, -length), column_high=at(half, 0.2))
 
 

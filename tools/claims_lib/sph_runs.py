@@ -83,6 +83,15 @@ def body_energy(bodies, name, mass, inertia, *, gravity=GRAVITY, axis="z"):
     return 0.5 * mass * moved + 0.5 * inertia * turned + mass * gravity * bodies[f"{name} position {axis}"]
 
 
+def crossings(time, value):
+    """Times at which a series passes zero, by linear interpolation."""
+    found = []
+    for k in range(len(value) - 1):
+        if value[k] * value[k + 1] < 0:
+            found.append(float(time[k] + (time[k + 1] - time[k]) * value[k] / (value[k] - value[k + 1])))
+    return found
+
+
 def profile(frame, across, along, spacing, places):
     """Velocity component `along` at places (array of positions, components of the frame's axes given by `across`), by a linear fit
     over the particles within 1.5 spacings."""
