@@ -9,12 +9,12 @@ import sys
 import harness
 from harness import Workplace
 
+METHOD = "method: {kind: sph, pressure: {solver: iisph_cg, recovery: positions}}\n"
 SCENE = """schema_version: 1
 domain: {dimensions: 2, min: [0, 0], max: [0.5, 0.4], spacing: SPACING}
 liquids:
   - {name: slab, density: 1000, viscosity: VISCOSITY, shapes: [{box: {min: [0, BOTTOM], max: [0.5, TOP]}}], velocity: [0, -SPEED]}
 POOL
-method: {kind: sph, pressure: {solver: iisph_cg, recovery: positions}}
 time: {end: 0.1 s}
 output: {interval: 0.1 s}
 """
@@ -27,7 +27,6 @@ FREE = """schema_version: 1
 domain: {dimensions: 2, min: [0, 0], max: [0.5, 0.4], spacing: 1 cm, gravity: [0, 0]}
 liquids:
   - {name: block, density: 1000, viscosity: 1 mPa.s, shapes: [{box: {min: [0.15, 0.04], max: [0.35, 0.2]}}], velocity: [0, -2]}
-method: {kind: sph, pressure: {solver: iisph_cg, recovery: positions}}
 time: {end: 0.15 s}
 output: {interval: 0.15 s}
 """
@@ -35,7 +34,6 @@ TANK = """schema_version: 1
 domain: {dimensions: 2, min: [0, 0], max: [0.2, 0.6], spacing: 1 cm}
 liquids:
   - {name: water, density: 1000, viscosity: 1 mPa.s, shapes: [{box: {min: [0, 0], max: [0.2, 0.5]}}]}
-method: {kind: sph, pressure: {solver: iisph_cg, recovery: positions}}
 time: {end: 0.8 s}
 output: {interval: 0.4 s}
 """
@@ -49,7 +47,6 @@ domain:
   boundaries: {x_min: periodic, x_max: periodic, y_min: {slip: no_slip}, y_max: {slip: no_slip}}
 liquids:
   - {name: l, density: 1000, viscosity: 6, shapes: [{box: {min: [0, -0.1], max: [0.05, 0.1]}}]}
-method: {kind: sph, pressure: {solver: iisph_cg, recovery: positions}}
 time: {end: 0.3 s}
 output: {interval: 0.3 s}
 """
@@ -59,7 +56,6 @@ domain: {min: [0, 0, 0], max: [0.5, 0.5, 0.6], spacing: 4 cm}
 liquids: [{name: water, density: 1000, shapes: [{box: {min: [0, 0, 0], max: [0.5, 0.5, 0.04]}}]}]
 bodies:
   - {name: c, kind: dynamic, density: 2000, velocity: [0, 0, -2], shape: {box: {min: [0.15, 0.15, 0.06], max: [0.35, 0.35, 0.26]}}}
-method: {kind: sph, pressure: {solver: iisph_cg, recovery: positions}}
 time: {end: 0.12 s}
 output: {interval: 0.06 s}
 """
@@ -68,7 +64,6 @@ domain: {dimensions: 2, min: [0, 0], max: [0.4, 0.4], spacing: 1 cm}
 liquids:
   - {name: heavy, density: 1000, viscosity: 1 mPa.s, shapes: [{box: {min: [0, 0.05], max: [0.4, 0.15]}}], velocity: [0, -2]}
   - {name: light, density: 200, viscosity: 1 mPa.s, shapes: [{box: {min: [0, 0.15], max: [0.4, 0.25]}}], velocity: [0, -2]}
-method: {kind: sph, pressure: {solver: iisph_cg, recovery: positions}}
 time: {end: 0.1 s}
 output: {interval: 0.1 s}
 """
@@ -77,7 +72,6 @@ domain: {dimensions: 2, max: [0.6, 0.2], spacing: 1 cm, gravity: [0, 0], boundar
 liquids: [{name: w, density: 1000, viscosity: 1 Pa.s, shapes: [{box: {min: [0.1, 0], max: [0.6, 0.2]}}]}]
 inlets: [{name: in, rectangle: {centre: [0.1, 0.1], direction: [1, 0], width: 0.2, height: 0}, velocity: 0.2 m/s}]
 outlets: [{name: out, half_space: {point: [0.5, 0], normal: [-1, 0]}}]
-method: {kind: sph, pressure: {solver: iisph_cg, recovery: positions}}
 time: {end: 1 s}
 output: {interval: 0.5 s}
 """
@@ -86,7 +80,7 @@ output: {interval: 0.5 s}
 class Recoveries(Workplace):
     def run_text(self, text, ranks):
         with open(self.path("scene.yaml"), "w") as file:
-            file.write(text)
+            file.write(text + METHOD)
         self.run_scene(self.path("scene.yaml"), "run", ranks, {})
         return self.steps("run")
 
@@ -151,7 +145,7 @@ class Impacts(Workplace):
                 for word, value in words.items():
                     text = text.replace(word, str(value))
                 with open(self.path("impact.yaml"), "w") as file:
-                    file.write(text)
+                    file.write(text + METHOD)
                 run = f"run{number}"
                 self.run_scene(self.path("impact.yaml"), run, ranks, {})
                 energies = self.energies(run)
