@@ -1,6 +1,7 @@
 #include "sph/iisph.hpp"
 
 #include "base/clock.hpp"
+#include "kokkos/quad.hpp"
 
 #include <algorithm>
 #include <array>
@@ -30,18 +31,29 @@ constexpr double least_slope = 0.2;
 // Jacobi takes that many times the iterations of conjugate gradients.
 constexpr int jacobi_patience = 20;
 
+// m grad W of the pairs, in single precision: a product reads 16 bytes a pair and is as long as these take to come.
+struct Gradients {
+    Array<float> x, y, z;
+
+    struct Near {
+        Lanes x, y, z;
+    };
+    // Of the pairs from entry k of the list on; lanes beyond the end of the row hold others.
+    KOKKOS_INLINE_FUNCTION Near near(std::int64_t k) const {
+        return {load_lanes(x.data() + k), load_lanes(y.data() + k), load_lanes(z.data() + k)};
+    }
+};
+
+// g, the diagonal, which rows are watched, the gradients.
 template <class Kernel>
-struct PrepareLoop {
+struct PairLoop {
     Kernel kernel;
     Fluid fluid;
-    double dt;
-    Iisph::Aim aim;
-    double needed; // neighbours
-    double slack;  // [kg/m3] of Aim::approach
-    bool bearing;  // only rows above solids are watched
+    bool bearing; // only rows above solids are watched
     double gravity[3];
     RelativeDensity relative;
-    Array<double> density, source, diagonal, watched;
+    Gradients gradients;
+    Array<double> diagonal, watched;
     Array3 own, force;
 
     // True when solids, whose part of g is g - liquid, are below.
@@ -58,28 +70,26 @@ struct PrepareLoop {
 
     KOKKOS_INLINE_FUNCTION void operator()(int i) const {
         const Constants& c = fluid.constants;
-        const auto &u = fluid.velocity, &v = fluid.solid_velocity;
-        const double ux = u(i, 0), uy = u(i, 1), uz = u(i, 2);
         const Row row = fluid.row(i);
-        Lanes divergence = 0.0, square = 0.0, gx = 0.0, gy = 0.0, gz = 0.0;
+        const std::int64_t first = fluid.liquid.offset(i);
+        Lanes square = 0.0, gx = 0.0, gy = 0.0, gz = 0.0;
         for (int k = 0; k < row.count; k += lanes) {
             const auto d = row.near(k);
-            const auto w = fluid.motions(row, k);
             const auto along = distance(d.r2);
             const Lanes gradient = row.within(k, c.mass * kernel.gradient(along.r, along.inverse));
-            divergence = divergence + gradient * ((ux - w.x) * d.x + (uy - w.y) * d.y + (uz - w.z) * d.z);
-            square = square + gradient * gradient * d.r2;
-            gx = gx + gradient * d.x;
-            gy = gy + gradient * d.y;
-            gz = gz + gradient * d.z;
+            const Lanes x = rounded(gradient * d.x), y = rounded(gradient * d.y), z = rounded(gradient * d.z);
+            store_floats(x, row.count - k, gradients.x.data() + first + k);
+            store_floats(y, row.count - k, gradients.y.data() + first + k);
+            store_floats(z, row.count - k, gradients.z.data() + first + k);
+            square = square + (x * x + y * y + z * z);
+            gx = gx + x;
+            gy = gy + y;
+            gz = gz + z;
         }
-        double change = sum_lanes(divergence);
         const double liquid[3] = {sum_lanes(gx), sum_lanes(gy), sum_lanes(gz)};
         double g[3] = {liquid[0], liquid[1], liquid[2]};
         fluid.solid.each(i, [&](int s, double dx, double dy, double dz, double r2) {
             const double gradient = c.rest_density * fluid.solid_volume(s) * kernel.gradient(math::sqrt(r2));
-            const double share = fluid.carries(s) ? 1 : 0;
-            change += gradient * ((ux - share * v(s, 0)) * dx + (uy - share * v(s, 1)) * dy + (uz - share * v(s, 2)) * dz);
             g[0] += gradient * dx;
             g[1] += gradient * dy;
             g[2] += gradient * dz;
@@ -90,6 +100,39 @@ struct PrepareLoop {
         }
         watched(i) = !bearing || bears(g, liquid) ? 1 : 0;
         diagonal(i) = (sum_lanes(square) + g[0] * g[0] + g[1] * g[1] + g[2] * g[2]) / relative(i);
+    }
+};
+
+template <class Kernel>
+struct SourceLoop {
+    Kernel kernel;
+    Fluid fluid;
+    double dt;
+    Iisph::Aim aim;
+    double needed; // neighbours
+    double slack;  // [kg/m3] of Aim::approach
+    RelativeDensity relative;
+    Gradients gradients;
+    Array<double> density, source, diagonal;
+
+    KOKKOS_INLINE_FUNCTION void operator()(int i) const {
+        const Constants& c = fluid.constants;
+        const auto &u = fluid.velocity, &v = fluid.solid_velocity;
+        const double ux = u(i, 0), uy = u(i, 1), uz = u(i, 2);
+        const Row row = fluid.row(i);
+        const std::int64_t first = fluid.liquid.offset(i);
+        Lanes divergence = 0.0;
+        for (int k = 0; k < row.count; k += lanes) {
+            const auto w = fluid.motions(row, k);
+            const auto g = gradients.near(first + k);
+            divergence = divergence + row.within(k, g.x * (ux - w.x) + g.y * (uy - w.y) + g.z * (uz - w.z));
+        }
+        double change = sum_lanes(divergence);
+        fluid.solid.each(i, [&](int s, double dx, double dy, double dz, double r2) {
+            const double gradient = c.rest_density * fluid.solid_volume(s) * kernel.gradient(math::sqrt(r2));
+            const double share = fluid.carries(s) ? 1 : 0;
+            change += gradient * ((ux - share * v(s, 0)) * dx + (uy - share * v(s, 1)) * dy + (uz - share * v(s, 2)) * dz);
+        });
         if (aim != Iisph::Aim::divergence) {
             const double excess = density(i) / relative(i) - c.rest_density;
             source(i) = ((aim == Iisph::Aim::approach ? math::min(excess + slack, 0.0) : excess) + dt * change) / (dt * dt); // (2.4)
@@ -100,33 +143,31 @@ struct PrepareLoop {
     }
 };
 
-// q -> a; q_j is the fourth number of `place`.
-template <class Kernel>
+// q -> a, of the owned and ghost particles' `load`.
 struct AccelerationLoop {
-    Kernel kernel;
     Fluid fluid;
     RelativeDensity relative;
     Array<int> inlet; // of each particle, or empty
+    Gradients gradients;
     Array3 force, acceleration;
 
     KOKKOS_INLINE_FUNCTION void operator()(int i) const {
-        const Constants& c = fluid.constants;
         const Row row = fluid.row(i);
+        const std::int64_t first = fluid.liquid.offset(i);
         Lanes fx = 0.0, fy = 0.0, fz = 0.0;
         for (int k = 0; k < row.count; k += lanes) {
-            const auto d = row.near(k);
-            const auto along = distance(d.r2);
-            const Lanes f = row.within(k, d.number * kernel.gradient(along.r, along.inverse));
-            fx = fx + f * d.x;
-            fy = fy + f * d.y;
-            fz = fz + f * d.z;
+            const Lanes q = row.within(k, gather_lanes(fluid.load.data(), load_ints(row.index + k)));
+            const auto g = gradients.near(first + k);
+            fx = fx + q * g.x;
+            fy = fy + q * g.y;
+            fz = fz + q * g.z;
         }
         const double q = fluid.load(i);
         const double sum[3] = {sum_lanes(fx), sum_lanes(fy), sum_lanes(fz)};
         const bool prescribed = inlet.size() > 0 && inlet(i) > 0;
         const double inverse_density = prescribed ? 0 : 1 / relative(i);
         for (int k = 0; k < 3; ++k) {
-            const double a = inverse_density * (-q * force(i, k) - c.mass * sum[k]);
+            const double a = inverse_density * (-q * force(i, k) - sum[k]);
             acceleration(i, k) = a;
             fluid.motion(i, k) = a;
         }
@@ -134,23 +175,22 @@ struct AccelerationLoop {
 };
 
 // a -> A q; a_j is `motion`.
-template <class Kernel>
 struct DensityChangeLoop {
-    Kernel kernel;
     Fluid fluid;
+    Gradients gradients;
     Array3 own;
     Array<double> product;
 
     KOKKOS_INLINE_FUNCTION void operator()(int i) const {
         const Row row = fluid.row(i);
+        const std::int64_t first = fluid.liquid.offset(i);
         Lanes sum = 0.0;
         for (int k = 0; k < row.count; k += lanes) {
-            const auto d = row.near(k);
             const auto a = fluid.motions(row, k);
-            const auto along = distance(d.r2);
-            sum = sum + row.within(k, kernel.gradient(along.r, along.inverse) * (a.x * d.x + a.y * d.y + a.z * d.z));
+            const auto g = gradients.near(first + k);
+            sum = sum + row.within(k, a.x * g.x + a.y * g.y + a.z * g.z);
         }
-        double out = fluid.constants.mass * sum_lanes(sum);
+        double out = sum_lanes(sum);
         for (int k = 0; k < 3; ++k) out -= fluid.motion(i, k) * own(i, k);
         product(i) = out;
     }
@@ -159,12 +199,6 @@ struct DensityChangeLoop {
 void write_loads(LiquidParticles& liquid, const Array<double>& q) {
     const auto load = liquid.load();
     Kokkos::parallel_for("treacle::iisph_loads", liquid.store.owned(), KOKKOS_LAMBDA(int i) { load(i) = q(i); });
-}
-
-void write_place_loads(LiquidParticles& liquid) {
-    const auto load = liquid.load();
-    const auto to = liquid.place;
-    Kokkos::parallel_for("treacle::iisph_places", liquid.store.total(), KOKKOS_LAMBDA(int i) { to(i, 3) = load(i); });
 }
 
 void write_ghost_accelerations(LiquidParticles& liquid) {
@@ -191,22 +225,25 @@ struct Guess {
     double factor;          // on it
 };
 
-// Writes the guess as q; returns the sum of the squares of b in watched rows where q > 0 or b > 0, and how many b > 0.
-std::array<double, 2> write_guess(const StepParts& parts, const Guess& guess, const Array<double>& q, const Array<double>& diagonal,
-                                  const Array<double>& watched) {
+// Writes the guess as q; returns how many b > 0.
+double write_guess(const StepParts& parts, const Guess& guess, const Array<double>& q, const Array<double>& diagonal) {
     const auto rho = sum_density(parts);
     const auto p = guess.pressure, b = parts.liquid.source();
     const double factor = guess.factor;
     const int n = parts.liquid.store.owned();
-    std::array<double, 2> sums{};
-    Kokkos::parallel_reduce("treacle::iisph_start", n, KOKKOS_LAMBDA(int i, double& square, double& compressed) {
+    double compressed = 0;
+    Kokkos::parallel_reduce("treacle::iisph_start", n, KOKKOS_LAMBDA(int i, double& count) {
         q(i) = diagonal(i) > 0 ? factor * math::max(0.0, p(i)) / rho.square(i) : 0;
-        if (q(i) > 0 || b(i) > 0) square += watched(i) * b(i) * b(i);
-        if (b(i) > 0 && diagonal(i) > 0) compressed += 1;
-    }, sums[0], sums[1]);
-    if (n == 0) sums = {};
-    parts.comm.sum(std::span(sums));
-    return sums;
+        if (b(i) > 0 && diagonal(i) > 0) count += 1;
+    }, compressed);
+    return parts.comm.sum(n > 0 ? compressed : 0.0);
+}
+
+// The norm of the watched residual without pressures: `gradient` is -b then.
+double reference_norm(const StepParts& parts, const BoundedProblem& problem, const Array<double>& gradient) {
+    const auto b = problem.right_hand_side;
+    Kokkos::parallel_for("treacle::iisph_reference", problem.rows, KOKKOS_LAMBDA(int i) { gradient(i) = -b(i); });
+    return std::sqrt(watched_square(parts.comm, problem, gradient));
 }
 
 // product += softness D q
@@ -240,7 +277,7 @@ RoleCounts write_pressures(const StepParts& parts, const Array<double>& q) {
     return {pressed, n - pressed, 0};
 }
 
-// The stopping rules of the pressure solve; the reference is the norm of b, 0 where the density's rule is enough.
+// The stopping rules of the pressure solve; the reference is the residual without pressures, 0 where the density's rule is enough.
 BoundedGoal goal_of(const SphOptions& options, const Constants& constants, double dt, double reference) {
     const auto& pressure = options.pressure;
     BoundedGoal goal;
@@ -248,9 +285,7 @@ BoundedGoal goal_of(const SphOptions& options, const Constants& constants, doubl
     goal.least_iterations = jacobi ? least_iterations : 0;
     goal.max_iterations = (jacobi ? jacobi_patience : 1) * pressure.max_iterations;
     if (pressure.stop == StoppingRule::residual) {
-        goal.met = [=, to = pressure.residual](const BoundedResidual& r) {
-            return std::sqrt(r.square) <= to * reference;
-        };
+        goal.met = [=, to = pressure.residual](const BoundedResidual& r) { return std::sqrt(r.square) <= to * reference; };
     } else {
         const double scale = dt * dt / constants.rest_density;
         goal.met = [=, to = pressure.density_tolerance(), largest = pressure.residual_tolerance()](const BoundedResidual& r) {
@@ -331,6 +366,12 @@ double iisph_weight(const SphOptions& options, const Constants& constants) {
 }
 
 void Iisph::prepare(const StepParts& parts, double dt, Aim aim) {
+    write_places(parts.liquid, parts.liquid.volume());
+    write_pairs(parts);
+    write_source(parts, dt, aim);
+}
+
+void Iisph::write_pairs(const StepParts& parts) {
     auto& liquid = parts.liquid;
     const auto n = static_cast<std::size_t>(liquid.store.owned());
     reserve(q_, n);
@@ -341,22 +382,38 @@ void Iisph::prepare(const StepParts& parts, double dt, Aim aim) {
     reserve(own_, n);
     if (parts.constants.wall_push == 1) force_ = own_;
     else reserve(force_, n);
-    write_places(liquid, liquid.volume());
+    const auto entries = static_cast<std::size_t>(parts.neighbours.liquid.size);
+    for (auto& one : gradient_) {
+        reserve(one, entries + NeighbourList::spare);
+        // Lanes beyond the last row: numbers, whatever they are.
+        Kokkos::deep_copy(Kokkos::subview(one, Kokkos::make_pair(entries, entries + NeighbourList::spare)), 0.0f);
+    }
+    const auto fluid = gather_fluid(parts.constants, liquid, parts.solid, parts.neighbours);
+    const auto& options = parts.options.pressure;
+    const bool bearing = options.recovers_places() && options.stop == StoppingRule::density_error;
+    with_kernel(parts.options.kernel, parts.constants.dimensions, parts.constants.support, [&](const auto& kernel) {
+        using Kernel = std::decay_t<decltype(kernel)>;
+        Kokkos::parallel_for("treacle::iisph_pairs", fluid.count,
+                             PairLoop<Kernel>{kernel, fluid, bearing, {gravity_[0], gravity_[1], gravity_[2]},
+                                              relative_density(parts.constants, liquid), {gradient_[0], gradient_[1], gradient_[2]},
+                                              diagonal_, watched_, own_, force_});
+    });
+}
+
+void Iisph::write_source(const StepParts& parts, double dt, Aim aim) {
+    auto& liquid = parts.liquid;
     write_motions(liquid);
     const auto fluid = gather_fluid(parts.constants, liquid, parts.solid, parts.neighbours);
     const double needed = least_neighbours * lattice_neighbours(parts.constants);
-    // The corrections ask for what the pressure system asked for.
-    const bool own = parts.options.pressure.solver != PressureSolver::isph;
-    const auto density = own ? liquid.density() : liquid.blended_density();
     const auto& options = parts.options.pressure;
+    // The corrections ask for what the pressure system asked for.
+    const auto density = options.solver == PressureSolver::isph ? liquid.blended_density() : liquid.density();
     const double slack = slack_factor * options.density_tolerance() * parts.constants.rest_density;
-    const bool bearing = aim == Aim::approach && options.stop == StoppingRule::density_error;
     with_kernel(parts.options.kernel, parts.constants.dimensions, parts.constants.support, [&](const auto& kernel) {
         using Kernel = std::decay_t<decltype(kernel)>;
-        Kokkos::parallel_for("treacle::iisph_prepare", fluid.count,
-                             PrepareLoop<Kernel>{kernel, fluid, dt, aim, needed, slack, bearing, {gravity_[0], gravity_[1], gravity_[2]},
-                                                 relative_density(parts.constants, liquid), density, liquid.source(), diagonal_,
-                                                 watched_, own_, force_});
+        Kokkos::parallel_for("treacle::iisph_source", fluid.count,
+                             SourceLoop<Kernel>{kernel, fluid, dt, aim, needed, slack, relative_density(parts.constants, liquid),
+                                                {gradient_[0], gradient_[1], gradient_[2]}, density, liquid.source(), diagonal_});
     });
 }
 
@@ -364,19 +421,14 @@ void Iisph::multiply(const StepParts& parts, const Array<double>& q) {
     auto& liquid = parts.liquid;
     write_loads(liquid, q);
     parts.halo.gather(liquid.store, {liquid.load_field()});
-    write_place_loads(liquid);
     const auto fluid = gather_fluid(parts.constants, liquid, parts.solid, parts.neighbours);
-    const auto& c = parts.constants;
     const auto inlet = liquid.has_inlets() ? liquid.inlet() : Array<int>();
-    with_kernel(parts.options.kernel, c.dimensions, c.support, [&](const auto& kernel) {
-        using Kernel = std::decay_t<decltype(kernel)>;
-        Kokkos::parallel_for("treacle::iisph_accelerations", fluid.count,
-                             AccelerationLoop<Kernel>{kernel, fluid, relative_density(c, liquid), inlet, force_, liquid.acceleration()});
-        parts.halo.gather(liquid.store, {liquid.acceleration_field()});
-        write_ghost_accelerations(liquid);
-        Kokkos::parallel_for("treacle::iisph_density_changes", fluid.count,
-                             DensityChangeLoop<Kernel>{kernel, fluid, own_, product_});
-    });
+    const Gradients gradients{gradient_[0], gradient_[1], gradient_[2]};
+    Kokkos::parallel_for("treacle::iisph_accelerations", fluid.count,
+                         AccelerationLoop{fluid, relative_density(parts.constants, liquid), inlet, gradients, force_, liquid.acceleration()});
+    parts.halo.gather(liquid.store, {liquid.acceleration_field()});
+    write_ghost_accelerations(liquid);
+    Kokkos::parallel_for("treacle::iisph_density_changes", fluid.count, DensityChangeLoop{fluid, gradients, own_, product_});
     if (response_ == nullptr) return;
     multiply_by_density(parts, q, pressed_);
     response_->apply(parts.comm, liquid.store.owned(), pressed_, answered_);
@@ -400,25 +452,26 @@ solve::SolveReport Iisph::iterate(const StepParts& parts, Aim aim, double dt, co
     const auto guess = guess_of(aim);
     // The published IISPH starts from a part of the last pressures; without the excess they change little from step to step.
     const double factor = guess == BoundedGuess::zero ? 0 : aim == Aim::density && options.solver != PressureSolver::dfsph ? warm_start : 1;
-    const auto [square, compressed] = write_guess(parts, {last, factor}, q_, diagonal_, watched_);
     solve::SolveReport out;
-    if (compressed == 0) { // q = 0 is the solution
+    if (write_guess(parts, {last, factor}, q_, diagonal_) == 0) { // q = 0 is the solution
         Kokkos::deep_copy(q_, 0.0);
         return out;
     }
     if (weight_ == 0) weight_ = iisph_weight(parts.options, parts.constants);
-    const double reference = std::sqrt(square);
     const bool divergence = aim == Aim::divergence;
     const bool loose = aim == Aim::places && options.stop == StoppingRule::density_error;
-    const auto goal = divergence ? divergence_goal(parts.options, parts.constants, dt)
-                                 : goal_of(parts.options, parts.constants, dt, loose ? 0 : reference);
     const int rows = parts.liquid.store.owned();
     const auto product = [&](const Array<double>& q) {
         multiply(parts, q);
         if (aim == Aim::places) add_softness(rows, shift_softness, diagonal_, q, product_);
     };
-    const BoundedProblem problem{rows, product, product_, diagonal_, parts.liquid.source(), q_, guess, watched_};
-    const auto report = options.solver == PressureSolver::iisph_cg ? cg_.solve(parts.comm, problem, weight_, goal)
+    const auto& cells = parts.cells;
+    const RowGroups groups = aim == Aim::approach ? RowGroups{cells.begin, cells.end, static_cast<int>(cells.window.size())} : RowGroups{};
+    const BoundedProblem problem{rows, product, product_, diagonal_, parts.liquid.source(), q_, guess, watched_, groups};
+    const double reference = reference_norm(parts, problem, product_);
+    const auto goal = divergence ? divergence_goal(parts.options, parts.constants, dt)
+                                 : goal_of(parts.options, parts.constants, dt, loose ? 0 : reference);
+    const auto report = options.solver == PressureSolver::iisph_cg ? spectral_.solve(parts.comm, problem, weight_, goal)
                                                                    : bounded_jacobi(parts.comm, problem, weight_, goal);
     out = report.solve;
     out.relative_residual = reference > 0 ? std::sqrt(report.residual.square) / reference : 0;
@@ -441,7 +494,7 @@ solve::SolveReport Iisph::solve(const StepParts& parts, double dt, RoleCounts& r
 
 solve::SolveReport Iisph::shift(const StepParts& parts, double dt) {
     const auto start = Clock::now();
-    prepare(parts, dt, Aim::places);
+    write_source(parts, dt, Aim::places);
     auto& liquid = parts.liquid;
     auto out = iterate(parts, Aim::places, dt, liquid.pressure());
     const auto shift = liquid.acceleration();
@@ -474,7 +527,8 @@ solve::SolveReport Iisph::solve_divergence(const StepParts& parts, double dt, co
 
 std::size_t Iisph::bytes() const {
     return 8 * (q_.span() + product_.span() + diagonal_.span() + own_.span() +
-                (force_.data() == own_.data() ? 0 : force_.span()) + watched_.span() + pressed_.span() + answered_.span()) + cg_.bytes();
+                (force_.data() == own_.data() ? 0 : force_.span()) + watched_.span() + pressed_.span() + answered_.span()) +
+           12 * gradient_[0].span() + spectral_.bytes();
 }
 
 } // namespace treacle::sph

@@ -1,7 +1,7 @@
 #pragma once
 #include "base/vec3.hpp"
 #include "sph/body_response.hpp"
-#include "sph/bounded_cg.hpp"
+#include "sph/bounded_solve.hpp"
 #include "sph/prediction.hpp"
 #include "sph/step_parts.hpp"
 
@@ -25,19 +25,19 @@ public:
     // Source b of the solve.
     //   density:    (rho*_i - rho0) / dt^2
     //   approach:   the same without what the density exceeds rho0 by before the step, liquid within a slack of rho0 counting as full;
-    //               of stop: density_error, largest_residual holds in rows above solids that bear them
+    //               of stop: density_error, largest_residual holds for the sums over cells of rows above solids that bear them
     //   places:     as density, of a shift of places; largest_residual does not hold
     //   divergence: the density's rate of change over dt; rows with few neighbours, whose density says little, stay 0 (Bender &
     //               Koschier 2017)
     enum class Aim { density, approach, places, divergence };
-    // (S5) b, g, the diagonal of A. Ghosts' velocities must be current. Writes the fields source, place, motion.
+    // g, the diagonal of A, the gradients of the pairs; (S5) b. Ghosts' velocities must be current. Writes the fields source, place, motion.
     void prepare(const StepParts& parts, double dt, Aim aim = Aim::density);
 
     // Dynamic bodies give way: A has their term as well, until this is called with nullptr. `response` must be that of the present poses.
     void give_way(const BodyResponse* response) { response_ = response; }
 
-    // Collective: product() = A q, on owned rows, with q of the owned particles. Writes the fields load, acceleration,
-    // place, motion.
+    // Collective: product() = A q, on owned rows, with q of the owned particles, by gradients of single precision. Writes the
+    // fields load, acceleration, motion.
     void multiply(const StepParts& parts, const Array<double>& q);
 
     // Collective: prepares and solves, from half the last pressures, with DFSPH from all of them, with Aim::approach from their best
@@ -45,7 +45,8 @@ public:
     solve::SolveReport solve(const StepParts& parts, double dt, RoleCounts& roles);
 
     // (I2) Collective: what the density would exceed rho0 by after a step dt with the velocities, ghosts' included, as a shift
-    // of places: writes -dt G q, A q - b >= 0, to the acceleration field [m/s]. Writes source, load, place, motion; pressures stay.
+    // of places: writes -dt G q, A q - b >= 0, to the acceleration field [m/s]. Writes source, load, motion; pressures stay. The
+    // particles must stand where they stood at solve().
     solve::SolveReport shift(const StepParts& parts, double dt);
 
     // Collective: the divergence-free solve of DFSPH. last: the pressures of the last one, in and out [Pa]. Leaves p / rho^2
@@ -57,6 +58,9 @@ public:
     std::size_t bytes() const;
 
 private:
+    void write_pairs(const StepParts& parts);
+    // (S5)
+    void write_source(const StepParts& parts, double dt, Aim aim);
     // Solves what prepare() has prepared; last: pressures to start from [owned] [Pa].
     solve::SolveReport iterate(const StepParts& parts, Aim aim, double dt, const Array<double>& last);
 
@@ -66,10 +70,12 @@ private:
     Array<double> product_{"treacle::iisph_product", 0};
     Array<double> diagonal_{"treacle::iisph_diagonal", 0};
     Array<double> watched_{"treacle::iisph_watched", 0}; // 1 in rows for which largest_residual holds, else 0
+    Array<float> gradient_[3] = {Array<float>("treacle::iisph_gradient_x", 0), Array<float>("treacle::iisph_gradient_y", 0),
+                                 Array<float>("treacle::iisph_gradient_z", 0)}; // m grad W of each pair [kg/m^(D+1)]
     Array3 own_{"treacle::iisph_own", 0};     // g
     Array3 force_{"treacle::iisph_force", 0}; // g of the forces: the same array unless walls push harder
     Array<double> pressed_{"treacle::iisph_pressed", 0}, answered_{"treacle::iisph_answered", 0}; // with bodies that give way
-    BoundedCg cg_;
+    SpectralGradient spectral_;
     double weight_ = 0; // of Jacobi; 0: not known yet
 };
 

@@ -44,7 +44,7 @@ IsphStep::IsphStep(const Comm& comm, const IsphSetup& setup)
 }
 
 StepParts IsphStep::parts() {
-    return {setup_.options, setup_.constants, comm_, liquid_, solid_, neighbours_, halo_};
+    return {setup_.options, setup_.constants, comm_, liquid_, solid_, neighbours_, halo_, cells_};
 }
 
 ComplementarityParts IsphStep::complementarity_parts() {
@@ -377,6 +377,9 @@ void IsphStep::shift_positions(StepReport& report, double dt) {
     const auto phase = timers_.scope("solve");
     halo_.gather(liquid_.store, {liquid_.velocity_field()});
     const auto shifted = iisph_.shift(parts(), dt);
+    if (setup_.options.pressure.wall_contact == WallContact::stop) {
+        stop_shift_at_walls(parts(), {bodies_.load_points(), dt}, liquid_.acceleration());
+    }
     add_work(shifted, report.pressure);
     if (shifted.converged()) return;
     fail(shifted, comm_.sum(static_cast<std::int64_t>(liquid_.store.owned())), "method.pressure.recovery: velocities");

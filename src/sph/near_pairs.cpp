@@ -87,7 +87,7 @@ ViscousScene NearPairs::among(const ViscousScene& scene) {
     reserve(masks_, static_cast<std::size_t>(NearLiquid::count_masks(scene.neighbours.liquid.size, n)));
     keep(NearLiquid{pairs(scene.neighbours.liquid, liquid, liquid), scene.liquid.place, support * support, masks_}, n, near_.liquid);
     keep(NearSolids{pairs(scene.neighbours.solid, liquid, scene.solid.store), support * support}, n, near_.solid);
-    return {{scene.options, constants_, scene.comm, scene.liquid, scene.solid, near_, scene.halo}, scene.forces, scene.solid_halo};
+    return {{scene.options, constants_, scene.comm, scene.liquid, scene.solid, near_, scene.halo, scene.cells}, scene.forces, scene.solid_halo};
 }
 
 std::size_t NearPairs::bytes() const { return near_.liquid.bytes() + near_.solid.bytes() + masks_.span(); }

@@ -14,6 +14,7 @@ struct StepParts {
     const SolidParticles& solid;
     const Neighbourhood& neighbours;
     Halo& halo;
+    const CellList& cells; // of the liquid
 };
 
 } // namespace treacle::sph

@@ -11,9 +11,16 @@ constexpr double patch = 0.75;
 // In a corner what one wall gives may lead into the other.
 constexpr int passes = 2;
 
+// What of a particle's velocity contacts may change, and the rest, which may be empty [m/s].
+struct Moves {
+    Array3 changed, rest;
+    KOKKOS_INLINE_FUNCTION double operator()(int i, int k) const { return changed(i, k) + (rest.size() > 0 ? rest(i, k) : 0.0); }
+};
+
 // Sums over the bodies as their loads are, and a last number: particles stopped.
 struct WallContactLoop : LoadReduction {
     Fluid fluid;
+    Moves moves;
     Array3 normal;
     LoadPoints points;
     RelativeDensity relative;
@@ -28,7 +35,7 @@ struct WallContactLoop : LoadReduction {
     KOKKOS_INLINE_FUNCTION void operator()(int i, value_type sum) const {
         if (fluid.solid.count(i) == 0) return;
         const Constants& c = fluid.constants;
-        const auto &u = fluid.velocity, &v = fluid.solid_velocity;
+        const auto& v = fluid.solid_velocity;
         const double reach2 = patch * patch * c.spacing * c.spacing;
         const double place[3] = {fluid.solid.of(i, 0), fluid.solid.of(i, 1), fluid.solid.of(i, 2)};
         bool stopped = false;
@@ -38,13 +45,13 @@ struct WallContactLoop : LoadReduction {
                 const double height = n[0] * dx + n[1] * dy + n[2] * dz;
                 if (height < 0 || r2 - height * height > reach2) return;
                 const double rise =
-                    (u(i, 0) - v(s, 0)) * n[0] + (u(i, 1) - v(s, 1)) * n[1] + (u(i, 2) - v(s, 2)) * n[2];
+                    (moves(i, 0) - v(s, 0)) * n[0] + (moves(i, 1) - v(s, 1)) * n[1] + (moves(i, 2) - v(s, 2)) * n[2];
                 const double push = least_rise(height) - rise;
                 if (!(push > 0)) return;
                 stopped = true;
                 double force[3]; // on the solid [N]
                 for (int k = 0; k < 3; ++k) {
-                    u(i, k) += push * n[k];
+                    moves.changed(i, k) += push * n[k];
                     force[k] = -c.mass * relative(i) * push * n[k] / dt;
                 }
                 points.add(sum + 6 * fluid.solid_body(s), fluid.solid_body(s), place, force);
@@ -55,16 +62,29 @@ struct WallContactLoop : LoadReduction {
 };
 } // namespace
 
-std::int64_t stop_at_walls(const Constants& constants, LiquidParticles& liquid, const SolidParticles& solid,
-                           const Neighbourhood& neighbours, const WallStop& stop, BodyLoads& loads) {
-    if (neighbours.solid.size == 0) return 0;
-    const auto fluid = gather_fluid(constants, liquid, solid, neighbours);
+namespace {
+std::int64_t stop(const Constants& constants, const Fluid& fluid, const Moves& moves, const SolidParticles& solid,
+                  const RelativeDensity& relative, const WallStop& at, std::span<double> loads) {
     std::vector<double> sums(loads.size() + 1, 0.0);
-    const WallContactLoop loop{
-        {sums.size()}, fluid, solid.normal(), stop.points, relative_density(constants, liquid), stop.dt};
+    const WallContactLoop loop{{sums.size()}, fluid, moves, solid.normal(), at.points, relative, at.dt};
     Kokkos::parallel_reduce("treacle::stop_at_walls", fluid.count, loop, host_sums(sums));
     for (std::size_t k = 0; k < loads.size(); ++k) loads[k] += sums[k];
     return std::llround(sums.back());
+}
+} // namespace
+
+std::int64_t stop_at_walls(const Constants& constants, LiquidParticles& liquid, const SolidParticles& solid,
+                           const Neighbourhood& neighbours, const WallStop& at, BodyLoads& loads) {
+    if (neighbours.solid.size == 0) return 0;
+    const auto fluid = gather_fluid(constants, liquid, solid, neighbours);
+    return stop(constants, fluid, {fluid.velocity, {}}, solid, relative_density(constants, liquid), at, loads);
+}
+
+void stop_shift_at_walls(const StepParts& parts, const WallStop& at, const Array3& shift) {
+    if (parts.neighbours.solid.size == 0) return;
+    const auto fluid = gather_fluid(parts.constants, parts.liquid, parts.solid, parts.neighbours);
+    BodyLoads unused(6 * static_cast<std::size_t>(at.points.count), 0.0); // a shift of places has no impulse
+    stop(parts.constants, fluid, {shift, fluid.velocity}, parts.solid, relative_density(parts.constants, parts.liquid), at, unused);
 }
 
 } // namespace treacle::sph

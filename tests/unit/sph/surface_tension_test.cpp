@@ -60,7 +60,7 @@ struct TensionCase {
           forces(parts.liquid, parts.setup.options, parts.setup.constants, parts.setup.domain, tension) {}
     StepParts views() {
         return {parts.setup.options, parts.setup.constants, parts.comm, parts.liquid, parts.solid, parts.neighbours,
-                parts.halo};
+                parts.halo, parts.liquid_cells};
     }
 };
 

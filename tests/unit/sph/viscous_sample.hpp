@@ -42,7 +42,7 @@ inline Sample turning_blob(const BlobSetup& blob) {
 }
 
 inline ViscousScene viscous_scene(Parts& parts) {
-    return {{parts.setup.options, parts.setup.constants, parts.comm, parts.liquid, parts.solid, parts.neighbours, parts.halo},
+    return {{parts.setup.options, parts.setup.constants, parts.comm, parts.liquid, parts.solid, parts.neighbours, parts.halo, parts.liquid_cells},
             parts.setup.forces};
 }
 

@@ -25,7 +25,7 @@ struct ViscousCase {
     ImplicitViscosity::Result solve(double dt) {
         auto result =
             solver.solve({{parts.setup.options, parts.setup.constants, parts.comm, parts.liquid, parts.solid, parts.neighbours,
-                           parts.halo},
+                           parts.halo, parts.liquid_cells},
                           parts.setup.forces,
                           &parts.solid_halo},
                          bodies, dt);

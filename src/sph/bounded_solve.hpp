@@ -11,6 +11,12 @@ namespace treacle::sph {
 // the value at q = 0.
 enum class BoundedGuess { zero, given, best_multiple };
 
+// Ranges of rows, begin(k) <= i < end(k); those that begin beyond the owned rows count as empty.
+struct RowGroups {
+    Array<int> begin, end;
+    int count = 0;
+};
+
 // min q.Aq/2 - b.q over q >= 0, A symmetric and positive semidefinite, on the owned rows.
 struct BoundedProblem {
     int rows = 0;
@@ -22,6 +28,7 @@ struct BoundedProblem {
     Array<double> q;        // in: guess >= 0, out: solution
     BoundedGuess guess = BoundedGuess::given;
     Array<double> watched;  // 1, or 0 in rows that do not count for BoundedResidual::square; empty: all 1
+    RowGroups groups;       // over which watched residuals are added up before they are squared; none: each row by itself
 };
 
 // How far q is from the solution; sums over the ranks. A row's residual b - A q counts where q > 0, and where it
@@ -29,7 +36,7 @@ struct BoundedProblem {
 struct BoundedResidual {
     double excess = 0; // sum of the positive residuals
     double count = 0;  // rows that count
-    double square = 0; // sum of squares, of rows that are watched
+    double square = 0; // sum of squares of the groups' watched residuals
 };
 
 struct BoundedGoal {
@@ -44,22 +51,26 @@ struct BoundedReport {
     BoundedResidual residual;
 };
 
+// Collective: BoundedResidual::square of q with the gradient A q - b.
+double watched_square(const Comm& comm, const BoundedProblem& problem, const Array<double>& gradient);
+
 // q <- max(0, q + omega (b - A q) / diagonal), one product an iteration (Ihmsen et al. 2014). The residual is that
 // before the last change. Collective.
 BoundedReport bounded_jacobi(const Comm& comm, const BoundedProblem& problem, double omega, const BoundedGoal& goal);
 
-// Conjugate gradients with Jacobi scaling on the rows with q > 0. Where a step would make some negative, it is cut at 0,
-// and the next direction is as conjugate as that leaves it; rows at 0 come back in when their residuals outweigh the
-// others' (proportioning, Dostal 1997; `length` is its measure, in units of the inverse diagonal). Nothing proves that
-// it ends, as it would with a gradient step after each cut: that took four times the iterations (README). Collective.
-class BoundedCg {
+// Spectral projected gradients (Birgin, Martinez & Raydan 2000) scaled by the diagonal: q <- max(0, q - alpha (A q - b) / diagonal), one
+// product an iteration, alpha by turns the longer and the shorter one of Barzilai & Borwein (1988) (Dai & Fletcher 2005).
+// Not monotone: residuals may rise for an iteration or two. Conjugate gradients need a second product whenever the bound cuts
+// a step, which in liquids with a free surface is nearly always (README). Collective.
+class SpectralGradient {
 public:
-    BoundedReport solve(const Comm& comm, const BoundedProblem& problem, double length, const BoundedGoal& goal);
-    std::size_t bytes() const { return 8 * (gradient_.span() + direction_.span()); }
+    // first: alpha of the first iteration
+    BoundedReport solve(const Comm& comm, const BoundedProblem& problem, double first, const BoundedGoal& goal);
+    std::size_t bytes() const { return 8 * (gradient_.span() + change_.span()); }
 
 private:
     Array<double> gradient_{"treacle::gradient", 0};
-    Array<double> direction_{"treacle::direction", 0};
+    Array<double> change_{"treacle::change", 0};
 };
 
 } // namespace treacle::sph
