@@ -30,6 +30,7 @@ Input bench_scene(std::int64_t particles, int sections, const std::vector<std::s
                              "      - box: {min: [0, 0, 0], max: [1, " +
                              depth +
                              ", 1]}\n"
+                             "method: {pressure: {solver: isph}}\n"
                              "time: {end: 1 s}\n";
     auto document = Document::from_text(text, "treacle bench");
     for (const auto& assignment : overrides) document.set(assignment);

@@ -8,6 +8,7 @@
 #include "base/text.hpp"
 #include "grid/seeding.hpp"
 #include "scene/clip.hpp"
+#include "sph/density.hpp"
 #include "sph/forces.hpp"
 #include "sph/near_pairs.hpp"
 #include "sph/slip_lattice.hpp"
@@ -378,7 +379,8 @@ sph::Constants make_constants(const Input& input) {
     out.laplacian_diagonal = lattice.laplacian_diagonal;
     const sph::WallSetup wall{input.method.kernel, domain.dimensions, out.support, domain.spacing, domain.spacing};
     const double viscous = sph::viscous_support(input.method, domain.spacing);
-    if (limiting_viscosity(input) > 0) out.wall_grip = sph::wall_grip(wall, input.method.density, viscous);
+    out.wall_packing = sph::wall_packing(input.method.pressure, domain.dimensions);
+    if (limiting_viscosity(input) > 0) out.wall_grip = sph::wall_grip(wall, input.method.density, viscous) / out.wall_packing;
     if (any_slip_length(input)) sph::measure_slip(wall, input.method.density, viscous, out);
     if (input.method.pressure.dirichlet == sph::DirichletRule::ghosts) {
         out.wall_cover = sph::wall_cover(wall, input.method.density);

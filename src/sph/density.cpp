@@ -66,9 +66,9 @@ struct SolidVolumeLoop {
 };
 } // namespace
 
-double wall_packing(const PressureOptions& options, const Constants& constants) {
+double wall_packing(const PressureOptions& options, int dimensions) {
     if (!options.recovers_places()) return 1;
-    return constants.dimensions == 3 ? 1.08 : 1.06;
+    return dimensions == 3 ? 1.08 : 1.06;
 }
 
 void compute_density(const SphOptions& options, const Constants& constants, LiquidParticles& liquid,
@@ -92,7 +92,7 @@ void compute_solid_volumes(const SphOptions& options, const Constants& constants
         Kokkos::parallel_for(
             "treacle::solid_volumes", solid.store.owned(),
             SolidVolumeLoop<Kernel>{kernel, pairs(list, solid.store, solid.store), points,
-                                    wall_packing(options.pressure, constants), solid.body(), solid.volume()});
+                                    constants.wall_packing, solid.body(), solid.volume()});
     });
 }
 

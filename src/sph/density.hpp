@@ -9,9 +9,9 @@ namespace treacle::sph {
 void compute_density(const SphOptions& options, const Constants& constants, LiquidParticles& liquid,
                      const SolidParticles& solid, const Neighbourhood& neighbours);
 
-// Factor on the volumes of solids that rest, with `recovery: positions`: liquid that has moved stands nearer to a wall than the
-// lattice from which its place comes, and would sink by a per cent of a tank ten spacings wide (README).
-double wall_packing(const PressureOptions& options, const Constants& constants);
+// Constants::wall_packing. With `recovery: positions` liquid that has moved stands nearer to a wall than the lattice from which
+// its place comes, and would sink by a per cent of a tank ten spacings wide (README).
+double wall_packing(const PressureOptions& options, int dimensions);
 
 // Volumes of solid particles, V_s = 1 / sum_s W over the solids themselves (Akinci et al. 2012). `list` holds
 // the solid neighbours of solids; owned rows are written. Solids that rest count among each other, as where two walls

@@ -52,7 +52,7 @@ struct ForceLoop {
             const auto& v = fluid.solid_velocity;
             const double approach = (ux - v(s, 0)) * dx + (uy - v(s, 1)) * dy + (uz - v(s, 2)) * dz;
             const double drag = own * approach + colliding * math::min(approach, 0.0);
-            const double mass = c.rest_density * fluid.solid_volume(s) * grip;
+            const double mass = c.rest_density * fluid.solid_volume(s) / c.wall_packing * grip;
             const double f = mass * drag / (r2 + soft) * kernel.gradient(math::sqrt(r2));
             ax += f * dx;
             ay += f * dy;
@@ -152,7 +152,7 @@ struct ViscousLoadLoop : BodyLoadLoop<Kernel> {
             const double approach =
                 (u(i, 0) - v(s, 0)) * dx + (u(i, 1) - v(s, 1)) * dy + (u(i, 2) - v(s, 2)) * dz;
             const double drag = laminar * approach + colliding * math::min(approach, 0.0);
-            const double mass = c.rest_density * fluid.solid_volume(s) * grip;
+            const double mass = c.rest_density * fluid.solid_volume(s) / c.wall_packing * grip;
             const double f = -c.mass * mass * drag / (r2 + soft) * Base::kernel.gradient(math::sqrt(r2));
             const double force[3] = {f * dx, f * dy, Kernel::dimensions == 3 ? f * dz : 0};
             Base::add(sum, s, force);

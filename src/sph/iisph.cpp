@@ -281,7 +281,7 @@ RoleCounts write_pressures(const StepParts& parts, const Array<double>& q) {
 BoundedGoal goal_of(const SphOptions& options, const Constants& constants, double dt, double reference) {
     const auto& pressure = options.pressure;
     BoundedGoal goal;
-    const bool jacobi = pressure.solver != PressureSolver::iisph_cg;
+    const bool jacobi = pressure.solver != PressureSolver::iisph;
     goal.least_iterations = jacobi ? least_iterations : 0;
     goal.max_iterations = (jacobi ? jacobi_patience : 1) * pressure.max_iterations;
     if (pressure.stop == StoppingRule::residual) {
@@ -471,7 +471,7 @@ solve::SolveReport Iisph::iterate(const StepParts& parts, Aim aim, double dt, co
     const double reference = reference_norm(parts, problem, product_);
     const auto goal = divergence ? divergence_goal(parts.options, parts.constants, dt)
                                  : goal_of(parts.options, parts.constants, dt, loose ? 0 : reference);
-    const auto report = options.solver == PressureSolver::iisph_cg ? spectral_.solve(parts.comm, problem, weight_, goal)
+    const auto report = options.solver == PressureSolver::iisph ? spectral_.solve(parts.comm, problem, weight_, goal)
                                                                    : bounded_jacobi(parts.comm, problem, weight_, goal);
     out = report.solve;
     out.relative_residual = reference > 0 ? std::sqrt(report.residual.square) / reference : 0;

@@ -20,6 +20,7 @@ struct Constants {
     double wall_grip = 1;          // how many times V_s counts in the viscous sums (lattice.hpp)
     double wall_wetting = 0;       // sum of V0 |W'|/r of the lattice over a particle of a plane wall [1/m2]
     double wall_volume = 0;        // V_s of a plane wall [m^D]
+    double wall_packing = 1;       // factor on V_s of solids at rest in all but viscous sums (density.hpp)
     double wall_depth = 0;         // of the layer of solid particles below the surface [m]
     int dimensions = 3;
     Mixture mixture;           // of several liquids, otherwise empty

@@ -49,18 +49,36 @@ void MultilevelOptions::declare(Declaration& d) {
              "Factor lambda of `multilevel_grids` (dissertation, section 3.5.2).");
 }
 
+void PressureOptions::check_solver(Declaration& d) const {
+    const PressureOptions usual;
+    const auto needs_isph = [&](const char* key, bool differs) {
+        d.check(!differs || solver == PressureSolver::isph, key,
+                {"is read by method.pressure.solver: isph only", "the others would ignore it", "set solver: isph too, or leave it out"});
+    };
+    needs_isph("dirichlet", dirichlet != usual.dirichlet);
+    needs_isph("surface_density", surface_density != usual.surface_density);
+    needs_isph("clamping", clamping != usual.clamping);
+    needs_isph("prediction", prediction != usual.prediction);
+    needs_isph("solid_term", solid_term != usual.solid_term);
+    needs_isph("amplification_limit", amplification_limit != usual.amplification_limit);
+    needs_isph("wall_force", wall_force != usual.wall_force);
+    needs_isph("preconditioner", preconditioner != usual.preconditioner);
+    needs_isph("corrections", corrections != usual.corrections);
+}
+
 void PressureOptions::declare(Declaration& d) {
     d.choice("solver", solver,
-             {{"isph", PressureSolver::isph},
+             {{"iisph", PressureSolver::iisph},
+              {"isph", PressureSolver::isph},
               {"iisph_jacobi", PressureSolver::iisph_jacobi},
-              {"iisph_cg", PressureSolver::iisph_cg},
               {"dfsph", PressureSolver::dfsph}},
-             "Pressures by incompressible SPH with an assembled Laplacian; or, to compare with, by implicit "
-             "incompressible SPH (Ihmsen et al. 2014) with relaxed Jacobi, as published, or with conjugate gradients; or "
-             "by divergence-free SPH (Bender & Koschier 2017), two solves of that kind, one for the velocities. "
-             "Those three take of this block only `stop` and what it needs, and no dynamic bodies.");
+             "Pressures by implicit incompressible SPH (Ihmsen et al. 2014), whose operator is that of the forces, by spectral projected "
+             "gradients; by incompressible SPH with an assembled Laplacian (dissertation, chapters 2 and 3), which alone reads "
+             "`dirichlet` and what belongs to it, `solid_term`, `wall_force`, `preconditioner`, `multilevel` and `corrections`; or, to "
+             "compare with, by implicit incompressible SPH with relaxed Jacobi, as published, or by divergence-free SPH (Bender & "
+             "Koschier 2017), two solves of that kind, one for the velocities, without dynamic bodies.");
     d.number("jacobi_weight", jacobi_weight, unit::none, range_between(0, 1),
-             "Weight of the Jacobi iteration of `iisph_jacobi` and `dfsph`, and of the gradient steps of `iisph_cg`; 0: "
+             "Weight of the Jacobi iteration of `iisph_jacobi` and `dfsph`, and of the first step of `iisph`; 0: "
              "the 0.5 published for IISPH, or less for kernels wide enough that it would diverge.");
     d.choice("dirichlet", dirichlet,
              {{"predicted", DirichletRule::predicted},
@@ -99,8 +117,6 @@ void PressureOptions::declare(Declaration& d) {
              "How hard solids push back: by the pressure of the liquid alone (Akinci et al. 2012), which lets the first "
              "layer sink until its pressure is several times that of the next; or as many times more as keeps liquid "
              "at rest beside a flat wall in balance, for large time steps.");
-    d.check(wall_force == WallForce::one_sided || solver == PressureSolver::isph, "wall_force",
-            {"balanced needs solver: isph", "the others' solids push as their equations say", "leave one of the two out"});
     d.choice("wall_contact", wall_contact, {{"stop", WallContact::stop}, {"none", WallContact::none}},
              "Whether a particle that would sink below the surface of a solid within the step loses the part of its velocity "
              "that leads there, or pressures alone hold it off, which they do only while it meets the solid in several "
@@ -142,13 +158,16 @@ void PressureOptions::declare(Declaration& d) {
     d.number("density_error", density_error, unit::none, range_at_least(0),
              "Mean compression of the Poisson particles at which iterating ends, as a share of the density; 0: 1e-5, with `recovery: positions` 1e-3.");
     check_tolerance(d, "density_error", density_error);
-    d.choice("recovery", recovery, {{"velocities", DensityRecovery::velocities}, {"positions", DensityRecovery::positions}},
+    d.choice("recovery", recovery,
+             {{"automatic", DensityRecovery::automatic},
+              {"velocities", DensityRecovery::velocities},
+              {"positions", DensityRecovery::positions}},
              "How liquid that is compressed gets its density back. `velocities`: within a step, by the pressures that move it, "
              "so that it is thrown apart the faster the shorter the step. `positions`: the pressures only stop what would "
              "compress it further, and a second solve moves the particles apart without a velocity; no impact gains energy. "
-             "Needs `solver: iisph_cg` or `iisph_jacobi`.");
-    d.check(!recovers_places() || solver == PressureSolver::iisph_cg || solver == PressureSolver::iisph_jacobi, "recovery",
-            {"needs solver: iisph_cg or iisph_jacobi", "no other's pressures take energy out of whatever they meet", "set the solver too, or leave it out"});
+             "`automatic`: positions with `solver: iisph`, velocities with the others. Positions need `solver: iisph` or `iisph_jacobi`.");
+    d.check(!recovers_places() || solver == PressureSolver::iisph || solver == PressureSolver::iisph_jacobi, "recovery",
+            {"needs solver: iisph or iisph_jacobi", "no other's pressures take energy out of whatever they meet", "set the solver too, or leave it out"});
     d.number("divergence_error", divergence_error, unit::none, reachable(range_at_least(least_tolerance)),
              "Of `dfsph`: mean compression in a step, as a share of the density, that the velocities may have before "
              "forces act.");
@@ -163,15 +182,11 @@ void PressureOptions::declare(Declaration& d) {
               "Most corrections of the pressures in a step, until the mean compression that they leave by the very forces "
               "that move the liquid is below `density_error`: the pressure system's Laplacian approximates these, and at "
               "walls poorly. Each takes about the time of two to three iterations of the solve; 2 do for large time steps.");
-    d.check(corrections == 0 || solver == PressureSolver::isph, "corrections",
-            {"needs solver: isph", "the others solve for those forces as they are", "leave it out"});
     d.check(corrections == 0 || solid_term != SolidTerm::unknowns, "corrections",
             {"cannot be with solid_term: unknowns", "the pressures of solids push nothing", "take another solid_term"});
     d.integer("max_iterations", max_iterations, range_at_least(1),
               "Iterations after which the run ends as failed; 20 times as many with `solver: iisph_jacobi` and `dfsph`.");
     const bool exact = dirichlet == DirichletRule::complementarity;
-    d.check(!exact || solver == PressureSolver::isph, "dirichlet",
-            {"complementarity needs solver: isph", "the others have no negative pressures anyway", "leave one of the two out"});
     const bool cut = preconditioner != PressurePreconditioner::gamg &&
                      preconditioner != PressurePreconditioner::boomeramg &&
                      preconditioner != PressurePreconditioner::multilevel_grids;
@@ -184,6 +199,7 @@ void PressureOptions::declare(Declaration& d) {
     d.check(!exact || cut, "preconditioner",
             {"cannot serve dirichlet: complementarity", "the set of unknowns changes within a solve",
              "choose multilevel, incomplete_cholesky, ssor, jacobi or none"});
+    check_solver(d);
 }
 
 void ViscosityOptions::declare(Declaration& d) {

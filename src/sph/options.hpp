@@ -15,8 +15,8 @@ enum class WallForce { one_sided, balanced };
 enum class WallContact { stop, none };
 enum class BodyCoupling { implicit, one_step_late };
 enum class StoppingRule { density_error, residual };
-enum class DensityRecovery { velocities, positions };
-enum class PressureSolver { isph, iisph_jacobi, iisph_cg, dfsph };
+enum class DensityRecovery { automatic, velocities, positions };
+enum class PressureSolver { isph, iisph, iisph_jacobi, dfsph };
 enum class PressurePreconditioner {
     none,
     jacobi,
@@ -86,7 +86,7 @@ struct MultilevelOptions {
 };
 
 struct PressureOptions {
-    PressureSolver solver = PressureSolver::isph;
+    PressureSolver solver = PressureSolver::iisph;
     double jacobi_weight = 0;       // omega of IISPH and DFSPH; 0: the published 0.5, or less where that diverges (README)
     DirichletRule dirichlet = DirichletRule::predicted;
     double prediction = 1;          // gamma of Eq. 2.6; the dissertation's 0.5 is noisier (README)
@@ -102,7 +102,7 @@ struct PressureOptions {
     MultilevelOptions multilevel;
     StoppingRule stop = StoppingRule::density_error;
     double density_error = 0;       // mean compression of the Poisson particles, share of the rest density; 0: density_tolerance()
-    DensityRecovery recovery = DensityRecovery::velocities; // by what compressed liquid gets its density back
+    DensityRecovery recovery = DensityRecovery::automatic; // by what compressed liquid gets its density back
     double divergence_error = 1e-4; // of DFSPH: mean compression that the velocities would cause in a step
     double largest_residual = 0;    // relative, that the density rule must reach as well (README); 0: residual_tolerance()
     double residual = 1e-6;         // relative, for the residual rule
@@ -112,9 +112,14 @@ struct PressureOptions {
     // What the two that are 0 stand for: with positions, pressures of the first solve gather no density error.
     double density_tolerance() const { return density_error > 0 ? density_error : recovers_places() ? 1e-3 : 1e-5; }
     double residual_tolerance() const { return largest_residual > 0 ? largest_residual : recovers_places() ? 0.05 : 0.1; }
-    bool recovers_places() const { return recovery == DensityRecovery::positions; }
+    bool recovers_places() const {
+        return recovery == DensityRecovery::positions || (recovery == DensityRecovery::automatic && solver == PressureSolver::iisph);
+    }
 
     void declare(Declaration& d);
+
+private:
+    void check_solver(Declaration& d) const;
 };
 
 struct ViscosityOptions {

@@ -24,7 +24,7 @@ struct SkinFrictionLoop : LoadReduction {
     };
 
     KOKKOS_INLINE_FUNCTION double weight(int s, double r2) const {
-        return -fluid.solid_volume(s) * kernel.gradient(math::sqrt(r2));
+        return -fluid.solid_volume(s) / fluid.constants.wall_packing * kernel.gradient(math::sqrt(r2));
     }
     KOKKOS_INLINE_FUNCTION Wall look(int i) const {
         Wall wall;

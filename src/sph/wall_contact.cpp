@@ -63,7 +63,7 @@ struct WallContactLoop : LoadReduction {
 } // namespace
 
 namespace {
-std::int64_t stop(const Constants& constants, const Fluid& fluid, const Moves& moves, const SolidParticles& solid,
+std::int64_t stop(const Fluid& fluid, const Moves& moves, const SolidParticles& solid,
                   const RelativeDensity& relative, const WallStop& at, std::span<double> loads) {
     std::vector<double> sums(loads.size() + 1, 0.0);
     const WallContactLoop loop{{sums.size()}, fluid, moves, solid.normal(), at.points, relative, at.dt};
@@ -77,14 +77,14 @@ std::int64_t stop_at_walls(const Constants& constants, LiquidParticles& liquid, 
                            const Neighbourhood& neighbours, const WallStop& at, BodyLoads& loads) {
     if (neighbours.solid.size == 0) return 0;
     const auto fluid = gather_fluid(constants, liquid, solid, neighbours);
-    return stop(constants, fluid, {fluid.velocity, {}}, solid, relative_density(constants, liquid), at, loads);
+    return stop(fluid, {fluid.velocity, {}}, solid, relative_density(constants, liquid), at, loads);
 }
 
 void stop_shift_at_walls(const StepParts& parts, const WallStop& at, const Array3& shift) {
     if (parts.neighbours.solid.size == 0) return;
     const auto fluid = gather_fluid(parts.constants, parts.liquid, parts.solid, parts.neighbours);
     BodyLoads unused(6 * static_cast<std::size_t>(at.points.count), 0.0); // a shift of places has no impulse
-    stop(parts.constants, fluid, {shift, fluid.velocity}, parts.solid, relative_density(parts.constants, parts.liquid), at, unused);
+    stop(fluid, {shift, fluid.velocity}, parts.solid, relative_density(parts.constants, parts.liquid), at, unused);
 }
 
 } // namespace treacle::sph

@@ -22,7 +22,7 @@ struct SlipLoop {
     Array<double> volume, wetting;
     Array<int> body;
     Array3 normal;
-    double rest_volume, area, depth, least, lowest;
+    double rest_volume, area, packing, depth, least, lowest;
 
     KOKKOS_INLINE_FUNCTION double weight(double r2) const {
         return -rest_volume * kernel.gradient(math::sqrt(r2));
@@ -32,7 +32,7 @@ struct SlipLoop {
     KOKKOS_INLINE_FUNCTION void each_area(int i, const Visit& visit) const {
         pairs.each(i, [&](int s, double dx, double dy, double dz, double r2) {
             if (slip(body(s)) == 0) return;
-            const double own = points.moving ? volume(s) / points.scale(body(s)) : volume(s);
+            const double own = volume(s) / (points.moves(body(s)) ? points.scale(body(s)) : packing);
             const double height = normal(s, 0) * dx + normal(s, 1) * dy + normal(s, 2) * dz - depth;
             visit(s, area * own * weight(r2) / math::max(wetting(s), least), math::max(height, lowest));
         });
@@ -128,7 +128,7 @@ void with_slip(const ViscousScene& scene, const LoadPoints& points, const Array<
         using Kernel = std::decay_t<decltype(kernel)>;
         work(SlipLoop<Kernel>{kernel, pairs(scene.neighbours.solid, scene.liquid.store, solid.store), points,
                               slip, share, solid.volume(), solid.wetting(), solid.body(), solid.normal(),
-                              c.rest_volume, area, c.wall_depth, least_wetting * c.wall_wetting,
+                              c.rest_volume, area, c.wall_packing, c.wall_depth, least_wetting * c.wall_wetting,
                               least_height * c.spacing});
     });
 }

@@ -79,7 +79,7 @@ class Failure(Workplace):
         self.assertEqual(os.listdir(self.path("temporary")), [])
 
     def test_an_unconverged_solve_is_named(self):
-        self.fail_with("pressure solve", "after 1 iterations", "method.pressure.preconditioner",
+        self.fail_with("pressure solve", "after 1 iterations", "method.pressure.solver: isph",
                        values={"method.pressure.stop": "residual", "method.pressure.residual": "1e-14",
                                "method.pressure.max_iterations": "1"})
 

@@ -9,7 +9,7 @@ import sys
 import harness
 from harness import Workplace
 
-METHOD = "method: {kind: sph, pressure: {solver: iisph_cg, recovery: positions}}\n"
+METHOD = "method: {kind: sph}\n"
 SCENE = """schema_version: 1
 domain: {dimensions: 2, min: [0, 0], max: [0.5, 0.4], spacing: SPACING}
 liquids:

@@ -25,6 +25,7 @@ VARIANTS = {
     "unknowns": {"method.pressure.solid_term": "unknowns"},
     "unknowns with density": {"method.pressure.solid_term": "unknowns", "method.pressure.dirichlet": "density"},
 }
+ISPH = {"method.pressure.solver": "isph"}
 UNSTABLE = ["surface"]  # as the dissertation has it: pressures inside run away
 
 
@@ -35,7 +36,7 @@ class Comparators(Workplace):
             if name in UNSTABLE:
                 continue
             with self.subTest(name):
-                self.run_scene(scene, name, 2, {"time.end": "2", "output.interval": "2", **settings})
+                self.run_scene(scene, name, 2, {"time.end": "2", "output.interval": "2", **ISPH, **settings})
                 loads = self.columns(name, "bodies.csv")
                 late = loads["time [s]"] >= SETTLED
                 sides = [column for column in loads.dtype.names if column.endswith("pressure force y [N/m]")]
@@ -50,7 +51,7 @@ class Comparators(Workplace):
         for name, settings in VARIANTS.items():
             frames = {}
             for ranks in RANKS:
-                self.run_scene(scene, f"{name} on {ranks}", ranks, {**TIGHT, **settings, "output.interval": "0.04"})
+                self.run_scene(scene, f"{name} on {ranks}", ranks, {**TIGHT, **ISPH, **settings, "output.interval": "0.04"})
                 frames[ranks] = self.frame(f"{name} on {ranks}")
             for ranks in RANKS[1:]:
                 with self.subTest(name, ranks=ranks):
@@ -60,13 +61,13 @@ class Comparators(Workplace):
         scene = os.path.join(SCENES, "column.yaml")
         for key, value in (("preconditioner", "multilevel_grids"), ("dirichlet", "ghosts")):
             with self.subTest(key):
-                done = self.treacle("check", scene, "--set", "method.pressure.solid_term=unknowns",
+                done = self.treacle("check", scene, *harness.overrides(ISPH), "--set", "method.pressure.solid_term=unknowns",
                                     "--set", f"method.pressure.{key}={value}", code=2)
                 self.assertIn(f"method.pressure.{key}", done.stdout + done.stderr)
-        done = self.treacle("check", os.path.join(INPUTS, "floating_cube", "scene.yaml"),
+        done = self.treacle("check", os.path.join(INPUTS, "floating_cube", "scene.yaml"), *harness.overrides(ISPH),
                             "--set", "method.pressure.solid_term=unknowns", code=2)
         self.assertIn("is dynamic, with method.pressure.solid_term: unknowns", done.stdout + done.stderr)
-        done = self.treacle("check", os.path.join(INPUTS, "cube_drop", "scene.yaml"), "--set", "liquids.1.density=1000",
+        done = self.treacle("check", os.path.join(INPUTS, "cube_drop", "scene.yaml"), *harness.overrides(ISPH), "--set", "liquids.1.density=1000",
                             "--set", "method.pressure.solid_term=unknowns", code=2)
         self.assertIn("liquids that differ in density", done.stdout + done.stderr)
 

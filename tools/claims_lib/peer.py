@@ -106,7 +106,7 @@ def run_ours(context, tank, folder):
     scene.write_text(iisph.SCENE.format(length=2 * tank.edge, edge=tank.edge, height=1.25 * tank.edge,
                                         spacing=tank.spacing, end=max(tank.ends.values()), step=tank.step))
     return run_scene(context, scene, folder / "ours", ranks=THREADS, timeout=4 * 3600,
-                     set={"method.pressure.density_error": DENSITY_ERROR, "method.pressure.wall_force": "balanced",
+                     set={"method.pressure.solver": "isph", "method.pressure.density_error": DENSITY_ERROR, "method.pressure.wall_force": "balanced",
                           "method.pressure.corrections": tank.corrections, **LID}).steps()
 
 

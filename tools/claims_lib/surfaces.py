@@ -11,7 +11,7 @@ from .table import Figure
 
 RANKS = 2
 # The discretisation of the dissertation's chapter 2.
-THEIRS = {"method.kernel": "mueller", "method.support_ratio": 2, "method.density.kind": "blended",
+THEIRS = {"method.pressure.solver": "isph", "method.kernel": "mueller", "method.support_ratio": 2, "method.density.kind": "blended",
           "method.pressure.solid_term": "decomposed", "method.pressure.prediction": 0.5}
 # Steps at a spacing of 15 mm, those of the dissertation's figure 2.6 among them; others in proportion [s].
 LADDER = tuple(1e-3 * step for step in (2.82, 2.37, 2.0, 1.68, 1.4, 1.2, 1.0, 0.75, 0.62, 0.52, 0.42, 0.35))

@@ -65,7 +65,7 @@ def figure_3_8(context, results):
     for scene, path in scenes.items():
         for share in SHARES:
             _, found = iterations(context, results, path, f"{scene.replace(' ', '_')}-{share}",
-                                  {KEY + "preconditioner": "multilevel_grids", FACTOR: share * BEST_FACTOR,
+                                  {KEY + "solver": "isph", KEY + "preconditioner": "multilevel_grids", FACTOR: share * BEST_FACTOR,
                                    KEY + "density_error": DENSITY_ERROR, "time.end": end, "output.interval": 0,
                                    "domain.spacing": spacing[scene]})
             means[scene, share] = mean(found) if found else "failed"
@@ -106,7 +106,7 @@ def figure_3_12(context, results):
         scene.write_text(DOUBLE_DAM_BREAK.format(bodies=bodies, spacing=spacing, end=end, step=0.06 * spacing))
         for solver in solvers:
             run, found = iterations(context, results, scene, f"{scene.stem}-{solver}",
-                                    {KEY + "preconditioner": solver, **STOP})
+                                    {KEY + "solver": "isph", KEY + "preconditioner": solver, **STOP})
             steps = run.steps()
             lines.append([solver, name, int(steps["particles"][0]), int(steps["lost by leak"][-1]),
                           mean(found) if found else "failed", max(row[-1] for row in found) if found else None,

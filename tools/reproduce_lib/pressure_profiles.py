@@ -8,14 +8,15 @@ from .costs import bars, pressure_seconds
 from .entries import entry
 from .iterations import BEST_FACTOR, FACTOR, KEY
 
+ISPH = {KEY + "solver": "isph"}
 PROFILE = {
     "multilevel": SOLVERS["multilevel"],
-    "multilevel_grids": {KEY + "preconditioner": "multilevel_grids"},
-    "CG": {KEY + "preconditioner": "none"},
-    "ICCG": {KEY + "preconditioner": "incomplete_cholesky"},
-    "SORCG": {KEY + "preconditioner": "sor_jacobi", KEY + "relaxation": 1.2},
+    "multilevel_grids": {**ISPH, KEY + "preconditioner": "multilevel_grids"},
+    "CG": {**ISPH, KEY + "preconditioner": "none"},
+    "ICCG": {**ISPH, KEY + "preconditioner": "incomplete_cholesky"},
+    "SORCG": {**ISPH, KEY + "preconditioner": "sor_jacobi", KEY + "relaxation": 1.2},
     "IISPH": SOLVERS["iisph jacobi"],
-    "IISPH-CG": SOLVERS["iisph cg"],
+    "IISPH, spectral": SOLVERS["iisph"],
     "DFSPH": SOLVERS["dfsph"],
 }
 # Times over those of the dissertation's own solver, to a density error of 0.01 %; 3.4 million particles, 24 cores.

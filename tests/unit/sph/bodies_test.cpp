@@ -10,6 +10,7 @@ constexpr double dt = 2e-3; // [s]
 
 SphOptions tight() {
     SphOptions options;
+    options.pressure.solver = PressureSolver::isph;
     options.pressure.stop = StoppingRule::residual;
     options.pressure.residual = 1e-13;
     return options;

@@ -7,6 +7,7 @@ constexpr double dt = 1e-3; // [s]
 
 SphOptions exact(double residual, PressurePreconditioner preconditioner = PressurePreconditioner::multilevel) {
     SphOptions options;
+    options.pressure.solver = PressureSolver::isph;
     options.pressure.dirichlet = DirichletRule::complementarity;
     options.pressure.preconditioner = preconditioner;
     options.pressure.stop = StoppingRule::residual;

@@ -8,6 +8,7 @@ constexpr double dt = 1e-3; // [s]
 // A block that a flow presses together, out of order, on a floor that pushes harder than one-sided walls.
 Sample pressed(int corrections, double density_error = 1e-12) {
     SphOptions options;
+    options.pressure.solver = PressureSolver::isph;
     options.pressure.corrections = corrections;
     options.pressure.density_error = density_error;
     options.pressure.largest_residual = 1e-3;

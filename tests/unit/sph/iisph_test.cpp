@@ -154,6 +154,7 @@ namespace {
 SphOptions with(PressureSolver solver, double residual) {
     SphOptions options;
     options.pressure.solver = solver;
+    options.pressure.recovery = DensityRecovery::velocities;
     options.pressure.stop = StoppingRule::residual;
     options.pressure.residual = residual;
     return options;
@@ -221,18 +222,18 @@ Sample column(const SphOptions& options, int height) {
 }
 
 class EachIisph : public testing::TestWithParam<PressureSolver> {};
-INSTANTIATE_TEST_SUITE_P(All, EachIisph, testing::Values(PressureSolver::iisph_jacobi, PressureSolver::iisph_cg, PressureSolver::dfsph),
+INSTANTIATE_TEST_SUITE_P(All, EachIisph, testing::Values(PressureSolver::iisph_jacobi, PressureSolver::iisph, PressureSolver::dfsph),
                          [](const auto& one) {
-                             return std::string(one.param == PressureSolver::iisph_cg ? "cg"
+                             return std::string(one.param == PressureSolver::iisph ? "spectral"
                                                 : one.param == PressureSolver::dfsph  ? "dfsph"
                                                                                       : "jacobi");
                          });
 } // namespace
 
-TEST(Iisph, JacobiAndConjugateGradientsAgree) {
+TEST(Iisph, JacobiAndSpectralGradientsAgree) {
     for (const double rate : {20.0, 0.0}) { // all are pressed, or only those that stand too close: clamps act
         const auto one = step_once(Comm::world(), pressed(with(PressureSolver::iisph_jacobi, 1e-5), rate), dt);
-        const auto other = step_once(Comm::world(), pressed(with(PressureSolver::iisph_cg, 1e-5), rate), dt);
+        const auto other = step_once(Comm::world(), pressed(with(PressureSolver::iisph, 1e-5), rate), dt);
         // Residuals are 1e-5 of the source; they leave about ten times as much of the velocities.
         EXPECT_LT(velocity_difference(one, other), 1e-3);
         EXPECT_GT(one.report.roles.poisson, 20);
@@ -284,7 +285,7 @@ TEST_P(EachIisph, LiquidThatIsPulledApartFarEnoughHasNoPressure) {
 namespace {
 // Largest kinetic energy over that before, of 20 steps of liquid that is pressed together and stands up to a fifth of a spacing too close.
 double largest_energy(DensityRecovery recovery, double time_step) {
-    auto options = with(PressureSolver::iisph_cg, 1e-8);
+    auto options = with(PressureSolver::iisph, 1e-8);
     options.pressure.recovery = recovery;
     const auto sample = pressed(options, 20);
     const auto comm = Comm::world();
@@ -315,7 +316,7 @@ TEST(Iisph, DensityThatPositionsRecoverGainsNoEnergyAtAnyStep) {
 }
 
 TEST(Iisph, PositionsRecoverTheDensity) {
-    auto options = with(PressureSolver::iisph_cg, 1e-6);
+    auto options = with(PressureSolver::iisph, 1e-6);
     options.pressure.recovery = DensityRecovery::positions;
     const auto sample = pressed(options, 0);
     const auto comm = Comm::world();

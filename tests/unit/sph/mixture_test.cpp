@@ -189,6 +189,7 @@ TEST(Mixture, DensitiesKnowNothingOfTheWeightOfNeighbours) {
 
 TEST(Mixture, KeepsItsMomentumThroughSteps) {
     SphOptions options;
+    options.pressure.solver = PressureSolver::isph;
     options.pressure.stop = StoppingRule::residual;
     options.pressure.residual = 1e-8;
     auto sample = layers(materials, options, 0.05);

@@ -9,6 +9,7 @@ constexpr double dt = 4e-3; // [s]
 
 SphOptions with(PressurePreconditioner preconditioner, double residual) {
     SphOptions options;
+    options.pressure.solver = PressureSolver::isph;
     options.pressure.preconditioner = preconditioner;
     options.pressure.stop = StoppingRule::residual;
     options.pressure.residual = residual;
