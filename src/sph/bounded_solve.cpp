@@ -93,7 +93,7 @@ Standing take_gradient(const Comm& comm, const BoundedProblem& problem, const Ar
     if (problem.rows == 0) s = {};
     comm.sum(std::span(s));
     Standing out{{s[0], s[1], s[2]}, {s[3], s[4], s[5]}};
-    if (problem.groups.count > 0) out.residual.square = watched_square(comm, problem, gradient);
+    if (problem.groups.apply) out.residual.square = watched_square(comm, problem, gradient);
     return out;
 }
 
@@ -114,10 +114,10 @@ double watched_square(const Comm& comm, const BoundedProblem& problem, const Arr
     const Watch watch{problem.watched};
     const RowGroups groups = problem.groups;
     double square = 0;
-    const int terms = groups.count > 0 ? groups.count : rows;
+    const int terms = groups.apply ? groups.count : rows;
     Kokkos::parallel_reduce("treacle::watched_square", terms, KOKKOS_LAMBDA(int k, double& sum) {
-        const int first = groups.count > 0 ? groups.begin(k) : k;
-        const int last = math::min(rows, groups.count > 0 ? groups.end(k) : k + 1);
+        const int first = groups.apply ? groups.begin(k) : k;
+        const int last = math::min(rows, groups.apply ? groups.end(k) : k + 1);
         double own = 0;
         for (int i = first; i < last; ++i) own += counts(q(i), gradient(i)) ? watch(i) * gradient(i) : 0;
         sum += own * own;

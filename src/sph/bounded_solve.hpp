@@ -11,10 +11,11 @@ namespace treacle::sph {
 // the value at q = 0.
 enum class BoundedGuess { zero, given, best_multiple };
 
-// Ranges of rows, begin(k) <= i < end(k); those that begin beyond the owned rows count as empty.
+// Ranges of rows, begin(k) <= i < end(k); those that begin beyond the owned rows count as empty. A rank may have none.
 struct RowGroups {
     Array<int> begin, end;
     int count = 0;
+    bool apply = false; // the same on all ranks
 };
 
 // min q.Aq/2 - b.q over q >= 0, A symmetric and positive semidefinite, on the owned rows.
@@ -28,7 +29,7 @@ struct BoundedProblem {
     Array<double> q;        // in: guess >= 0, out: solution
     BoundedGuess guess = BoundedGuess::given;
     Array<double> watched;  // 1, or 0 in rows that do not count for BoundedResidual::square; empty: all 1
-    RowGroups groups;       // over which watched residuals are added up before they are squared; none: each row by itself
+    RowGroups groups;       // over which watched residuals are added up before they are squared, or each row by itself
 };
 
 // How far q is from the solution; sums over the ranks. A row's residual b - A q counts where q > 0, and where it

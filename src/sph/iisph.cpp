@@ -466,7 +466,7 @@ solve::SolveReport Iisph::iterate(const StepParts& parts, Aim aim, double dt, co
         if (aim == Aim::places) add_softness(rows, shift_softness, diagonal_, q, product_);
     };
     const auto& cells = parts.cells;
-    const RowGroups groups = aim == Aim::approach ? RowGroups{cells.begin, cells.end, static_cast<int>(cells.window.size())} : RowGroups{};
+    const RowGroups groups = aim == Aim::approach ? RowGroups{cells.begin, cells.end, static_cast<int>(cells.window.size()), true} : RowGroups{};
     const BoundedProblem problem{rows, product, product_, diagonal_, parts.liquid.source(), q_, guess, watched_, groups};
     const double reference = reference_norm(parts, problem, product_);
     const auto goal = divergence ? divergence_goal(parts.options, parts.constants, dt)
