@@ -82,8 +82,8 @@ def killed_and_faulty(context):
         launcher.chmod(0o755)
         identify(context, folder, "faulty", "--set", f"runs.launcher={launcher}", "--set", "runs.time_limit=30 s")
         table = execute(context, [built(context, "treacle"), "study", "history", folder / "faulty"]).output
-        failed = len(re.findall(r" (failed|timed out|killed) ", table))
-        trials = failed + len(re.findall(r" done ", table))
+        failed = len(re.findall(r" (failed|hung|timed out|killed|out of memory) ", table))
+        trials = failed + len(re.findall(r" (done|stopped early) ", table))
         good, faulty = answer(folder, "good"), answer(folder, "faulty")
     away = math.log(faulty[0] / good[0]) / (0.5 * math.log(good[2] / good[1]))
     return Figure(f"{kills} kills: {'the same' if same else 'another'} result; {failed} of {trials} runs failed: {faulty[0]:.4g} for {good[0]:.4g}, {abs(away):.2f} of the half-width away",
