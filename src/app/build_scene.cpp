@@ -313,14 +313,31 @@ private:
     typename View::HostMirror host_;
 };
 
-void add_liquid(const Input& input, const Geometry& geometry, const scene::Bounds& part, sph::IsphStep& solver) {
+// Collective: the liquid's points of this rank, none with an empty box.
+scene::VolumeSamples sample_liquid(const Input& input, const Geometry& geometry, const sph::IsphStep& solver) {
+    constexpr double tolerance = 0.002; // of the volume
+    const auto& comm = solver.comm();
+    const auto& box = solver.decomposition().box();
     scene::VolumeFill fill;
     fill.liquids = geometry.liquids;
     fill.solids = geometry.bodies;
-    fill.clearance = (0.5 - 1e-9) * geometry.lattice.spacing;
+    fill.clearance = seeding_clearance(input, geometry.lattice.spacing);
     fill.lattice = geometry.lattice;
-    fill.part = part;
-    const auto samples = scene::fill_volume(fill);
+    fill.part = part_of(solver.setup().grid, box);
+    scene::VolumeSamples samples;
+    const auto fill_part = [&] {
+        if (!box.empty()) samples = scene::fill_volume(fill);
+    };
+    comm.guard(fill_part);
+    if (fill.clearance > 0 || geometry.bodies.empty()) return samples;
+    const double taken = comm.sum(double(samples.positions.size())), room = comm.sum(samples.room);
+    if (std::abs(taken - room) <= tolerance * room) return samples;
+    fill.filling = scene::Filling::room;
+    comm.guard(fill_part);
+    return samples;
+}
+
+void add_liquid(const Input& input, const Geometry& geometry, const scene::VolumeSamples& samples, sph::IsphStep& solver) {
     auto& liquid = solver.liquid();
     liquid.store.resize_owned(static_cast<int>(samples.positions.size()));
     Column x(liquid.position()), u(liquid.velocity());
@@ -399,18 +416,23 @@ std::size_t add_solids(const Geometry& geometry, const scene::Bounds& part, sph:
     }
     return sampled.thin;
 }
+
+// Most times that liquid beside bodies is spread: it settles to a per mille in ten.
+constexpr int spreads = 30;
 } // namespace
 
 std::vector<std::string> fill_solver(const Input& input, const Geometry& geometry, sph::IsphStep& solver) {
     const auto part = part_of(solver.setup().grid, solver.decomposition().box());
     const bool empty = solver.decomposition().box().empty();
     std::int64_t thin = 0;
+    const auto samples = sample_liquid(input, geometry, solver);
     solver.comm().guard([&] {
         if (empty) return;
-        add_liquid(input, geometry, part, solver);
+        add_liquid(input, geometry, samples, solver);
         thin = static_cast<std::int64_t>(add_solids(geometry, part, solver));
     });
     solver.start();
+    if (input.method.pressure.recovers_places() && !geometry.bodies.empty()) solver.spread(spreads);
     auto notes = geometry.notes;
     for (auto& note : body_notes(input, geometry)) notes.push_back(std::move(note));
     for (auto& note : method_notes(input)) notes.push_back(std::move(note));

@@ -172,12 +172,17 @@ std::string thin_note(std::size_t samples) {
            " solid particles are where a body is too thin for a layer on each side; liquid may feel it from behind";
 }
 
+double seeding_clearance(const Input& input, double spacing) {
+    const bool spreads = !input.on_grid() && input.method.pressure.recovers_places();
+    return spreads ? 0 : (0.5 - 1e-9) * spacing;
+}
+
 ParticleCounts estimate_particles(const Input& input, const Geometry& geometry) {
     ParticleCounts counts;
     scene::VolumeFill fill;
     fill.liquids = geometry.liquids;
     fill.solids = geometry.bodies;
-    fill.clearance = geometry.lattice.spacing / 2;
+    fill.clearance = seeding_clearance(input, geometry.lattice.spacing);
     fill.lattice = geometry.lattice;
     for (const auto count : scene::estimate_liquid_counts(fill)) counts.liquid += count;
     if (input.on_grid()) return counts; // whose solids are no particles

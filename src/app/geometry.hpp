@@ -55,6 +55,10 @@ struct ParticleCounts {
     std::uint64_t liquid = 0;
     std::uint64_t solid = 0;
 };
+// VolumeFill::clearance [m]. Where SPH recovers the density in positions, liquid fills the room up to the solids and is then spread
+// (IsphStep::spread): cut half a spacing off, a liquid around a body would lack half a layer, and fall into the gaps.
+double seeding_clearance(const Input& input, double spacing);
+
 ParticleCounts estimate_particles(const Input& input, const Geometry& geometry);
 
 // What the geometry must not be: bodies in each other, liquid in a solid or outside of the domain, no liquid at all, more particles

@@ -105,7 +105,7 @@ Preview make_preview(const Input& input, const Geometry& geometry) {
     scene::VolumeFill fill;
     fill.liquids = geometry.liquids;
     fill.solids = geometry.bodies;
-    fill.clearance = (0.5 - 1e-9) * preview.lattice.spacing;
+    fill.clearance = seeding_clearance(input, preview.lattice.spacing);
     fill.lattice = preview.lattice;
     preview.liquid = scene::fill_volume(fill);
     add_solids(geometry, preview.lattice.spacing, preview);

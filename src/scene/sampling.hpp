@@ -32,18 +32,24 @@ struct Lattice {
 
 // ---- liquids ----
 
+// Which lattice points beside solids are taken, with a clearance of 0: those outside of them; or so many of those within half a spacing
+// of a surface, spread evenly over it, as there is room for, moved out where they lie too deep.
+enum class Filling { points, room };
+
 struct VolumeFill {
     std::vector<Regions> liquids; // where two overlap, the first one wins
     Regions solids;
-    double clearance = 0; // [m] least distance of a particle from the solids
+    double clearance = 0; // [m] least distance of a particle from the solids; 0: points on a face are decided as those of the liquid
     Lattice lattice;
     Bounds part; // half-open box [min, max): only the particles in it are made
+    Filling filling = Filling::points;
 };
 
 struct VolumeSamples {
     std::vector<Vec3> positions;    // [m], sorted by lattice index, x fastest
     std::vector<std::uint64_t> ids; // liquid * lattice.points() + lattice index, whatever the parts
     std::vector<int> liquids;
+    double room = 0;                // with a clearance of 0: of the liquids outside the solids [points]
 };
 
 // The lattice points inside the liquids, `clearance` clear of the solids, and inside the part: the same

@@ -107,6 +107,7 @@ public:
             break;
         }
         if (liquid == none) return none;
+        if (fill_.clearance == 0) return beside_solids(x, moved, radius, liquid);
         const double least = fill_.clearance - face_tolerance * fill_.lattice.spacing;
         const double gap = distance_to(fill_.solids, x);
         if (gap < least - radius) return none;
@@ -114,9 +115,60 @@ public:
         return liquid;
     }
 
+    // Of the points of a block that have been decided [points].
+    double room(const IndexBox& block, int answer) const {
+        if (block.points() > 1) return answer == none ? 0 : static_cast<double>(block.points());
+        const Vec3 x = fill_.lattice.position(block.lo);
+        return in_liquid(x) ? share(x) : 0;
+    }
+
 private:
+    bool in_liquid(const Vec3& x) const {
+        const Vec3 moved = decided_at(x, fill_.lattice);
+        return std::any_of(fill_.liquids.begin(), fill_.liquids.end(), [&](const Regions& one) { return distance_to(one, moved) < 0; });
+    }
+    // Share of the cell of a point that lies outside the solids, as if their surface were flat there.
+    double share(const Vec3& x) const {
+        const double gap = distance_to(fill_.solids, decided_at(x, fill_.lattice));
+        return std::clamp(0.5 + gap / fill_.lattice.spacing, 0.0, 1.0);
+    }
+
+    Decision beside_solids(const Vec3& x, const Vec3& moved, double radius, int liquid) const {
+        const double gap = distance_to(fill_.solids, moved), half = 0.5 * fill_.lattice.spacing;
+        if (gap < -half - radius) return none;
+        if (liquid < none || (radius > 0 && gap < half + radius)) return std::nullopt;
+        // Half open, so that n spacings between two faces hold n layers.
+        const bool taken = fill_.filling == Filling::points ? gap >= 0 : threshold(x) < 0.5 + gap / fill_.lattice.spacing;
+        return taken ? liquid : none;
+    }
+    // Numbers in [0, 1) of the points of a lattice, evenly spread over any row and plane of it (Roberts 2018, R_3).
+    double threshold(const Vec3& x) const {
+        constexpr double steps[3] = {0.8191725133961645, 0.6710436067037893, 0.5497004779019703};
+        double sum = 0;
+        for (int a = 0; a < fill_.lattice.dimensions; ++a) {
+            sum += steps[a] * std::round((x[a] - fill_.lattice.min[a]) / fill_.lattice.spacing - 0.5);
+        }
+        return sum - std::floor(sum);
+    }
+
     const VolumeFill& fill_;
 };
+
+// A point of VolumeFill::filling `room`, out of the solids by a quarter of a spacing at least.
+Vec3 moved_out(const VolumeFill& fill, Vec3 x) {
+    const double d = fill.lattice.spacing, e = 0.01 * d, gap = distance_to(fill.solids, x);
+    if (gap >= 0.25 * d) return x;
+    Vec3 normal{0, 0, 0};
+    for (int a = 0; a < fill.lattice.dimensions; ++a) {
+        Vec3 up = x, down = x;
+        up[a] += e;
+        down[a] -= e;
+        normal[a] = distance_to(fill.solids, up) - distance_to(fill.solids, down);
+    }
+    const double size = length(normal);
+    if (size > 0) x = x + ((0.25 * d - gap) / size) * normal;
+    return x;
+}
 
 // Cuts the box into blocks for which decide(middle, radius) gives one answer, down to blocks of `finest`
 // points an edge, whose middle decides. The distances are 1-Lipschitz, so a block far from every surface
@@ -214,7 +266,10 @@ VolumeSamples fill_volume(const VolumeFill& fill) {
     // One short integer per point keeps the order of the lattice and lets the result be allocated once.
     std::vector<std::int16_t> liquid(box.points(), none);
     std::size_t count = 0;
-    visit_blocks(lattice, box, 1, Decider(fill), [&](const IndexBox& block, int answer) {
+    const Decider decider(fill);
+    double room = 0;
+    visit_blocks(lattice, box, 1, decider, [&](const IndexBox& block, int answer) {
+        if (fill.clearance == 0) room += decider.room(block, answer);
         if (answer == none) return;
         count += block.points();
         for (auto k = block.lo[2]; k < block.hi[2]; ++k)
@@ -225,6 +280,7 @@ VolumeSamples fill_volume(const VolumeFill& fill) {
             }
     });
     VolumeSamples result;
+    result.room = room;
     result.positions.reserve(count);
     result.ids.reserve(count);
     result.liquids.reserve(count);
@@ -235,7 +291,8 @@ VolumeSamples fill_volume(const VolumeFill& fill) {
             for (auto i = box.lo[0]; i < box.hi[0]; ++i) {
                 const int l = liquid[at++];
                 if (l == none) continue;
-                result.positions.push_back(lattice.position({i, j, k}));
+                const Vec3 x = lattice.position({i, j, k});
+                result.positions.push_back(fill.filling == Filling::room ? moved_out(fill, x) : x);
                 result.ids.push_back(static_cast<std::uint64_t>(l) * points + linear({i, j, k}, n));
                 result.liquids.push_back(l);
             }

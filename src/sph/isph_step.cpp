@@ -373,16 +373,37 @@ void IsphStep::find_pressures_by_iisph(StepReport& report, double dt) {
 }
 
 // (I2) Where the velocities leave liquid that is compressed, the particles move on by more than their velocities.
-void IsphStep::shift_positions(StepReport& report, double dt) {
+void IsphStep::shift_positions(const StepParts& parts, StepReport& report, double dt) {
     const auto phase = timers_.scope("solve");
     halo_.gather(liquid_.store, {liquid_.velocity_field()});
-    const auto shifted = iisph_.shift(parts(), dt);
+    const auto shifted = iisph_.shift(parts, dt);
     if (setup_.options.pressure.wall_contact == WallContact::stop) {
-        stop_shift_at_walls(parts(), {bodies_.load_points(), dt}, liquid_.acceleration());
+        stop_shift_at_walls(parts, {bodies_.load_points(), dt}, liquid_.acceleration());
     }
     add_work(shifted, report.pressure);
     if (shifted.converged()) return;
     fail(shifted, comm_.sum(static_cast<std::int64_t>(liquid_.store.owned())), "method.pressure.recovery: velocities");
+}
+
+// (I2) Moves what stands too close apart, at rest, until the mean compression is below that of the rule; at most so many times.
+void IsphStep::spread(int times) {
+    constexpr double close_compression = 0.05; // of liquid half a spacing off corners of solids: 0.04
+    constexpr double dt = 1e-9; // [s]; in which no velocity leads anywhere: places follow from places
+    SphOptions options = setup_.options;
+    options.pressure.stop = StoppingRule::density_error; // a start needs no more than that
+    const StepParts loose{options, setup_.constants, comm_, liquid_, solid_, neighbours_, halo_, cells_};
+    for (int k = 0; k < times; ++k) {
+        StepReport report;
+        place_liquid();
+        find_neighbours();
+        update_density(report);
+        const double count = comm_.sum(double(liquid_.store.owned()));
+        if (k == 0 && comm_.max(report.max_compression) <= close_compression) return;
+        if (comm_.sum(report.mean_compression) <= setup_.options.pressure.density_tolerance() * count) return;
+        iisph_.prepare(loose, dt, Iisph::Aim::places);
+        shift_positions(loose, report, dt);
+        move_particles(setup_.domain, liquid_, dt, Use::yes);
+    }
 }
 
 // The divergence-free solve of DFSPH: of the last step, at the places that it led to.
@@ -477,7 +498,7 @@ StepReport IsphStep::advance(double dt) {
         const auto phase = timers_.scope("pressure force");
         push_by_pressure(report, dt);
     }
-    if (setup_.options.pressure.recovers_places()) shift_positions(report, dt);
+    if (setup_.options.pressure.recovers_places()) shift_positions(parts(), report, dt);
     {
         const auto phase = timers_.scope("move");
         move(report, dt);

@@ -77,6 +77,8 @@ public:
     // sends particles to their owners, and computes the volumes of solid particles unless they are kept, as from
     // a checkpoint.
     enum class SolidVolumes { compute, keep };
+    // Collective, before the first step, with `recovery: positions`: moves liquid that has been seeded too close to solids away.
+    void spread(int times);
     void start(SolidVolumes volumes = SolidVolumes::compute);
     // As start, with the decomposition of a checkpoint of the same number of ranks.
     void restore(std::span<const std::int64_t> decomposition);
@@ -126,7 +128,7 @@ private:
     void correct_pressures(solve::Matrix& matrix, double dt, StepReport& report);
     void find_pressures(StepReport& report, double dt);
     void find_pressures_by_iisph(StepReport& report, double dt);
-    void shift_positions(StepReport& report, double dt);
+    void shift_positions(const StepParts& parts, StepReport& report, double dt);
     void remove_divergence(StepReport& report, double dt);
     void push_by_pressure(StepReport& report, double dt);
     void move(StepReport& report, double dt);

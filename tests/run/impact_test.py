@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""SPH with `recovery: positions`: impacts lose energy and never gain it, tanks rest, a channel without a surface flows as it should, on 1 to 3 ranks.
+"""SPH's default pressures: impacts lose energy and never gain it, tanks rest, a channel without a surface flows as it should, liquid between
+solids has its volume, on 1 to 3 ranks.
 
 usage: impact_test.py PROGRAM MPIEXEC
 """
@@ -79,12 +80,32 @@ output: {interval: 0.5 s}
 """
 
 
+CUP = """schema_version: 1
+domain: {dimensions: 2, min: [-0.25, -0.25], max: [0.25, 0.25], spacing: 1 cm, gravity: [0, 0]}
+liquids: [{name: oil, density: 1000, viscosity: 100, shapes: [{box: {min: [-0.2, -0.2], max: [0.2, 0.2]}}], around_bodies: true}]
+bodies:
+  - {name: cup, slip: no_slip, shape: {sphere: {centre: [0, 0], radius: 0.2, inverted: true}}}
+  - {name: rotor, slip: no_slip, kind: kinematic, angular_velocity: [0, 0, 1], shape: {sphere: {centre: [0, 0], radius: 0.1}}}
+time: {end: 0.4, rule: fixed, step: 2 ms}
+output: {interval: 0.4}
+"""
+PLATES = """schema_version: 1
+domain: {dimensions: 2, min: [0, -0.05], max: [0.1, 0.16], spacing: 5 mm, gravity: [10, 0], boundaries: {x_min: periodic, x_max: periodic}}
+liquids: [{name: oil, density: 1000, viscosity: 100, around_bodies: true, shapes: [{box: {min: [0, -0.04], max: [0.1, 0.15]}}]}]
+bodies:
+  - {name: low, slip: no_slip, shape: {plane: {point: [0, LOW], normal: [0, 1]}}}
+  - {name: high, slip: no_slip, shape: {plane: {point: [0, HIGH], normal: [0, -1]}}}
+time: {end: 0.1, rule: fixed, step: 2 ms}
+output: {interval: 0.1}
+"""
+
+
 class Recoveries(Workplace):
-    def run_text(self, text, ranks):
+    def run_text(self, text, ranks, run="run"):
         with open(self.path("scene.yaml"), "w") as file:
             file.write(text + METHOD)
-        self.run_scene(self.path("scene.yaml"), "run", ranks, {})
-        return self.steps("run")
+        self.run_scene(self.path("scene.yaml"), run, ranks, {})
+        return self.steps(run)
 
     def test_a_free_block_that_meets_a_floor_gains_nothing(self):
         steps = self.run_text(FREE, 2)
@@ -137,6 +158,22 @@ class Recoveries(Workplace):
         steps = self.run_text(CHANNEL, 3)
         series = sum((-1) ** n * 32 / ((2 * n + 1) * math.pi) ** 3 * math.exp(-((2 * n + 1) * math.pi / 2) ** 2 * 0.006 * 0.3 / 0.01) for n in range(4))
         self.assertLess(abs(steps["max speed [m/s]"][-1] / (10 * 0.01 / 0.012 * (1 - series)) - 1), 0.02)
+
+
+    def test_a_cup_is_filled_up_to_its_rotor(self):
+        steps = self.run_text(CUP, 2)
+        self.assertLess(abs(steps["mass [kg/m]"][0] / (1000 * math.pi * (0.2**2 - 0.1**2)) - 1), 0.005)
+        exact = 4 * math.pi * 100 / (1 / 0.1**2 - 1 / 0.2**2)
+        self.assertLess(abs(-self.columns("run", "bodies.csv")["rotor viscous torque z [N]"][-1] / exact - 1), 0.05)
+
+    def test_plates_off_the_lattice_hold_their_volume(self):
+        for ranks, low, high in ((1, 0.0012, 0.1012), (2, 0.0012, 0.0988), (3, 0.0025, 0.1025)):
+            with self.subTest(low=low, high=high, ranks=ranks):
+                steps = self.run_text(PLATES.replace("LOW", str(low)).replace("HIGH", str(high)), ranks, f"on_{ranks}")
+                height = high - low
+                self.assertLess(abs(steps["mass [kg/m]"][0] / (1000 * 0.1 * height) - 1), 0.005)
+                mean = steps["momentum x [kg/m m/s]"][-1] / steps["mass [kg/m]"][-1]
+                self.assertLess(abs(mean / (1000 * 10 * height**2 / 12 / 100) - 1), 0.04)
 
 
 class Impacts(Workplace):

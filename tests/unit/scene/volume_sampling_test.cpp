@@ -108,23 +108,66 @@ TEST(VolumeSampling, AnyCutOfTheDomainGivesTheSameParticlesBitForBit) {
                 {1, 1, 1}, d);
     fill.liquids.push_back({SolidRegion(box({0.1, 0.1, 0.1}, {0.9, 0.4, 0.9}))});
     fill.solids.emplace_back(round(ShapeKind::sphere, {0.6, 0.3, 0.4}, 0.12));
-    fill.clearance = 0.5 * d;
-    const auto whole = fill_volume(fill);
-    std::map<std::uint64_t, Vec3> expected;
-    for (std::size_t i = 0; i < whole.ids.size(); ++i) expected[whole.ids[i]] = whole.positions[i];
-    ASSERT_EQ(expected.size(), whole.ids.size());
-    for (const int n : {2, 3, 8, 31}) {
-        std::map<std::uint64_t, Vec3> together;
-        std::size_t count = 0;
-        for (const Bounds& part : cut({{0, 0, 0}, {1, 1, 1}}, n, d)) {
-            fill.part = part;
-            const auto samples = fill_volume(fill);
-            count += samples.ids.size();
-            for (std::size_t i = 0; i < samples.ids.size(); ++i)
-                together[samples.ids[i]] = samples.positions[i];
+    struct Choice {
+        double clearance;
+        Filling filling;
+    };
+    for (const auto [clearance, filling] : {Choice{0.5 * d, Filling::points}, Choice{0, Filling::points}, Choice{0, Filling::room}}) {
+        fill.clearance = clearance;
+        fill.filling = filling;
+        fill.part = {};
+        const auto whole = fill_volume(fill);
+        std::map<std::uint64_t, Vec3> expected;
+        for (std::size_t i = 0; i < whole.ids.size(); ++i) expected[whole.ids[i]] = whole.positions[i];
+        ASSERT_EQ(expected.size(), whole.ids.size());
+        for (const int n : {2, 3, 8, 31}) {
+            std::map<std::uint64_t, Vec3> together;
+            std::size_t count = 0;
+            double room = 0;
+            for (const Bounds& part : cut({{0, 0, 0}, {1, 1, 1}}, n, d)) {
+                fill.part = part;
+                const auto samples = fill_volume(fill);
+                count += samples.ids.size();
+                room += samples.room;
+                for (std::size_t i = 0; i < samples.ids.size(); ++i) together[samples.ids[i]] = samples.positions[i];
+            }
+            EXPECT_EQ(count, expected.size());
+            EXPECT_EQ(together, expected);
+            EXPECT_NEAR(room, whole.room, 1e-9 * whole.room);
         }
-        EXPECT_EQ(count, expected.size());
-        EXPECT_EQ(together, expected);
+    }
+}
+
+namespace {
+// Liquid between plates at two heights, of 40 x 40 points across.
+VolumeFill between(double low, double high, double d) {
+    auto fill = fill_of({box({0, 0, 0}, {40 * d, 40 * d, 40 * d})}, {40 * d, 40 * d, 40 * d}, d);
+    fill.solids.emplace_back(box({-d, -d, -d}, {41 * d, 41 * d, low}));
+    fill.solids.emplace_back(box({-d, -d, high}, {41 * d, 41 * d, 41 * d}));
+    return fill;
+}
+} // namespace
+
+TEST(VolumeSampling, PlatesAWholeNumberOfSpacingsApartHoldAsManyLayersWhereverTheyAre) {
+    const double d = 0.025;
+    for (const double offset : {0.0, 0.1, 0.25, 0.5, 0.75, 0.99}) {
+        const auto samples = fill_volume(between((3 + offset) * d, (23 + offset) * d, d));
+        EXPECT_EQ(samples.positions.size(), 20u * 40 * 40) << offset;
+        EXPECT_NEAR(samples.room, 20 * 40 * 40, 1) << offset;
+    }
+}
+
+TEST(VolumeSampling, RoomIsFilledToItsVolumeAndNoPointStaysInASolid) {
+    const double d = 0.025;
+    for (const double height : {19.3, 19.5, 19.9}) {
+        for (const double offset : {0.0, 0.3, 0.7}) {
+            auto fill = between((3 + offset) * d, (3 + offset + height) * d, d);
+            fill.filling = Filling::room;
+            const auto samples = fill_volume(fill);
+            EXPECT_NEAR(samples.room, height * 40 * 40, 1) << offset;
+            EXPECT_NEAR(double(samples.positions.size()) / samples.room, 1, 1e-3) << height << " at " << offset;
+            for (const Vec3& x : samples.positions) EXPECT_GE(distance_to(fill.solids, x), 0.25 * d - 1e-6 * d);
+        }
     }
 }
 
