@@ -123,7 +123,7 @@ LiquidView GridSimulation::view() const {
     const auto& particles = solver_.particles();
     const double spacing = particle_spacing(input_);
     return {particles.position(), particles.end_velocity(), particles.liquid(), particles.store.owned(), spacing,
-            2.5 * spacing,        volume_of_particle(solver_.grid())};
+            2.5 * spacing,        volume_of_particle(solver_.grid()), {}};
 }
 
 // Those of what rests, and of the bodies that move. Those of the scene stand before the plugs of inlets.

@@ -64,6 +64,13 @@ std::vector<std::array<double, 2>> rectangle(const scene::Inlet& inlet, double s
     return out;
 }
 
+// Of the opening [m2], [m] in the plane.
+double opening_of(const scene::Inlet& inlet, int dimensions) {
+    const bool round = inlet.shape == scene::InletShape::disc;
+    if (dimensions == 2) return round ? 2 * inlet.radius : inlet.width;
+    return round ? std::numbers::pi * inlet.radius * inlet.radius : inlet.width * inlet.height;
+}
+
 // Of the lattices with a point or a cell in the middle the one whose area is nearer the disc's.
 std::vector<std::array<double, 2>> disc(double radius, double spacing) {
     std::vector<std::array<double, 2>> best;
@@ -129,7 +136,14 @@ flow::InletSetup make_inlet(const Input& input, const scene::Inlet& inlet, const
     out.centre = inlet.centre;
     out.direction = unit(inlet.direction);
     out.round = inlet.shape == scene::InletShape::disc && domain.dimensions == 3;
-    const auto places = out.round ? disc(inlet.radius, spacing) : rectangle(inlet, spacing, domain.dimensions);
+    auto places = out.round ? disc(inlet.radius, spacing) : rectangle(inlet, spacing, domain.dimensions);
+    // Points as far apart as their number needs to cover the opening, and layers as much nearer: neither density nor flow depends on how a
+    // lattice fits into it.
+    const double opening = opening_of(inlet, domain.dimensions);
+    const double cover = places.empty() ? 1 : opening / (double(places.size()) * std::pow(spacing, domain.dimensions - 1));
+    const double stretch = domain.dimensions == 3 ? std::sqrt(cover) : cover;
+    for (auto& [a, b] : places) a *= stretch, b *= stretch;
+    out.step = spacing / cover;
     out.along = width_of(inlet, out.direction, domain.dimensions);
     const Vec3& first = out.along;
     const Vec3 second = cross(out.direction, first);
@@ -138,8 +152,7 @@ flow::InletSetup make_inlet(const Input& input, const scene::Inlet& inlet, const
         for (std::size_t k = 0; k < 3; ++k) point[k] = a * first[k] + b * second[k];
         out.points.push_back(point);
     }
-    const double layer = double(out.points.size()) * pouring.volume;
-    out.speed = inlet.velocity > 0 ? inlet.velocity : inlet.flow_rate * spacing / layer;
+    out.speed = inlet.velocity > 0 ? inlet.velocity : inlet.flow_rate / opening;
     out.start = inlet.start;
     out.end = inlet.end;
     return out;
@@ -178,7 +191,7 @@ std::vector<Vec3> held_places(const flow::InletSetup& inlet, const flow::Layers&
         for (const auto& point : inlet.points) {
             Vec3 x = inlet.centre;
             for (std::size_t k = 0; k < 3; ++k)
-                x[k] += point[k] - (layer + 0.5) * layers.spacing * inlet.direction[k];
+                x[k] += point[k] - (layer + 0.5) * flow::step_of(inlet, layers) * inlet.direction[k];
             out.push_back(x);
         }
     }
@@ -333,7 +346,7 @@ std::vector<std::string> inflow_notes(const Input& input) {
 
 double flow_of(const Input& input, const flow::InletSetup& inlet) {
     const auto pouring = pouring_of(input);
-    return inlet.speed * double(inlet.points.size()) * pouring.volume / pouring.layers.spacing;
+    return inlet.speed * double(inlet.points.size()) * pouring.volume / flow::step_of(inlet, pouring.layers);
 }
 
 std::uint64_t poured_particles(const Input& input, const flow::InletSetup& inlet) {

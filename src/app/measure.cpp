@@ -14,11 +14,15 @@ constexpr double nowhere = -1e300;
 struct Chosen {
     Array<int> liquid;
     int number; // -1: all
+    Array<int> waiting; // at inlets, without rows where none does
 
-    KOKKOS_INLINE_FUNCTION bool operator()(int i) const { return number < 0 || liquid(i) == number; }
+    KOKKOS_INLINE_FUNCTION bool operator()(int i) const {
+        return (number < 0 || liquid(i) == number) && (waiting.size() == 0 || waiting(i) == 0);
+    }
 };
 Chosen choose(const scene::Measurement& measurement, const scene::Scene& scene, const Simulation& solver) {
-    Chosen out{solver.view().liquid, -1};
+    const auto view = solver.view();
+    Chosen out{view.liquid, -1, view.waiting};
     const auto at = std::ranges::find(scene.liquids, measurement.liquid, &scene::Liquid::name);
     if (at != scene.liquids.end()) out.number = static_cast<int>(at - scene.liquids.begin());
     return out;

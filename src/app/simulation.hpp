@@ -30,6 +30,7 @@ struct LiquidView {
     double spacing = 0; // [m]
     double reach = 0;   // over which a particle's surroundings are looked at [m]
     double volume = 0;  // of a particle at rest [m3], [m2] in the plane
+    Array<int> waiting; // not 0 of liquid behind an inlet's opening; without rows where none waits
 };
 
 // What a checkpoint holds besides the fields of the particle stores.

@@ -60,7 +60,8 @@ LiquidView SphSimulation::view() const {
     const auto& liquid = solver_->liquid();
     const auto& constants = solver_->setup().constants;
     return {liquid.position(), liquid.velocity(),  liquid.liquid(),      liquid.store.owned(),
-            constants.spacing, constants.support, constants.rest_volume};
+            constants.spacing, constants.support, constants.rest_volume,
+            liquid.has_inlets() ? liquid.inlet() : Array<int>()};
 }
 
 } // namespace treacle::app

@@ -10,9 +10,11 @@ namespace {
 constexpr double same_place = 1e-9;
 } // namespace
 
+double step_of(const InletSetup& inlet, const Layers& layers) { return inlet.step > 0 ? inlet.step : layers.spacing; }
+
 std::int64_t layers_until(const InletSetup& inlet, const Layers& layers, double time) {
     if (time < inlet.start) return 0;
-    const double d = layers.spacing;
+    const double d = step_of(inlet, layers);
     double count = inlet.speed * (time - inlet.start) / d + layers.held;
     if (inlet.end > 0) count = std::min(count, inlet.speed * (inlet.end - inlet.start) / d);
     return static_cast<std::int64_t>(std::floor(count + 0.5 + same_place));
@@ -27,7 +29,7 @@ std::int64_t particles_until(const InflowSetup& setup, const Layers& layers, dou
 }
 
 double place_of(const InletSetup& inlet, const Layers& layers, std::int64_t layer, double time) {
-    return inlet.speed * (time - inlet.start) - (double(layer) + 0.5) * layers.spacing;
+    return inlet.speed * (time - inlet.start) - (double(layer) + 0.5) * step_of(inlet, layers);
 }
 
 LayerSource::LayerSource(const InflowSetup& setup, Layers layers, const PeriodicBox& box)

@@ -17,6 +17,7 @@ struct InletSetup {
     bool round = false;       // they fill a disc; else a rectangle
     Vec3 along{1, 0, 0};      // unit: rows of points run along it
     double speed = 0;         // [m/s]
+    double step = 0;          // from layer to layer [m]; 0: the layers' spacing
     double start = 0;         // [s] when the first layer passes the opening
     double end = 0;           // [s] when the last one does; 0: none is the last
 };
@@ -36,9 +37,12 @@ struct InflowSetup {
 
 // Layers of a method's lattice, and how many of them wait behind an opening.
 struct Layers {
-    double spacing = 0; // [m] also that of the points of one layer
+    double spacing = 0; // [m]
     int held = 0;
 };
+
+// From layer to layer [m].
+double step_of(const InletSetup& inlet, const Layers& layers);
 
 // Number of layers that an inlet has made up to a time [s], and in a run up to an end.
 std::int64_t layers_until(const InletSetup& inlet, const Layers& layers, double time);

@@ -37,17 +37,19 @@ scene::Shape plug_shape(const flow::InletSetup& inlet, const Vec3& middle, doubl
     using namespace rigid;
     scene::Shape shape;
     const double depth = plug_layers * spacing;
+    const bool plane = dimensions == 2;
+    const double dense = spacing / flow::step_of(inlet, {spacing, 0}); // points are as much farther apart as layers are nearer
+    const double across = spacing * (plane ? dense : std::sqrt(dense));
     if (inlet.round) {
         shape.kind = scene::ShapeKind::cylinder;
         shape.centre = middle;
         shape.axis = inlet.direction;
-        shape.radius = spacing * std::sqrt(double(inlet.points.size()) / math::pi);
+        shape.radius = across * std::sqrt(double(inlet.points.size()) / math::pi);
         shape.height = depth;
         return shape;
     }
-    const bool plane = dimensions == 2;
     const Vec3 second = cross(inlet.direction, inlet.along);
-    const Vec3 size{extent(inlet, inlet.along, spacing), plane ? depth : extent(inlet, second, spacing), depth};
+    const Vec3 size{extent(inlet, inlet.along, across), plane ? depth : extent(inlet, second, across), depth};
     shape.min = middle - 0.5 * size;
     shape.max = middle + 0.5 * size;
     const Vec3 turn = plane ? Vec3{0, 0, std::atan2(inlet.along[1], inlet.along[0])} : rotation_to(inlet.along, inlet.direction);

@@ -7,6 +7,8 @@ usage: impact_test.py PROGRAM MPIEXEC
 import math
 import sys
 
+import numpy
+
 import harness
 from harness import Workplace
 
@@ -100,6 +102,29 @@ output: {interval: 0.1}
 """
 
 
+DISC = """schema_version: 1
+domain:
+  min: [-0.05, -0.05, -0.2]
+  max: [0.05, 0.05, 0.05]
+  spacing: 4 mm
+  gravity: [0, 0, 0]
+  boundaries: {x_min: open, x_max: open, y_min: open, y_max: open, z_min: open, z_max: open}
+liquids: [{name: syrup, density: 1000, viscosity: 1}]
+inlets: [{disc: {centre: [0.0011, 0, 0], direction: [0, 0, -1], radius: 0.01}, velocity: 0.2}]
+time: {end: 0.4}
+output: {interval: 0.4}
+"""
+# Liquid below an inlet, whose waiting layers are none of it.
+BASIN = """schema_version: 1
+domain: {dimensions: 2, max: [0.6, 1.2], spacing: 4 cm}
+liquids: [{name: w, density: 1000, viscosity: 1 Pa.s, shapes: [{box: {min: [0, 0], max: [0.6, 0.8]}}]}]
+inlets: [{rectangle: {centre: [0.3, 0.96], direction: [0, -1], width: 0.32, height: 0}, velocity: 0.1}]
+time: {end: 0.02}
+output: {interval: 0.02}
+measurements: [{name: height, kind: height, axis: y, position: [0.31, 0]}]
+"""
+
+
 class Recoveries(Workplace):
     def run_text(self, text, ranks, run="run"):
         with open(self.path("scene.yaml"), "w") as file:
@@ -159,6 +184,21 @@ class Recoveries(Workplace):
         series = sum((-1) ** n * 32 / ((2 * n + 1) * math.pi) ** 3 * math.exp(-((2 * n + 1) * math.pi / 2) ** 2 * 0.006 * 0.3 / 0.01) for n in range(4))
         self.assertLess(abs(steps["max speed [m/s]"][-1] / (10 * 0.01 / 0.012 * (1 - series)) - 1), 0.02)
 
+
+    def test_a_disc_pours_its_flow_rate(self):
+        with open(self.path("disc.yaml"), "w") as file:
+            file.write(DISC)
+        for method in ("sph", "grid"):
+            with self.subTest(method):
+                self.run_scene(self.path("disc.yaml"), method, 2, {"method.kind": method})
+                steps = self.steps(method)
+                late = steps["time [s]"] > 0.05
+                rate = numpy.polyfit(steps["time [s]"][late], steps["mass [kg]"][late] / 1000, 1)[0]
+                self.assertLess(abs(rate / (0.2 * math.pi * 0.01**2) - 1), 0.02)
+
+    def test_layers_that_wait_at_an_inlet_are_no_height(self):
+        self.run_text(BASIN, 2)
+        self.assertLess(abs(self.columns("run", "measurements.csv")["height [m]"][-1] - 0.8), 0.04)
 
     def test_a_cup_is_filled_up_to_its_rotor(self):
         steps = self.run_text(CUP, 2)
