@@ -31,7 +31,7 @@ SHORTENED = {
     "water_wheel": {"domain.spacing": "0.025", "time.end": "0.06"},
     "viscous_bunny": {"domain.spacing": "0.02", "time.end": "0.1", "method.viscosity.residual": "1e-10"},
     "viscous_dragon": {"domain.spacing": "0.02", "time.end": "0.1", "method.viscosity.residual": "1e-10"},
-    "viscous_film": {"time.end": "0.2", "method.viscosity.residual": "1e-10"},
+    "viscous_film": {"time.end": "0.2", "method.viscosity.residual": "1e-10", "method.pressure.solver": "isph"},
     "coiling": {"domain.spacing": "0.005", "time.end": "0.4", "time.cfl": "0.6", "method.viscosity.residual": "1e-10"},
     "many_viscosities": {"domain.spacing": "0.02", "time.end": "0.1", "method.viscosity.residual": "1e-10"},
     "buckling": {"domain.spacing": "0.005", "time.end": "0.35", "time.cfl": "0.6", "method.viscosity.residual": "1e-10"},
