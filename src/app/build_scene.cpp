@@ -318,11 +318,7 @@ scene::VolumeSamples sample_liquid(const Input& input, const Geometry& geometry,
     constexpr double tolerance = 0.002; // of the volume
     const auto& comm = solver.comm();
     const auto& box = solver.decomposition().box();
-    scene::VolumeFill fill;
-    fill.liquids = geometry.liquids;
-    fill.solids = geometry.bodies;
-    fill.clearance = seeding_clearance(input, geometry.lattice.spacing);
-    fill.lattice = geometry.lattice;
+    auto fill = liquid_fill(input, geometry, geometry.lattice);
     fill.part = part_of(solver.setup().grid, box);
     scene::VolumeSamples samples;
     const auto fill_part = [&] {

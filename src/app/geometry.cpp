@@ -172,19 +172,14 @@ std::string thin_note(std::size_t samples) {
            " solid particles are where a body is too thin for a layer on each side; liquid may feel it from behind";
 }
 
-double seeding_clearance(const Input& input, double spacing) {
+scene::VolumeFill liquid_fill(const Input& input, const Geometry& geometry, const scene::Lattice& lattice) {
     const bool spreads = !input.on_grid() && input.method.pressure.recovers_places();
-    return spreads ? 0 : (0.5 - 1e-9) * spacing;
+    return {geometry.liquids, geometry.bodies, spreads ? 0 : (0.5 - 1e-9) * lattice.spacing, lattice, {}};
 }
 
 ParticleCounts estimate_particles(const Input& input, const Geometry& geometry) {
     ParticleCounts counts;
-    scene::VolumeFill fill;
-    fill.liquids = geometry.liquids;
-    fill.solids = geometry.bodies;
-    fill.clearance = seeding_clearance(input, geometry.lattice.spacing);
-    fill.lattice = geometry.lattice;
-    for (const auto count : scene::estimate_liquid_counts(fill)) counts.liquid += count;
+    for (const auto count : scene::estimate_liquid_counts(liquid_fill(input, geometry, geometry.lattice))) counts.liquid += count;
     if (input.on_grid()) return counts; // whose solids are no particles
     counts.solid = scene::count_domain_walls(geometry.walls);
     for (std::size_t b = 0; b < geometry.bodies.size(); ++b) {

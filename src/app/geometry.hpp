@@ -55,9 +55,9 @@ struct ParticleCounts {
     std::uint64_t liquid = 0;
     std::uint64_t solid = 0;
 };
-// VolumeFill::clearance [m]. Where SPH recovers the density in positions, liquid fills the room up to the solids and is then spread
+// The liquids' points on a lattice beside the bodies. Where SPH recovers the density in positions, liquid fills the room up to the solids and is then spread
 // (IsphStep::spread): cut half a spacing off, a liquid around a body would lack half a layer, and fall into the gaps.
-double seeding_clearance(const Input& input, double spacing);
+scene::VolumeFill liquid_fill(const Input& input, const Geometry& geometry, const scene::Lattice& lattice);
 
 ParticleCounts estimate_particles(const Input& input, const Geometry& geometry);
 

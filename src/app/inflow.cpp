@@ -64,7 +64,7 @@ std::vector<std::array<double, 2>> rectangle(const scene::Inlet& inlet, double s
     return out;
 }
 
-// Of the opening [m2], [m] in the plane.
+// Area of the opening [m2], width in the plane [m].
 double opening_of(const scene::Inlet& inlet, int dimensions) {
     const bool round = inlet.shape == scene::InletShape::disc;
     if (dimensions == 2) return round ? 2 * inlet.radius : inlet.width;

@@ -102,12 +102,7 @@ Preview make_preview(const Input& input, const Geometry& geometry) {
     if (ratio > 1) preview.coarsening = std::pow(ratio, 1.0 / input.scene.domain.dimensions);
     preview.lattice = geometry.lattice;
     preview.lattice.spacing *= preview.coarsening;
-    scene::VolumeFill fill;
-    fill.liquids = geometry.liquids;
-    fill.solids = geometry.bodies;
-    fill.clearance = seeding_clearance(input, preview.lattice.spacing);
-    fill.lattice = preview.lattice;
-    preview.liquid = scene::fill_volume(fill);
+    preview.liquid = scene::fill_volume(liquid_fill(input, geometry, preview.lattice));
     add_solids(geometry, preview.lattice.spacing, preview);
     const bool exact = preview.coarsening == 1;
     preview.liquid_count = exact ? preview.liquid.positions.size() : counts.liquid;

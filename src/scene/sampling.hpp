@@ -32,7 +32,7 @@ struct Lattice {
 
 // ---- liquids ----
 
-// Which lattice points beside solids are taken, with a clearance of 0: those outside of them; or so many of those within half a spacing
+// Lattice points that are taken beside solids, with a clearance of 0: those outside of them; or so many of those within half a spacing
 // of a surface, spread evenly over it, as there is room for, moved out where they lie too deep.
 enum class Filling { points, room };
 

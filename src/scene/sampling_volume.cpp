@@ -115,11 +115,11 @@ public:
         return liquid;
     }
 
-    // Of the points of a block that have been decided [points].
+    // Room of the points of a block that has been decided [points].
     double room(const IndexBox& block, int answer) const {
         if (block.points() > 1) return answer == none ? 0 : static_cast<double>(block.points());
         const Vec3 x = fill_.lattice.position(block.lo);
-        return in_liquid(x) ? share(x) : 0;
+        return in_liquid(x) ? outside_fraction(x) : 0;
     }
 
 private:
@@ -127,8 +127,8 @@ private:
         const Vec3 moved = decided_at(x, fill_.lattice);
         return std::any_of(fill_.liquids.begin(), fill_.liquids.end(), [&](const Regions& one) { return distance_to(one, moved) < 0; });
     }
-    // Share of the cell of a point that lies outside the solids, as if their surface were flat there.
-    double share(const Vec3& x) const {
+    // Fraction of the cell of a point that lies outside the solids, as if their surface were flat there.
+    double outside_fraction(const Vec3& x) const {
         const double gap = distance_to(fill_.solids, decided_at(x, fill_.lattice));
         return std::clamp(0.5 + gap / fill_.lattice.spacing, 0.0, 1.0);
     }

@@ -15,6 +15,13 @@ struct Watch {
 // The residual -g of a row counts where q > 0, and where it would raise q.
 KOKKOS_INLINE_FUNCTION bool counts(double q, double g) { return q > 0 || g < 0; }
 
+KOKKOS_INLINE_FUNCTION void add_residual(double q, double g, double watched, double& excess, double& count, double& square) {
+    if (!counts(q, g)) return;
+    excess += math::max(0.0, -g);
+    count += 1;
+    square += watched * g * g;
+}
+
 // Multiplies q and A q by what makes q.Aq/2 - b.q least.
 void scale_to_least(const Comm& comm, const BoundedProblem& problem) {
     const int rows = problem.rows;
@@ -61,6 +68,24 @@ bool ended(const BoundedGoal& goal, BoundedReport& report) {
     return true;
 }
 
+// This rank's part of watched_square().
+double own_square(const BoundedProblem& problem, const Array<double>& gradient) {
+    const auto& q = problem.q;
+    const int rows = problem.rows;
+    const Watch watch{problem.watched};
+    const RowGroups groups = problem.groups;
+    double square = 0;
+    const int terms = groups.apply ? groups.count : rows;
+    Kokkos::parallel_reduce("treacle::watched_square", terms, KOKKOS_LAMBDA(int k, double& sum) {
+        const int first = groups.apply ? groups.begin(k) : k;
+        const int last = math::min(rows, groups.apply ? groups.end(k) : k + 1);
+        double own = 0;
+        for (int i = first; i < last; ++i) own += counts(q(i), gradient(i)) ? watch(i) * gradient(i) : 0;
+        sum += own * own;
+    }, square);
+    return terms > 0 ? square : 0.0;
+}
+
 // Products of the last change s of q and the change y of the gradient that it made: s.Ds, s.y, y.y/D.
 struct Curvature {
     double change = 0, across = 0, gradient = 0;
@@ -84,17 +109,13 @@ Standing take_gradient(const Comm& comm, const BoundedProblem& problem, const Ar
             gradient(i) = g;
             ss += change(i) * d * change(i);
             sy += change(i) * y;
-            if (!counts(q(i), g)) return;
-            if (d > 0) yy += y * y / d;
-            excess += math::max(0.0, -g);
-            count += 1;
-            square += watch(i) * g * g;
+            if (d > 0 && counts(q(i), g)) yy += y * y / d;
+            add_residual(q(i), g, watch(i), excess, count, square);
         }, s[0], s[1], s[2], s[3], s[4], s[5]);
     if (problem.rows == 0) s = {};
+    if (problem.groups.apply) s[2] = own_square(problem, gradient);
     comm.sum(std::span(s));
-    Standing out{{s[0], s[1], s[2]}, {s[3], s[4], s[5]}};
-    if (problem.groups.apply) out.residual.square = watched_square(comm, problem, gradient);
-    return out;
+    return {{s[0], s[1], s[2]}, {s[3], s[4], s[5]}};
 }
 
 void step_down(const BoundedProblem& problem, double alpha, const Array<double>& gradient, const Array<double>& change) {
@@ -109,20 +130,7 @@ void step_down(const BoundedProblem& problem, double alpha, const Array<double>&
 } // namespace
 
 double watched_square(const Comm& comm, const BoundedProblem& problem, const Array<double>& gradient) {
-    const auto& q = problem.q;
-    const int rows = problem.rows;
-    const Watch watch{problem.watched};
-    const RowGroups groups = problem.groups;
-    double square = 0;
-    const int terms = groups.apply ? groups.count : rows;
-    Kokkos::parallel_reduce("treacle::watched_square", terms, KOKKOS_LAMBDA(int k, double& sum) {
-        const int first = groups.apply ? groups.begin(k) : k;
-        const int last = math::min(rows, groups.apply ? groups.end(k) : k + 1);
-        double own = 0;
-        for (int i = first; i < last; ++i) own += counts(q(i), gradient(i)) ? watch(i) * gradient(i) : 0;
-        sum += own * own;
-    }, square);
-    return comm.sum(terms > 0 ? square : 0.0);
+    return comm.sum(own_square(problem, gradient));
 }
 
 BoundedReport bounded_jacobi(const Comm& comm, const BoundedProblem& problem, double omega, const BoundedGoal& goal) {
@@ -140,11 +148,7 @@ BoundedReport bounded_jacobi(const Comm& comm, const BoundedProblem& problem, do
         Kokkos::parallel_reduce("treacle::bounded_jacobi", problem.rows, KOKKOS_LAMBDA(int i, double& excess, double& count, double& square) {
             const double d = diagonal(i);
             const double g = d > 0 ? product(i) - b(i) : 0;
-            if (counts(q(i), g)) {
-                excess += math::max(0.0, -g);
-                count += 1;
-                square += watch(i) * g * g;
-            }
+            add_residual(q(i), g, watch(i), excess, count, square);
             if (d > 0) q(i) = math::max(0.0, q(i) - omega * g / d);
         }, s[0], s[1], s[2]);
         if (problem.rows == 0) s = {};

@@ -32,7 +32,7 @@ struct BoundedProblem {
     RowGroups groups;       // over which watched residuals are added up before they are squared, or each row by itself
 };
 
-// How far q is from the solution; sums over the ranks. A row's residual b - A q counts where q > 0, and where it
+// Distance of q from the solution; sums over the ranks. A row's residual b - A q counts where q > 0, and where it
 // would raise q.
 struct BoundedResidual {
     double excess = 0; // sum of the positive residuals
@@ -46,7 +46,7 @@ struct BoundedGoal {
     int max_iterations = 0;
 };
 
-// What both leave: outcome, reason, iterations, products; and the last residual.
+// Report of either method: outcome, reason, iterations, products; and the last residual.
 struct BoundedReport {
     solve::SolveReport solve;
     BoundedResidual residual;

@@ -28,7 +28,7 @@ constexpr double slack_factor = 5;
 constexpr double shift_softness = 0.1;
 // A solid bears liquid if its normal is nearer to the vertical than this sine away from the horizontal.
 constexpr double least_slope = 0.2;
-// Jacobi takes that many times the iterations of conjugate gradients.
+// Jacobi takes that many times the iterations of spectral gradients.
 constexpr int jacobi_patience = 20;
 
 // m grad W of the pairs, in single precision: a product reads 16 bytes a pair and is as long as these take to come.
@@ -38,7 +38,7 @@ struct Gradients {
     struct Near {
         Lanes x, y, z;
     };
-    // Of the pairs from entry k of the list on; lanes beyond the end of the row hold others.
+    // Gradients of the pairs from entry k of the list on; lanes beyond the end of the row hold others.
     KOKKOS_INLINE_FUNCTION Near near(std::int64_t k) const {
         return {load_lanes(x.data() + k), load_lanes(y.data() + k), load_lanes(z.data() + k)};
     }
@@ -366,13 +366,13 @@ double iisph_weight(const SphOptions& options, const Constants& constants) {
 }
 
 void Iisph::prepare(const StepParts& parts, double dt, Aim aim) {
-    write_places(parts.liquid, parts.liquid.volume());
-    write_pairs(parts);
+    prepare_pairs(parts);
     write_source(parts, dt, aim);
 }
 
-void Iisph::write_pairs(const StepParts& parts) {
+void Iisph::prepare_pairs(const StepParts& parts) {
     auto& liquid = parts.liquid;
+    write_places(liquid, liquid.volume());
     const auto n = static_cast<std::size_t>(liquid.store.owned());
     reserve(q_, n);
     reserve(product_, n);

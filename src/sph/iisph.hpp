@@ -30,7 +30,9 @@ public:
     //   divergence: the density's rate of change over dt; rows with few neighbours, whose density says little, stay 0 (Bender &
     //               Koschier 2017)
     enum class Aim { density, approach, places, divergence };
-    // g, the diagonal of A, the gradients of the pairs; (S5) b. Ghosts' velocities must be current. Writes the fields source, place, motion.
+    // g, the diagonal of A, the gradients of the pairs. Writes the field place.
+    void prepare_pairs(const StepParts& parts);
+    // The same, and (S5) b. Ghosts' velocities must be current. Writes the fields source, place, motion.
     void prepare(const StepParts& parts, double dt, Aim aim = Aim::density);
 
     // Dynamic bodies give way: A has their term as well, until this is called with nullptr. `response` must be that of the present poses.
@@ -46,7 +48,7 @@ public:
 
     // (I2) Collective: what the density would exceed rho0 by after a step dt with the velocities, ghosts' included, as a shift
     // of places: writes -dt G q, A q - b >= 0, to the acceleration field [m/s]. Writes source, load, motion; pressures stay. The
-    // particles must stand where they stood at solve().
+    // particles must stand where they stood at solve() or prepare_pairs().
     solve::SolveReport shift(const StepParts& parts, double dt);
 
     // Collective: the divergence-free solve of DFSPH. last: the pressures of the last one, in and out [Pa]. Leaves p / rho^2
@@ -58,7 +60,6 @@ public:
     std::size_t bytes() const;
 
 private:
-    void write_pairs(const StepParts& parts);
     // (S5)
     void write_source(const StepParts& parts, double dt, Aim aim);
     // Solves what prepare() has prepared; last: pressures to start from [owned] [Pa].

@@ -400,7 +400,7 @@ void IsphStep::spread(int times) {
         const double count = comm_.sum(double(liquid_.store.owned()));
         if (k == 0 && comm_.max(report.max_compression) <= close_compression) return;
         if (comm_.sum(report.mean_compression) <= setup_.options.pressure.density_tolerance() * count) return;
-        iisph_.prepare(loose, dt, Iisph::Aim::places);
+        iisph_.prepare_pairs(loose);
         shift_positions(loose, report, dt);
         move_particles(setup_.domain, liquid_, dt, Use::yes);
     }

@@ -11,7 +11,7 @@ constexpr double patch = 0.75;
 // In a corner what one wall gives may lead into the other.
 constexpr int passes = 2;
 
-// What of a particle's velocity contacts may change, and the rest, which may be empty [m/s].
+// Velocity of a particle: the part that contacts may change, and the rest, which may be empty [m/s].
 struct Moves {
     Array3 changed, rest;
     KOKKOS_INLINE_FUNCTION double operator()(int i, int k) const { return changed(i, k) + (rest.size() > 0 ? rest(i, k) : 0.0); }
@@ -60,9 +60,7 @@ struct WallContactLoop : LoadReduction {
         if (stopped) sum[value_count - 1] += 1;
     }
 };
-} // namespace
 
-namespace {
 std::int64_t stop(const Fluid& fluid, const Moves& moves, const SolidParticles& solid,
                   const RelativeDensity& relative, const WallStop& at, std::span<double> loads) {
     std::vector<double> sums(loads.size() + 1, 0.0);

@@ -1,11 +1,12 @@
 """Row of `sph` on what a step costs beside that of an older program."""
 
+from .iisph import OURS
 from .run import RunFolder, built, execute, launched, scratch
 from .table import Figure
 
 PAIRS = 3
 SETTLED = 10  # first steps, whose pressures come from nothing
-PHASES = ("sort", "neighbours", "density", "forces", "viscosity", "predict", "assemble", "solve", "pressure force", "move")
+PHASES = ("sort", "neighbours", "density", "forces", "viscosity", *OURS, "pressure force", "move")
 DAM_BREAK = """schema_version: 1
 domain: {{max: [2, {depth}, 1.25], spacing: {spacing}}}
 liquids:
