@@ -234,7 +234,7 @@ TEST_P(FractionCase, TheVolumeOfABallIsSecondOrder) {
         const double volume = (dimensions == 3 ? 4 * math::pi / 3 * cells : math::pi) * cells * cells;
         block.build(nowhere, ball({0.02, 0.03, dimensions == 3 ? 0.05 : 0}, radius));
         errors.push_back(std::fabs(block.sum(block.fractions.cell_liquid) / volume - 1));
-        EXPECT_LT(errors.back(), 0.2 / (cells * cells)); // NUMERICS 1.4
+        EXPECT_LT(errors.back(), 0.2 / (cells * cells));
     }
     for (std::size_t k = 0; k + 1 < errors.size(); ++k) EXPECT_NEAR(std::log2(errors[k] / errors[k + 1]), 2, 0.3);
 }

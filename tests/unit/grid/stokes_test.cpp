@@ -153,7 +153,7 @@ TEST_F(GridStokes, takes_as_many_iterations_for_stiff_liquid_as_for_thin) {
 
 // A column of liquid that hangs from the ceiling and has come to creep, 8 cells wide: a plane sheet stretches by the
 // extensional viscosity 4 eta, so that its tip sinks by rho g H^2/(8 eta). One after the other, pressure and viscosity
-// let it go twice as fast (NUMERICS trap 3).
+// let it go twice as fast.
 TEST_F(GridStokes, a_hanging_sheet_stretches_by_its_extensional_viscosity) {
     StokesSample sample;
     sample.dimensions = 2;

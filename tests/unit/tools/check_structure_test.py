@@ -67,6 +67,17 @@ class CheckStructure(unittest.TestCase):
         word = "TO" + "DO"
         self.assert_found("inputs/a/README.md", f"{word}: later\n", f"{word}: do it or drop it")
 
+    def test_documents_cite_files_that_are_there(self):
+        self.assert_found("src/sph/README.md", "See `gone.cpp`.\n", "there is no gone.cpp")
+        self.assert_found("src/sph/README.md", "See [it](gone.md#part).\n", "there is no gone.md")
+        self.assertEqual("", findings({
+            "src/sph/README.md": "`density.cpp`, `sph/density.cpp`, `../grid/mac.hpp`, [grid](../grid/README.md#a), "
+                                 "[part](#part), [site](https://x.org/a)\n",
+            "src/grid/README.md": "\n",
+            "src/grid/mac.hpp": "\n",
+            "src/sph/density.cpp": "\n",
+        }))
+
     def test_readme_lists_only_folders_that_are_there(self):
         self.assertIn("README.md:3: there is no folder src/",
                       findings({"README.md": "```\nmpi/  ranks\nsrc/  rest\n```\n", "mpi/a.cpp": ""}))
