@@ -26,6 +26,10 @@ constexpr int least_iterations = 2;
 constexpr double slack_factor = 5;
 // Diagonals added to A for the shift: an excess that is everywhere, as in a box that is too full, gives no shift.
 constexpr double shift_softness = 0.1;
+// Liquid that something else than gravity drives may be compressed by `density_error` while it moves by a spacing in a liquid of so
+// many spacings across, in inverse proportion in a wider one: what a lid or an inlet brings into one corner of the liquid is little
+// of the mean, and what is let in there does not turn the rest.
+constexpr double narrow = 6;
 // A solid bears liquid if its normal is nearer to the vertical than this sine away from the horizontal.
 constexpr double least_slope = 0.2;
 // Jacobi takes that many times the iterations of spectral gradients.
@@ -277,9 +281,31 @@ RoleCounts write_pressures(const StepParts& parts, const Array<double>& q) {
     return {pressed, n - pressed, 0};
 }
 
-// The stopping rules of the pressure solve; the reference is the residual without pressures, 0 where the density's rule is enough.
-BoundedGoal goal_of(const SphOptions& options, const Constants& constants, double dt, double reference) {
+// Collective. The mean compression at which a solve for velocities stops; gravity_drives: rows above solids that bear them are watched.
+double driven_tolerance(const StepParts& parts, bool gravity_drives) {
+    const auto& options = parts.options.pressure;
+    if (options.density_error > 0) return options.density_error;
+    const auto v = parts.solid.velocity();
+    int moving = 0;
+    Kokkos::parallel_reduce("treacle::iisph_moving", parts.solid.store.owned(), KOKKOS_LAMBDA(int s, int& count) {
+        count += static_cast<int>(v(s, 0) != 0 || v(s, 1) != 0 || v(s, 2) != 0);
+    }, moving);
+    std::array<std::int64_t, 2> sums{parts.liquid.store.owned(), parts.solid.store.owned() > 0 ? moving : 0};
+    parts.comm.sum(std::span(sums));
+    if (gravity_drives && sums[1] == 0 && !parts.liquid.has_inlets()) return options.density_tolerance();
+    const double across = std::pow(static_cast<double>(sums[0]), 1.0 / parts.constants.dimensions);
+    return options.density_tolerance() * std::min(1.0, narrow / across);
+}
+
+struct Tolerances {
+    double density;   // mean compression
+    double reference; // the watched residual without pressures, 0 where the density's rule is enough
+};
+
+// The stopping rules of the pressure solve.
+BoundedGoal goal_of(const SphOptions& options, const Constants& constants, double dt, const Tolerances& tolerances) {
     const auto& pressure = options.pressure;
+    const double reference = tolerances.reference;
     BoundedGoal goal;
     const bool jacobi = pressure.solver != PressureSolver::iisph;
     goal.least_iterations = jacobi ? least_iterations : 0;
@@ -288,7 +314,7 @@ BoundedGoal goal_of(const SphOptions& options, const Constants& constants, doubl
         goal.met = [=, to = pressure.residual](const BoundedResidual& r) { return std::sqrt(r.square) <= to * reference; };
     } else {
         const double scale = dt * dt / constants.rest_density;
-        goal.met = [=, to = pressure.density_tolerance(), largest = pressure.residual_tolerance()](const BoundedResidual& r) {
+        goal.met = [=, to = tolerances.density, largest = pressure.residual_tolerance()](const BoundedResidual& r) {
             const bool dense = r.excess * scale < to * std::max(1.0, r.count);
             return dense && (reference == 0 || std::sqrt(r.square) <= largest * reference);
         };
@@ -469,8 +495,9 @@ solve::SolveReport Iisph::iterate(const StepParts& parts, Aim aim, double dt, co
     const RowGroups groups = aim == Aim::approach ? RowGroups{cells.begin, cells.end, static_cast<int>(cells.window.size()), true} : RowGroups{};
     const BoundedProblem problem{rows, product, product_, diagonal_, parts.liquid.source(), q_, guess, watched_, groups};
     const double reference = reference_norm(parts, problem, product_);
+    const double density = aim == Aim::approach ? driven_tolerance(parts, reference > 0) : options.density_tolerance();
     const auto goal = divergence ? divergence_goal(parts.options, parts.constants, dt)
-                                 : goal_of(parts.options, parts.constants, dt, loose ? 0 : reference);
+                                 : goal_of(parts.options, parts.constants, dt, {density, loose ? 0 : reference});
     const auto report = options.solver == PressureSolver::iisph ? spectral_.solve(parts.comm, problem, weight_, goal)
                                                                    : bounded_jacobi(parts.comm, problem, weight_, goal);
     out = report.solve;
