@@ -285,15 +285,9 @@ RoleCounts write_pressures(const StepParts& parts, const Array<double>& q) {
 double driven_tolerance(const StepParts& parts, bool gravity_drives) {
     const auto& options = parts.options.pressure;
     if (options.density_error > 0) return options.density_error;
-    const auto v = parts.solid.velocity();
-    int moving = 0;
-    Kokkos::parallel_reduce("treacle::iisph_moving", parts.solid.store.owned(), KOKKOS_LAMBDA(int s, int& count) {
-        count += static_cast<int>(v(s, 0) != 0 || v(s, 1) != 0 || v(s, 2) != 0);
-    }, moving);
-    std::array<std::int64_t, 2> sums{parts.liquid.store.owned(), parts.solid.store.owned() > 0 ? moving : 0};
-    parts.comm.sum(std::span(sums));
-    if (gravity_drives && sums[1] == 0 && !parts.liquid.has_inlets()) return options.density_tolerance();
-    const double across = std::pow(static_cast<double>(sums[0]), 1.0 / parts.constants.dimensions);
+    if (gravity_drives && !parts.driven) return options.density_tolerance();
+    const auto particles = parts.comm.sum(static_cast<std::int64_t>(parts.liquid.store.owned()));
+    const double across = std::pow(static_cast<double>(particles), 1.0 / parts.constants.dimensions);
     return options.density_tolerance() * std::min(1.0, narrow / across);
 }
 

@@ -44,7 +44,7 @@ IsphStep::IsphStep(const Comm& comm, const IsphSetup& setup)
 }
 
 StepParts IsphStep::parts() {
-    return {setup_.options, setup_.constants, comm_, liquid_, solid_, neighbours_, halo_, cells_};
+    return {setup_.options, setup_.constants, comm_, liquid_, solid_, neighbours_, halo_, cells_, inflow_ || solid_speed() > 0};
 }
 
 ComplementarityParts IsphStep::complementarity_parts() {
@@ -539,6 +539,12 @@ void IsphStep::collect(StepReport& report) {
     report.mean_compression = sums[n + 5 + loss_causes] / std::max(1.0, sums[n + 6 + loss_causes]);
 }
 
+double IsphStep::solid_speed() const {
+    double most = bodies_.rigid.max_speed();
+    for (const auto& velocity : setup_.sides) most = std::max(most, std::hypot(velocity[0], velocity[1], velocity[2]));
+    return most;
+}
+
 double IsphStep::stable_step(double cfl) const {
     const auto u = liquid_.velocity();
     double fastest = 0;
@@ -547,9 +553,7 @@ double IsphStep::stable_step(double cfl) const {
     }, Kokkos::Max<double>(fastest));
     const double own = std::sqrt(liquid_.store.owned() > 0 ? fastest : 0.0);
     const double inflow = inflow_ ? inflow_->max_speed() : 0;
-    double sides = 0;
-    for (const auto& velocity : setup_.sides) sides = std::max(sides, std::hypot(velocity[0], velocity[1], velocity[2]));
-    const double speed = comm_.max(std::max({own, setup_.reference_speed, bodies_.rigid.max_speed(), inflow, sides}));
+    const double speed = comm_.max(std::max({own, setup_.reference_speed, solid_speed(), inflow}));
     const auto& g = setup_.forces.gravity;
     const double pull = std::sqrt(g[0] * g[0] + g[1] * g[1] + g[2] * g[2]);
     const double d = setup_.constants.spacing;

@@ -135,6 +135,7 @@ private:
     void solve_pressure(solve::Matrix& matrix, const PressureSystem::HostSystem& host, double dt,
                         StepReport& report);
     StepParts parts();
+    double solid_speed() const; // bound of the speeds of bodies that move and of the domain's sides [m/s]; the same on all ranks
     ComplementarityParts complementarity_parts();
     void collect(StepReport& report);
 

@@ -156,7 +156,8 @@ void PressureOptions::declare(Declaration& d) {
     d.choice("stop", stop, {{"density_error", StoppingRule::density_error}, {"residual", StoppingRule::residual}},
              "Iterate until the mean compression, or until the relative residual, is small enough.");
     d.number("density_error", density_error, unit::none, range_at_least(0),
-             "Mean compression of the Poisson particles at which iterating ends, as a share of the density; 0: 1e-5, with `recovery: positions` 1e-3, less in wide liquids that solids or inlets drive.");
+             "Mean compression of the Poisson particles at which iterating ends, as a share of the density; 0: 1e-5, with "
+             "`recovery: positions` 1e-3, less in wide liquids that solids or inlets drive.");
     check_tolerance(d, "density_error", density_error);
     d.choice("recovery", recovery,
              {{"automatic", DensityRecovery::automatic},

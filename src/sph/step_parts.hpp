@@ -15,6 +15,7 @@ struct StepParts {
     const Neighbourhood& neighbours;
     Halo& halo;
     const CellList& cells; // of the liquid
+    bool driven = false;   // solids that move, or inlets, push the liquid; the same on all ranks
 };
 
 } // namespace treacle::sph

@@ -141,7 +141,7 @@ const Array<double>& SurfaceCurvature::curvature(const LiquidParticles& liquid) 
 }
 
 void SurfaceCurvature::measure(const StepParts& parts) {
-    const auto& [options, c, comm, liquid, solid, neighbours, halo, cells] = parts;
+    const auto& [options, c, comm, liquid, solid, neighbours, halo, cells, driven] = parts;
     const auto fluid = gather_fluid(c, liquid, solid, neighbours);
     const auto& around = fluid.liquid;
     with_kernel(options.kernel, c.dimensions, c.support, [&](const auto& kernel) {

@@ -101,7 +101,6 @@ time: {end: 0.1, rule: fixed, step: 2 ms}
 output: {interval: 0.1}
 """
 
-
 # Re 100; what the lid drags into the corner is turned by pressures alone.
 CAVITY = """schema_version: 1
 domain:
