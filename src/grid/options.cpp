@@ -4,66 +4,6 @@
 
 namespace treacle::grid {
 
-const std::vector<std::pair<std::string, Preconditioner>> preconditioners{
-    {"multilevel", Preconditioner::multilevel},
-    {"boomeramg", Preconditioner::boomeramg},
-    {"gamg", Preconditioner::gamg},
-    {"incomplete_cholesky", Preconditioner::incomplete_cholesky},
-    {"jacobi", Preconditioner::jacobi}};
-
-namespace {
-void declare_residual(Declaration& d, double& residual, const std::string& text) {
-    d.number("residual", residual, unit::none,
-             range_between(1e-14, 0.1).because("rounding alone leaves about 1e-15", "1e-10 is very accurate already"), text);
-}
-
-void declare_solve(Declaration& d, Preconditioner& preconditioner, double& residual, int& max_iterations) {
-    d.choice("preconditioner", preconditioner, preconditioners,
-             "Of the conjugate gradients: the hierarchy of cells of this code; or, to compare with, HYPRE's or PETSc's "
-             "algebraic multigrid, incomplete Cholesky of each rank's rows, or the diagonal.");
-    declare_residual(d, residual, "Relative residual at which the solve ends.");
-    d.integer("max_iterations", max_iterations, range_between(1, 1000000),
-              "Iterations after which the solve has failed.");
-}
-} // namespace
-
-void PressureOptions::declare(Declaration& d) {
-    declare_solve(d, preconditioner, residual, max_iterations);
-    d.number("least_distance", least_distance, unit::none, range_between(1e-6, 0.5),
-             "Least distance along an axis, in grid widths, that a cell's centre is taken to have from the liquid's "
-             "surface (theta of the ghost fluid method). Liquid at rest below a surface along no axis moves where it counts.");
-    d.number("least_opening", least_opening, unit::none, range_between(0, 0.5),
-             "Share of a face's area that solids leave open below which the face is closed: what passes smaller ones "
-             "counts for nothing, and pressures behind them come out of differences of small numbers.");
-    d.choice("ceilings", ceilings, {{"separate", Ceilings::separate}, {"adhere", Ceilings::adhere}},
-             "Liquid under a wall from which gravity pulls it: separate where only a pressure below that of the air would keep "
-             "it there, or adhere. Where pressure and viscosity are solved together (stokes.solve), a liquid so stiff adheres.");
-}
-
-void ViscosityOptions::declare(Declaration& d) {
-    declare_solve(d, preconditioner, residual, max_iterations);
-    d.number("least_wet", least_wet, unit::none, range_above_to(0, 0.1),
-             "Share of a cube below which its liquid has no stress and keeps its velocity: slivers cost iterations.");
-    d.number("least_gap", least_gap, unit::none, range_above_to(0, 0.5),
-             "Share of a stress' cube outside of solids below which the liquid beside it moves with the solid: walls are "
-             "out of place by at most this share of the spacing, and smaller ones make slivers of liquid stiffer.");
-    d.number("normal_layer", normal_layer, unit::none, range_above_to(0, 1),
-             "Surfaces with slip resist flow across them as a layer of liquid of this thickness would, in grid widths.");
-}
-
-void StokesOptions::declare(Declaration& d) {
-    d.choice("solve", solve,
-             {{"automatic", StokesSolve::automatic}, {"split", StokesSolve::split}, {"together", StokesSolve::together}},
-             "Pressure and viscosity one after the other, or as one system (unsteady Stokes flow). One after the other, "
-             "liquid and bodies that viscosity holds back give way too fast, up to twice, in steps in which it spreads "
-             "velocities farther than the flow is wide. automatic: together in steps with eta dt / rho above dx^2 / 10, by the "
-             "largest viscosity.");
-    declare_residual(d, residual, "Relative residual at which the solve of both together ends, of momentum and mass at once.");
-    d.integer("max_iterations", max_iterations, range_between(1, 100000),
-              "Iterations after which the solve of both together ends; the step goes on where the residual is below 0.01, "
-              "and is reported with it.");
-}
-
 namespace {
 void declare_advection(Declaration& d, AdvectionOptions& options) {
     d.number("clearance", options.clearance, unit::none, range_between(0, 0.5),

@@ -1,6 +1,6 @@
 #pragma once
-#include "grid/options.hpp"
 #include "grid/pressure_components.hpp"
+#include "grid/pressure_options.hpp"
 #include "solve/krylov.hpp"
 
 #include <optional>

@@ -1,6 +1,7 @@
 #pragma once
 #include "grid/pressed_faces.hpp"
 #include "grid/pressure.hpp"
+#include "grid/stokes_options.hpp"
 #include "grid/viscous_problem.hpp"
 #include "solve/idr.hpp"
 

@@ -1,6 +1,6 @@
 #pragma once
 #include "grid/mac_grid.hpp"
-#include "grid/options.hpp"
+#include "grid/viscosity_options.hpp"
 #include "grid/volume_stiffness.hpp"
 #include "mpi/cell_halo.hpp"
 #include "rigid/bodies.hpp"
