@@ -1,6 +1,6 @@
 #include "mpi/comm.hpp"
 
-#include "base/error.hpp"
+#include "base/text/error.hpp"
 #include "mpi/native.hpp"
 
 #include <cstdlib>

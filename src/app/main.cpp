@@ -1,8 +1,8 @@
 #include "app/command_line.hpp"
-#include "app/end_together.hpp"
+#include "app/study/end_together.hpp"
 #include "app/study_commands.hpp"
 #include "kokkos/runtime.hpp"
-#include "solve/runtime.hpp"
+#include "solve/rows/runtime.hpp"
 
 #include <csignal>
 #include <cstdio>

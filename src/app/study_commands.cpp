@@ -1,13 +1,13 @@
 #include "app/study_commands.hpp"
 
-#include "app/handed_study.hpp"
-#include "app/identify.hpp"
-#include "app/new_study.hpp"
-#include "app/next.hpp"
-#include "app/split_sweep.hpp"
-#include "app/study_history.hpp"
-#include "app/study_plan.hpp"
-#include "app/sweep.hpp"
+#include "app/identify/identify.hpp"
+#include "app/identify/new_study.hpp"
+#include "app/identify/next.hpp"
+#include "app/study/handed_study.hpp"
+#include "app/study/split_sweep.hpp"
+#include "app/study/study_history.hpp"
+#include "app/study/study_plan.hpp"
+#include "app/study/sweep.hpp"
 
 #include <CLI/CLI.hpp>
 

@@ -1,10 +1,10 @@
 #include "app/video_commands.hpp"
 
-#include "app/check_video.hpp"
-#include "app/film.hpp"
-#include "app/piv_fields.hpp"
-#include "app/silhouettes.hpp"
-#include "base/text.hpp"
+#include "app/video/check_video.hpp"
+#include "app/video/film.hpp"
+#include "app/video/piv_fields.hpp"
+#include "app/video/silhouettes.hpp"
+#include "base/text/text.hpp"
 
 #include <CLI/CLI.hpp>
 

@@ -1,5 +1,5 @@
 #pragma once
-#include "base/error.hpp"
+#include "base/text/error.hpp"
 #include "mpi/comm.hpp"
 
 #include <functional>

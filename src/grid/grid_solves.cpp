@@ -1,5 +1,5 @@
 #include "grid/grid_step.hpp"
-#include "scene/vector_math.hpp"
+#include "scene/shapes/vector_math.hpp"
 
 #include <algorithm>
 #include <cmath>

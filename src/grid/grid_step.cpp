@@ -1,9 +1,9 @@
 #include "grid/grid_step.hpp"
 
-#include "grid/active_block.hpp"
-#include "grid/inflow.hpp"
-#include "grid/seeding.hpp"
-#include "scene/vector_math.hpp"
+#include "grid/geometry/seeding.hpp"
+#include "grid/mac/active_block.hpp"
+#include "grid/transport/inflow.hpp"
+#include "scene/shapes/vector_math.hpp"
 
 #include <algorithm>
 #include <bit>

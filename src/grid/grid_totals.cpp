@@ -1,6 +1,6 @@
 #include "grid/grid_step.hpp"
 
-#include "grid/particle_momentum.hpp"
+#include "grid/mac/particle_momentum.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,6 +1,6 @@
 #include "grid/options.hpp"
 
-#include "base/options.hpp"
+#include "base/options/options.hpp"
 
 namespace treacle::grid {
 

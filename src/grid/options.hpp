@@ -1,11 +1,11 @@
 #pragma once
-#include "grid/advection.hpp"
-#include "grid/contraction.hpp"
-#include "grid/fractions.hpp"
-#include "grid/position_correction.hpp"
-#include "grid/pressure_options.hpp"
-#include "grid/stokes_options.hpp"
-#include "grid/viscosity_options.hpp"
+#include "grid/geometry/contraction.hpp"
+#include "grid/geometry/fractions.hpp"
+#include "grid/pressure/pressure_options.hpp"
+#include "grid/transport/advection.hpp"
+#include "grid/unified/stokes_options.hpp"
+#include "grid/viscosity/viscosity_options.hpp"
+#include "grid/volume/position_correction.hpp"
 
 namespace treacle {
 class Declaration;

@@ -1,6 +1,6 @@
 #include "io/folder_lock.hpp"
 
-#include "base/error.hpp"
+#include "base/text/error.hpp"
 
 #include <cerrno>
 #include <cstring>

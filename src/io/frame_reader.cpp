@@ -1,7 +1,7 @@
 #include "io/frame.hpp"
 
-#include "base/error.hpp"
-#include "io/hdf5_handle.hpp"
+#include "base/text/error.hpp"
+#include "io/hdf5/hdf5_handle.hpp"
 
 namespace treacle::io {
 

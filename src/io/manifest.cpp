@@ -1,6 +1,6 @@
 #include "io/manifest.hpp"
 
-#include "base/file.hpp"
+#include "base/text/file.hpp"
 #include "build_info.hpp"
 #include "mpi/native.hpp"
 

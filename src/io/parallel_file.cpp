@@ -1,7 +1,7 @@
 #include "io/parallel_file.hpp"
 
-#include "base/error.hpp"
-#include "base/file.hpp"
+#include "base/text/error.hpp"
+#include "base/text/file.hpp"
 
 #include <cerrno>
 #include <cstring>

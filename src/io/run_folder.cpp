@@ -1,6 +1,6 @@
 #include "io/run_folder.hpp"
 
-#include "base/error.hpp"
+#include "base/text/error.hpp"
 
 #include <algorithm>
 #include <regex>

@@ -1,6 +1,6 @@
 #include "io/surface_file.hpp"
 
-#include "base/error.hpp"
+#include "base/text/error.hpp"
 #include "io/parallel_file.hpp"
 
 #include <bit>

@@ -1,6 +1,6 @@
 #include "io/value.hpp"
 
-#include "base/file.hpp"
+#include "base/text/file.hpp"
 
 #include <nlohmann/json.hpp>
 

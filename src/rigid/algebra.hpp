@@ -1,5 +1,5 @@
 #pragma once
-#include "base/vec3.hpp"
+#include "base/text/vec3.hpp"
 
 #include <array>
 #include <cmath>

@@ -1,6 +1,6 @@
 #pragma once
 #include "rigid/joints.hpp"
-#include "scene/signed_distance.hpp"
+#include "scene/sampling/signed_distance.hpp"
 
 #include <array>
 #include <limits>

@@ -1,5 +1,5 @@
-#include "base/error.hpp"
-#include "base/text.hpp"
+#include "base/text/error.hpp"
+#include "base/text/text.hpp"
 #include "rigid/bodies.hpp"
 
 #include <algorithm>

@@ -1,5 +1,5 @@
-#include "base/error.hpp"
-#include "base/options.hpp"
+#include "base/options/options.hpp"
+#include "base/text/error.hpp"
 #include "scene/names.hpp"
 #include "scene/scene.hpp"
 

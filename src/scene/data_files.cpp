@@ -1,6 +1,6 @@
 #include "scene/data_files.hpp"
 
-#include "base/error.hpp"
+#include "base/text/error.hpp"
 
 #include <cstdlib>
 #include <set>

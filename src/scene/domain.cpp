@@ -1,4 +1,4 @@
-#include "base/options.hpp"
+#include "base/options/options.hpp"
 #include "scene/scene.hpp"
 
 #include <algorithm>

@@ -1,10 +1,10 @@
-#include "base/options.hpp"
+#include "base/options/options.hpp"
 #include "scene/materials.hpp"
 #include "scene/names.hpp"
 #include "scene/pivot.hpp"
 #include "scene/scene.hpp"
 #include "scene/shape_options.hpp"
-#include "scene/vector_math.hpp"
+#include "scene/shapes/vector_math.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,6 +1,6 @@
 #include "scene/materials.hpp"
 
-#include "base/text.hpp"
+#include "base/text/text.hpp"
 
 #include <algorithm>
 #include <array>

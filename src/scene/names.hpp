@@ -1,5 +1,5 @@
 #pragma once
-#include "base/options.hpp"
+#include "base/options/options.hpp"
 
 #include <string>
 #include <vector>

@@ -1,6 +1,6 @@
 #pragma once
 // Private to src/scene.
-#include "base/options.hpp"
+#include "base/options/options.hpp"
 
 #include <optional>
 #include <string>

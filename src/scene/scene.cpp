@@ -1,6 +1,6 @@
 #include "scene/scene.hpp"
 
-#include "base/options.hpp"
+#include "base/options/options.hpp"
 #include "scene/names.hpp"
 
 #include <algorithm>

@@ -1,7 +1,7 @@
 #pragma once
-#include "base/vec3.hpp"
-#include "scene/camera_model.hpp"
-#include "scene/shape.hpp"
+#include "base/text/vec3.hpp"
+#include "scene/camera/camera_model.hpp"
+#include "scene/shapes/shape.hpp"
 
 #include <array>
 #include <optional>

@@ -1,6 +1,6 @@
 #include "scene/shape_options.hpp"
 
-#include "base/options.hpp"
+#include "base/options/options.hpp"
 
 #include <algorithm>
 

@@ -1,5 +1,5 @@
 #pragma once
-#include "scene/shape.hpp"
+#include "scene/shapes/shape.hpp"
 
 namespace treacle {
 class Declaration;

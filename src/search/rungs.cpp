@@ -1,6 +1,6 @@
 #include "search/rungs.hpp"
 
-#include "base/error.hpp"
+#include "base/text/error.hpp"
 
 #include <algorithm>
 #include <array>

@@ -1,9 +1,9 @@
 #include "sph/isph_step.hpp"
 
-#include "base/error.hpp"
-#include "sph/density.hpp"
-#include "sph/skin_friction.hpp"
-#include "sph/wall_contact.hpp"
+#include "base/text/error.hpp"
+#include "sph/forces/density.hpp"
+#include "sph/forces/skin_friction.hpp"
+#include "sph/forces/wall_contact.hpp"
 
 #include <algorithm>
 #include <cmath>

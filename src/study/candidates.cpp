@@ -1,6 +1,6 @@
 #include "study/candidates.hpp"
 
-#include "base/error.hpp"
+#include "base/text/error.hpp"
 #include "io/manifest.hpp"
 
 #include <algorithm>

@@ -1,6 +1,6 @@
 #pragma once
-#include "study/journal.hpp"
-#include "study/study.hpp"
+#include "study/lanes/journal.hpp"
+#include "study/model/study.hpp"
 
 #include <functional>
 

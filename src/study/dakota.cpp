@@ -1,7 +1,7 @@
 #include "study/dakota.hpp"
 
-#include "base/error.hpp"
-#include "base/text.hpp"
+#include "base/text/error.hpp"
+#include "base/text/text.hpp"
 
 #include <fstream>
 #include <sstream>

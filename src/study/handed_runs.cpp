@@ -1,9 +1,9 @@
 #include "study/handed_runs.hpp"
 
-#include "base/error.hpp"
-#include "base/text.hpp"
-#include "study/forward_files.hpp"
-#include "study/lanes.hpp"
+#include "base/text/error.hpp"
+#include "base/text/text.hpp"
+#include "study/lanes/forward_files.hpp"
+#include "study/lanes/lanes.hpp"
 
 #include <algorithm>
 

@@ -1,6 +1,6 @@
 #include "study/speculation.hpp"
 
-#include "study/forward_files.hpp"
+#include "study/lanes/forward_files.hpp"
 
 #include <algorithm>
 

@@ -1,6 +1,6 @@
 #pragma once
 #include "study/candidates.hpp"
-#include "study/lanes.hpp"
+#include "study/lanes/lanes.hpp"
 
 #include <deque>
 #include <map>

@@ -1,12 +1,12 @@
 #include "study/study_runs.hpp"
 
-#include "base/error.hpp"
-#include "base/file.hpp"
-#include "base/text.hpp"
+#include "base/text/error.hpp"
+#include "base/text/file.hpp"
+#include "base/text/text.hpp"
 #include "io/manifest.hpp"
-#include "study/forward_files.hpp"
-#include "study/readings.hpp"
-#include "study/status.hpp"
+#include "study/lanes/forward_files.hpp"
+#include "study/lanes/status.hpp"
+#include "study/model/readings.hpp"
 
 #include <algorithm>
 #include <fstream>

@@ -1,9 +1,9 @@
 #pragma once
-#include "base/log.hpp"
+#include "base/text/log.hpp"
 #include "io/folder_lock.hpp"
 #include "study/candidates.hpp"
-#include "study/journal.hpp"
-#include "study/lanes.hpp"
+#include "study/lanes/journal.hpp"
+#include "study/lanes/lanes.hpp"
 #include "study/speculation.hpp"
 
 #include <functional>

@@ -1,6 +1,6 @@
 #include "surface/silhouette.hpp"
 
-#include "base/error.hpp"
+#include "base/text/error.hpp"
 
 #include <algorithm>
 #include <cmath>

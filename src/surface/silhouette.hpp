@@ -1,7 +1,7 @@
 #pragma once
 #include "mpi/comm.hpp"
-#include "scene/triangle_raster.hpp"
-#include "surface/mesh.hpp"
+#include "scene/camera/triangle_raster.hpp"
+#include "surface/mesh/mesh.hpp"
 
 #include <cstdint>
 #include <span>

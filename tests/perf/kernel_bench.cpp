@@ -1,10 +1,10 @@
 // One kernel at a time, on one rank, over the particles of a dam break in motion. The argument of each
 // benchmark is the number of particles in thousands.
-#include "app/bench_scene.hpp"
-#include "app/build_scene.hpp"
+#include "app/bench/bench_scene.hpp"
+#include "app/setup/build_scene.hpp"
 #include "kokkos/runtime.hpp"
-#include "solve/runtime.hpp"
-#include "sph/density.hpp"
+#include "solve/rows/runtime.hpp"
+#include "sph/forces/density.hpp"
 
 #include <benchmark/benchmark.h>
 

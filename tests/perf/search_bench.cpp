@@ -1,13 +1,13 @@
 // Evaluations that the searches of src/search need, as lines of CSV: "search_bench functions SEEDS" on smooth functions,
 // "search_bench ladder FILE VISCOSITY SEEDS" on an objective that was tabled before.
 #include "../unit/search/functions.hpp"
-#include "search/bracketing.hpp"
-#include "search/cma_es.hpp"
-#include "search/gradient_methods.hpp"
-#include "search/lq_cma_es.hpp"
-#include "search/nelder_mead.hpp"
-#include "search/surrogate_search.hpp"
-#include "search/swarm.hpp"
+#include "search/bracketing/bracketing.hpp"
+#include "search/cma_es/cma_es.hpp"
+#include "search/cma_es/lq_cma_es.hpp"
+#include "search/gradient/gradient_methods.hpp"
+#include "search/population/nelder_mead.hpp"
+#include "search/population/surrogate_search.hpp"
+#include "search/population/swarm.hpp"
 
 #include <cstdio>
 #include <cstdlib>

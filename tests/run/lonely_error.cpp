@@ -1,4 +1,4 @@
-#include "app/end_together.hpp"
+#include "app/study/end_together.hpp"
 
 // Rank 1 throws outside of any guard while the others wait for it.
 int main(int argc, char** argv) {

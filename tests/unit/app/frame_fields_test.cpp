@@ -1,5 +1,5 @@
 #include "scene/scene.hpp"
-#include "sph/particles.hpp"
+#include "sph/model/particles.hpp"
 
 #include <gtest/gtest.h>
 

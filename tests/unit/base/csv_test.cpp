@@ -1,8 +1,8 @@
 #include "../own_folder.hpp"
-#include "base/csv.hpp"
+#include "base/text/csv.hpp"
 
-#include "base/error.hpp"
-#include "base/text.hpp"
+#include "base/text/error.hpp"
+#include "base/text/text.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
+#include "base/text/log.hpp"
 #include "file_content.hpp"
-#include "base/log.hpp"
 
 #include <gtest/gtest.h>
 

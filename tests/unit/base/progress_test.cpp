@@ -1,5 +1,5 @@
+#include "base/text/progress.hpp"
 #include "file_content.hpp"
-#include "base/progress.hpp"
 
 #include <gtest/gtest.h>
 #include <regex>

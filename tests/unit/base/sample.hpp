@@ -1,6 +1,6 @@
 #pragma once
-#include "base/error.hpp"
-#include "base/options.hpp"
+#include "base/options/options.hpp"
+#include "base/text/error.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
-#include "base/split.hpp"
-#include "base/text.hpp"
+#include "base/text/split.hpp"
+#include "base/text/text.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
-#include "grid/advection.hpp"
-#include "grid/extrapolation.hpp"
+#include "grid/mac/extrapolation.hpp"
+#include "grid/transport/advection.hpp"
 #include "liquid.hpp"
 
 #include <functional>

@@ -1,5 +1,5 @@
-#include "grid/inflow.hpp"
-#include "grid/seeding.hpp"
+#include "grid/geometry/seeding.hpp"
+#include "grid/transport/inflow.hpp"
 #include "step_sample.hpp"
 
 #include <gtest/gtest.h>

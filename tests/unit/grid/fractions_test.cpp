@@ -1,4 +1,4 @@
-#include "grid/fractions.hpp"
+#include "grid/geometry/fractions.hpp"
 
 #include <array>
 #include <cmath>

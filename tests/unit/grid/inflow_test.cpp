@@ -1,5 +1,5 @@
 #include "../sph/solver_environment.hpp"
-#include "grid/inflow.hpp"
+#include "grid/transport/inflow.hpp"
 #include "step_sample.hpp"
 
 #include <gtest/gtest.h>

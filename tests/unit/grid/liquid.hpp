@@ -1,8 +1,8 @@
 #pragma once
-#include "grid/apic.hpp"
-#include "grid/fractions.hpp"
-#include "grid/level_set.hpp"
-#include "grid/seeding.hpp"
+#include "grid/geometry/fractions.hpp"
+#include "grid/geometry/level_set.hpp"
+#include "grid/geometry/seeding.hpp"
+#include "grid/transport/apic.hpp"
 #include "mpi/halo.hpp"
 #include "mpi/migration.hpp"
 

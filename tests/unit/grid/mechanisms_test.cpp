@@ -1,6 +1,6 @@
 #include "viscous_sample.hpp"
 
-#include "grid/viscous_problem.hpp"
+#include "grid/viscosity/viscous_problem.hpp"
 
 namespace treacle::grid::mechanisms_test {
 namespace {

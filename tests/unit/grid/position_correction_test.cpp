@@ -1,4 +1,4 @@
-#include "grid/position_correction.hpp"
+#include "grid/volume/position_correction.hpp"
 #include "liquid.hpp"
 
 #include <gtest/gtest.h>

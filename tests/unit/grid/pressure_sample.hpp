@@ -1,6 +1,6 @@
 #pragma once
-#include "grid/curvature.hpp"
-#include "grid/pressure.hpp"
+#include "grid/pressure/pressure.hpp"
+#include "grid/surface_tension/curvature.hpp"
 
 #include <algorithm>
 #include <cmath>

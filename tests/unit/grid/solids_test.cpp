@@ -1,4 +1,4 @@
-#include "grid/advection.hpp"
+#include "grid/transport/advection.hpp"
 #include "liquid.hpp"
 
 #include <gtest/gtest.h>

@@ -1,6 +1,6 @@
 #pragma once
 #include "grid/grid_step.hpp"
-#include "scene/shape.hpp"
+#include "scene/shapes/shape.hpp"
 
 #include <cmath>
 #include <functional>

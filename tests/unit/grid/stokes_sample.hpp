@@ -1,8 +1,8 @@
 #pragma once
-#include "grid/stokes.hpp"
+#include "grid/unified/stokes.hpp"
 #include "viscous_sample.hpp"
 
-#include "grid/face_fields.hpp"
+#include "grid/transport/face_fields.hpp"
 
 // Liquid, solids and bodies that are given by distances, for pressure and viscosity together.
 namespace treacle::grid {

@@ -1,4 +1,4 @@
-#include "solve/runtime.hpp"
+#include "solve/rows/runtime.hpp"
 #include "step_sample.hpp"
 
 #include <gtest/gtest.h>

@@ -1,7 +1,7 @@
 #pragma once
-#include "grid/fractions.hpp"
-#include "grid/viscosity.hpp"
-#include "solve/runtime.hpp"
+#include "grid/geometry/fractions.hpp"
+#include "grid/viscosity/viscosity.hpp"
+#include "solve/rows/runtime.hpp"
 
 #include <cmath>
 #include <functional>

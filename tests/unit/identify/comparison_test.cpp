@@ -1,6 +1,6 @@
-#include "identify/comparison.hpp"
+#include "identify/compare/comparison.hpp"
 
-#include "video/contour_distance.hpp"
+#include "video/mask/contour_distance.hpp"
 
 #include <gtest/gtest.h>
 

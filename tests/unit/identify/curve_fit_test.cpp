@@ -1,4 +1,4 @@
-#include "identify/curve_fit.hpp"
+#include "identify/material/curve_fit.hpp"
 
 #include <cmath>
 #include <gtest/gtest.h>

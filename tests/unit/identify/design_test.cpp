@@ -1,6 +1,6 @@
-#include "identify/design.hpp"
+#include "identify/estimate/design.hpp"
 
-#include "base/error.hpp"
+#include "base/text/error.hpp"
 
 #include <gtest/gtest.h>
 

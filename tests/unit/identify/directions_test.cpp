@@ -1,4 +1,4 @@
-#include "identify/directions.hpp"
+#include "identify/estimate/directions.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "identify/estimate.hpp"
+#include "identify/estimate/estimate.hpp"
 
 #include <gtest/gtest.h>
 

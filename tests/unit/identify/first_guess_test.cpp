@@ -1,4 +1,4 @@
-#include "identify/first_guess.hpp"
+#include "identify/material/first_guess.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
-#include "identify/flow_curve_band.hpp"
+#include "identify/material/flow_curve_band.hpp"
 
-#include "base/error.hpp"
+#include "base/text/error.hpp"
 
 #include <cmath>
 #include <fstream>

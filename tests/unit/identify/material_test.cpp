@@ -1,4 +1,4 @@
-#include "identify/material.hpp"
+#include "identify/material/material.hpp"
 
 #include "../own_folder.hpp"
 #include "../refusal.hpp"

@@ -1,4 +1,4 @@
-#include "identify/mismatch_sum.hpp"
+#include "identify/compare/mismatch_sum.hpp"
 
 #include <gtest/gtest.h>
 

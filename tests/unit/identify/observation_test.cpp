@@ -1,4 +1,4 @@
-#include "identify/observation.hpp"
+#include "identify/experiment/observation.hpp"
 
 #include "../own_folder.hpp"
 

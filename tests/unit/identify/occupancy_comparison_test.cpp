@@ -1,4 +1,4 @@
-#include "identify/occupancy_comparison.hpp"
+#include "identify/compare/occupancy_comparison.hpp"
 
 #include <gtest/gtest.h>
 

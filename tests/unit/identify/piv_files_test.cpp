@@ -1,7 +1,7 @@
-#include "identify/piv_files.hpp"
+#include "identify/experiment/piv_files.hpp"
 
 #include "../own_folder.hpp"
-#include "io/table_file.hpp"
+#include "io/hdf5/table_file.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "identify/repeats.hpp"
+#include "identify/estimate/repeats.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "identify/series_comparison.hpp"
+#include "identify/compare/series_comparison.hpp"
 
 #include "../own_folder.hpp"
 #include "../refusal.hpp"

@@ -1,4 +1,4 @@
-#include "identify/sheet_comparison.hpp"
+#include "identify/compare/sheet_comparison.hpp"
 
 #include "../own_folder.hpp"
 

@@ -1,9 +1,9 @@
-#include "identify/sheet_observation.hpp"
+#include "identify/compare/sheet_observation.hpp"
 
 #include "../own_folder.hpp"
 #include "../refusal.hpp"
-#include "identify/ball_track.hpp"
-#include "identify/study_file.hpp"
+#include "identify/compare/ball_track.hpp"
+#include "identify/experiment/study_file.hpp"
 
 #include <gtest/gtest.h>
 

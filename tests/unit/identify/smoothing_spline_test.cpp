@@ -1,4 +1,4 @@
-#include "identify/smoothing_spline.hpp"
+#include "identify/compare/smoothing_spline.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "identify/report.hpp"
+#include "identify/report/report.hpp"
 
 #include "../own_folder.hpp"
 

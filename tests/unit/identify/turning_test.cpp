@@ -1,4 +1,4 @@
-#include "identify/turning.hpp"
+#include "identify/compare/turning.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "identify/velocity_sampler.hpp"
+#include "identify/compare/velocity_sampler.hpp"
 
 #include <gtest/gtest.h>
 

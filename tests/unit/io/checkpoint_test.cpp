@@ -1,6 +1,6 @@
-#include "io/checkpoint.hpp"
+#include "io/checkpoint/checkpoint.hpp"
 
-#include "base/error.hpp"
+#include "base/text/error.hpp"
 #include "temporary_folder.hpp"
 
 #include <gtest/gtest.h>

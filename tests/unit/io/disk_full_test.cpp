@@ -1,5 +1,5 @@
-#include "base/error.hpp"
-#include "io/checkpoint.hpp"
+#include "base/text/error.hpp"
+#include "io/checkpoint/checkpoint.hpp"
 #include "io/frame.hpp"
 #include "sample.hpp"
 #include "temporary_folder.hpp"

@@ -1,6 +1,6 @@
 #include "io/frame.hpp"
 
-#include "base/error.hpp"
+#include "base/text/error.hpp"
 #include "sample.hpp"
 #include "temporary_folder.hpp"
 

@@ -1,4 +1,4 @@
-#include "base/error.hpp"
+#include "base/text/error.hpp"
 #include "io/export.hpp"
 #include "io/manifest.hpp"
 #include "io/run_folder.hpp"

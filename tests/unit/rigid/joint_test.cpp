@@ -1,4 +1,4 @@
-#include "base/error.hpp"
+#include "base/text/error.hpp"
 #include "sample.hpp"
 
 namespace treacle::rigid::joint_test {

@@ -1,6 +1,6 @@
 #pragma once
 #include "rigid/bodies.hpp"
-#include "scene/sampling.hpp"
+#include "scene/sampling/sampling.hpp"
 
 #include <gtest/gtest.h>
 

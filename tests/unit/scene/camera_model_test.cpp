@@ -1,5 +1,5 @@
-#include "base/error.hpp"
-#include "scene/camera_model.hpp"
+#include "base/text/error.hpp"
+#include "scene/camera/camera_model.hpp"
 
 #include <cmath>
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 #include "../own_folder.hpp"
-#include "base/error.hpp"
+#include "base/text/error.hpp"
 #include "scene/data_files.hpp"
 
 #include <gtest/gtest.h>

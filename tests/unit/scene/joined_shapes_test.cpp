@@ -1,9 +1,9 @@
 #include "shapes.hpp"
 
-#include "base/error.hpp"
-#include "scene/clip.hpp"
-#include "scene/sampling.hpp"
-#include "scene/signed_distance.hpp"
+#include "base/text/error.hpp"
+#include "scene/sampling/sampling.hpp"
+#include "scene/sampling/signed_distance.hpp"
+#include "scene/shapes/clip.hpp"
 
 #include <gtest/gtest.h>
 #include <numbers>

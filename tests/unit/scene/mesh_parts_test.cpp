@@ -1,7 +1,7 @@
 #include "shapes.hpp"
 
-#include "base/error.hpp"
-#include "scene/signed_distance.hpp"
+#include "base/text/error.hpp"
+#include "scene/sampling/signed_distance.hpp"
 
 #include <gtest/gtest.h>
 #include <numbers>

@@ -1,6 +1,6 @@
 #include "shapes.hpp"
 
-#include "base/error.hpp"
+#include "base/text/error.hpp"
 
 #include <gtest/gtest.h>
 

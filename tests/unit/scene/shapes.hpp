@@ -1,11 +1,11 @@
 #pragma once
 // Shapes, meshes and random points that the tests of geometry share.
 #include "../own_folder.hpp"
-#include "base/error.hpp"
-#include "base/vec3.hpp"
-#include "scene/mesh.hpp"
-#include "scene/shape.hpp"
-#include "scene/signed_distance.hpp"
+#include "base/text/error.hpp"
+#include "base/text/vec3.hpp"
+#include "scene/sampling/signed_distance.hpp"
+#include "scene/shapes/mesh.hpp"
+#include "scene/shapes/shape.hpp"
 
 #include <algorithm>
 #include <cmath>

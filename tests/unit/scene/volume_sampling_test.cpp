@@ -1,7 +1,7 @@
 #include "shapes.hpp"
 
-#include "base/error.hpp"
-#include "scene/sampling.hpp"
+#include "base/text/error.hpp"
+#include "scene/sampling/sampling.hpp"
 
 #include <algorithm>
 #include <gtest/gtest.h>

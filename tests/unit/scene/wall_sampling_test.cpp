@@ -1,5 +1,5 @@
-#include "base/error.hpp"
-#include "scene/sampling.hpp"
+#include "base/text/error.hpp"
+#include "scene/sampling/sampling.hpp"
 
 #include <algorithm>
 #include <cmath>

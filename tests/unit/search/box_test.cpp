@@ -1,4 +1,4 @@
-#include "search/box.hpp"
+#include "search/problem/box.hpp"
 
 #include <cmath>
 #include <gtest/gtest.h>

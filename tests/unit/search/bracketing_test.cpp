@@ -1,4 +1,4 @@
-#include "search/bracketing.hpp"
+#include "search/bracketing/bracketing.hpp"
 
 #include "functions.hpp"
 

@@ -1,4 +1,4 @@
-#include "search/cma_es.hpp"
+#include "search/cma_es/cma_es.hpp"
 
 #include "functions.hpp"
 

@@ -1,4 +1,4 @@
-#include "search/cma_state.hpp"
+#include "search/cma_es/cma_state.hpp"
 
 #include <cmath>
 #include <gtest/gtest.h>

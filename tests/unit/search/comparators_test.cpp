@@ -1,6 +1,6 @@
-#include "search/gradient_methods.hpp"
-#include "search/nelder_mead.hpp"
-#include "search/swarm.hpp"
+#include "search/gradient/gradient_methods.hpp"
+#include "search/population/nelder_mead.hpp"
+#include "search/population/swarm.hpp"
 
 #include "functions.hpp"
 

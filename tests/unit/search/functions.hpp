@@ -1,5 +1,5 @@
 #pragma once
-#include "search/search.hpp"
+#include "search/problem/search.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,6 +1,6 @@
-#include "search/gauss_newton.hpp"
+#include "search/gradient/gauss_newton.hpp"
 
-#include "search/bounded_move.hpp"
+#include "search/gradient/bounded_move.hpp"
 
 #include "functions.hpp"
 

@@ -1,4 +1,4 @@
-#include "search/lq_cma_es.hpp"
+#include "search/cma_es/lq_cma_es.hpp"
 
 #include "functions.hpp"
 

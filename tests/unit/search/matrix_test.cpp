@@ -1,6 +1,6 @@
-#include "search/matrix.hpp"
+#include "search/problem/matrix.hpp"
 
-#include "search/random.hpp"
+#include "search/problem/random.hpp"
 
 #include <cmath>
 #include <gtest/gtest.h>

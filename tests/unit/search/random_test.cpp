@@ -1,4 +1,4 @@
-#include "search/random.hpp"
+#include "search/problem/random.hpp"
 
 #include <cmath>
 #include <gtest/gtest.h>

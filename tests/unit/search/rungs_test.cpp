@@ -1,7 +1,7 @@
 #include "search/rungs.hpp"
 
-#include "base/error.hpp"
-#include "search/random.hpp"
+#include "base/text/error.hpp"
+#include "search/problem/random.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,6 +1,6 @@
-#include "search/search.hpp"
+#include "search/problem/search.hpp"
 
-#include "base/error.hpp"
+#include "base/text/error.hpp"
 
 #include <cmath>
 #include <gtest/gtest.h>

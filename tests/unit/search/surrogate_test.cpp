@@ -1,4 +1,4 @@
-#include "search/surrogate_search.hpp"
+#include "search/population/surrogate_search.hpp"
 
 #include "functions.hpp"
 

@@ -1,6 +1,6 @@
-#include "base/error.hpp"
+#include "base/text/error.hpp"
 #include "fixture.hpp"
-#include "solve/krylov.hpp"
+#include "solve/krylov/krylov.hpp"
 
 #include <cmath>
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 #include "fixture.hpp"
-#include "solve/complementarity.hpp"
+#include "solve/krylov/complementarity.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,9 +1,9 @@
 #include "fixture.hpp"
-#include "solve/complementarity.hpp"
-#include "solve/component_split.hpp"
-#include "solve/idr.hpp"
-#include "solve/multilevel.hpp"
-#include "solve/rigid_multilevel.hpp"
+#include "solve/krylov/complementarity.hpp"
+#include "solve/krylov/component_split.hpp"
+#include "solve/krylov/idr.hpp"
+#include "solve/multigrid/multilevel.hpp"
+#include "solve/multigrid/rigid_multilevel.hpp"
 
 #include <gtest/gtest.h>
 

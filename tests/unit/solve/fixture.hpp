@@ -1,7 +1,7 @@
 #pragma once
 #include "mpi/comm.hpp"
-#include "solve/matrix.hpp"
-#include "solve/runtime.hpp"
+#include "solve/rows/matrix.hpp"
+#include "solve/rows/runtime.hpp"
 
 #include <functional>
 #include <span>

@@ -1,5 +1,5 @@
 #include "fixture.hpp"
-#include "solve/idr.hpp"
+#include "solve/krylov/idr.hpp"
 
 #include <algorithm>
 #include <cmath>

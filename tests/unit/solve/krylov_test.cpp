@@ -1,5 +1,5 @@
 #include "fixture.hpp"
-#include "solve/krylov.hpp"
+#include "solve/krylov/krylov.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,6 +1,6 @@
 #include "fixture.hpp"
-#include "solve/krylov.hpp"
-#include "solve/multilevel.hpp"
+#include "solve/krylov/krylov.hpp"
+#include "solve/multigrid/multilevel.hpp"
 
 #include <cmath>
 #include <gtest/gtest.h>

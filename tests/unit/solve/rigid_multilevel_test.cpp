@@ -1,6 +1,6 @@
 #include "fixture.hpp"
-#include "solve/krylov.hpp"
-#include "solve/rigid_multilevel.hpp"
+#include "solve/krylov/krylov.hpp"
+#include "solve/multigrid/rigid_multilevel.hpp"
 
 #include <array>
 #include <cmath>

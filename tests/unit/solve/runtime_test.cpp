@@ -1,8 +1,8 @@
-#include "base/error.hpp"
+#include "base/text/error.hpp"
 #include "fixture.hpp"
-#include "solve/krylov.hpp"
-#include "solve/petsc.hpp"
-#include "solve/runtime.hpp"
+#include "solve/krylov/krylov.hpp"
+#include "solve/rows/petsc.hpp"
+#include "solve/rows/runtime.hpp"
 
 #include <algorithm>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "solve/soft_pairs.hpp"
+#include "solve/rows/soft_pairs.hpp"
 
 #include <cmath>
 #include <gtest/gtest.h>

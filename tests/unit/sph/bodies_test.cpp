@@ -1,5 +1,5 @@
 #include "parts.hpp"
-#include "sph/body_response.hpp"
+#include "sph/pressure/body_response.hpp"
 
 #include <functional>
 

@@ -1,5 +1,5 @@
 #include "parts.hpp"
-#include "solve/multilevel.hpp"
+#include "solve/multigrid/multilevel.hpp"
 
 #include <cstdio>
 #include <cstdlib>

@@ -1,4 +1,4 @@
-#include "base/error.hpp"
+#include "base/text/error.hpp"
 #include "sample.hpp"
 
 #include <gtest/gtest.h>

@@ -1,6 +1,6 @@
 #include "parts.hpp"
 
-#include "base/error.hpp"
+#include "base/text/error.hpp"
 
 namespace treacle::sph::iisph_test {
 namespace {

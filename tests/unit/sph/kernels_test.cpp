@@ -1,4 +1,4 @@
-#include "sph/kernels.hpp"
+#include "sph/model/kernels.hpp"
 
 #include <cmath>
 #include <gtest/gtest.h>

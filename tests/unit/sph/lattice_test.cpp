@@ -1,4 +1,4 @@
-#include "sph/lattice.hpp"
+#include "sph/model/lattice.hpp"
 
 #include <gtest/gtest.h>
 

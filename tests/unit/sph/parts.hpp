@@ -1,7 +1,7 @@
 #pragma once
 #include "sample.hpp"
-#include "sph/components.hpp"
-#include "sph/density.hpp"
+#include "sph/forces/density.hpp"
+#include "sph/pressure/components.hpp"
 
 #include <Eigen/Dense>
 #include <gtest/gtest.h>

@@ -1,7 +1,7 @@
 #pragma once
 #include "../kokkos/points.hpp"
 #include "sph/isph_step.hpp"
-#include "sph/lattice.hpp"
+#include "sph/model/lattice.hpp"
 
 #include <cmath>
 #include <map>

@@ -1,5 +1,5 @@
 #include "parts.hpp"
-#include "sph/skin_friction.hpp"
+#include "sph/forces/skin_friction.hpp"
 
 namespace treacle::sph::skin_friction_test {
 namespace {

@@ -1,5 +1,5 @@
 #pragma once
-#include "solve/runtime.hpp"
+#include "solve/rows/runtime.hpp"
 
 #include <gtest/gtest.h>
 #include <memory>

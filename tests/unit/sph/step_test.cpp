@@ -1,7 +1,7 @@
-#include "solver_environment.hpp"
 #include "sample.hpp"
+#include "solver_environment.hpp"
 
-#include "base/error.hpp"
+#include "base/text/error.hpp"
 
 #include <gtest/gtest.h>
 

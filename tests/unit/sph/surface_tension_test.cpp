@@ -1,7 +1,7 @@
 #include "change.hpp"
 #include "solver_environment.hpp"
-#include "sph/surface_lattice.hpp"
-#include "sph/surface_tension.hpp"
+#include "sph/surface_tension/surface_lattice.hpp"
+#include "sph/surface_tension/surface_tension.hpp"
 
 #include <cmath>
 

@@ -1,6 +1,6 @@
-#include "sph/viscous_multilevel.hpp"
+#include "sph/viscosity/multigrid/viscous_multilevel.hpp"
 
-#include "sph/velocity_element.hpp"
+#include "sph/viscosity/multigrid/velocity_element.hpp"
 #include "viscous_sample.hpp"
 
 namespace treacle::sph::viscous_multilevel_test {

@@ -1,6 +1,6 @@
 #pragma once
 #include "parts.hpp"
-#include "sph/implicit_viscosity.hpp"
+#include "sph/viscosity/implicit_viscosity.hpp"
 
 // Blobs of a viscous liquid.
 namespace treacle::sph {

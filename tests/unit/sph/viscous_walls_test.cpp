@@ -1,6 +1,6 @@
 #include "change.hpp"
-#include "sph/implicit_viscosity.hpp"
-#include "sph/slip_lattice.hpp"
+#include "sph/solids/slip_lattice.hpp"
+#include "sph/viscosity/implicit_viscosity.hpp"
 
 namespace treacle::sph::viscous_walls_test {
 namespace {

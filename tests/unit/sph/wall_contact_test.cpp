@@ -1,5 +1,5 @@
 #include "parts.hpp"
-#include "sph/wall_contact.hpp"
+#include "sph/forces/wall_contact.hpp"
 
 namespace treacle::sph::wall_contact_test {
 namespace {

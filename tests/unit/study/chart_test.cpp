@@ -1,4 +1,4 @@
-#include "study/chart.hpp"
+#include "study/plots/chart.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,7 @@
-#include "search/cma_es.hpp"
 #include "sample.hpp"
+#include "search/cma_es/cma_es.hpp"
+#include "study/plots/table.hpp"
 #include "study/study_runs.hpp"
-#include "study/table.hpp"
 
 #include "../own_folder.hpp"
 

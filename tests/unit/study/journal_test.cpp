@@ -1,5 +1,5 @@
 #include "sample.hpp"
-#include "study/journal.hpp"
+#include "study/lanes/journal.hpp"
 
 #include "../own_folder.hpp"
 

@@ -1,4 +1,4 @@
-#include "study/lanes.hpp"
+#include "study/lanes/lanes.hpp"
 
 #include "../own_folder.hpp"
 

@@ -1,5 +1,5 @@
 #include "sample.hpp"
-#include "study/points.hpp"
+#include "study/model/points.hpp"
 
 #include "../own_folder.hpp"
 

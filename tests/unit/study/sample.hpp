@@ -1,7 +1,7 @@
 #pragma once
-#include "base/document.hpp"
-#include "base/options.hpp"
-#include "study/study.hpp"
+#include "base/options/document.hpp"
+#include "base/options/options.hpp"
+#include "study/model/study.hpp"
 
 #include <string>
 

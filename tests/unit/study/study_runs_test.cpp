@@ -1,8 +1,8 @@
-#include "base/file.hpp"
+#include "base/text/file.hpp"
 #include "sample.hpp"
-#include "study/forward_files.hpp"
+#include "study/lanes/forward_files.hpp"
+#include "study/plots/table.hpp"
 #include "study/study_runs.hpp"
-#include "study/table.hpp"
 
 #include "../own_folder.hpp"
 

@@ -1,5 +1,5 @@
 #include "sample.hpp"
-#include "study/readings.hpp"
+#include "study/model/readings.hpp"
 
 #include "../own_folder.hpp"
 

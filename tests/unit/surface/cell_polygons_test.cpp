@@ -1,4 +1,4 @@
-#include "surface/cell_polygons.hpp"
+#include "surface/mesh/cell_polygons.hpp"
 
 #include <cmath>
 #include <gtest/gtest.h>

@@ -1,6 +1,6 @@
-#include "surface/mirror.hpp"
+#include "surface/mesh/mirror.hpp"
 
-#include "base/vec3.hpp"
+#include "base/text/vec3.hpp"
 
 #include <gtest/gtest.h>
 

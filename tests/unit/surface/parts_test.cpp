@@ -1,6 +1,6 @@
-#include "base/error.hpp"
+#include "base/text/error.hpp"
 #include "shapes.hpp"
-#include "surface/mesh_check.hpp"
+#include "surface/mesh/mesh_check.hpp"
 
 #include <gtest/gtest.h>
 #include <set>

@@ -1,5 +1,5 @@
 #pragma once
-#include "surface/mesher.hpp"
+#include "surface/mesh/mesher.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "base/error.hpp"
+#include "base/text/error.hpp"
 #include "shapes.hpp"
 #include "surface/silhouette.hpp"
 

@@ -53,6 +53,22 @@ class CheckStructure(unittest.TestCase):
         self.assert_found("kokkos/a.hpp", '#include "mpi/comm.hpp"\n', "kokkos may not include mpi")
         self.assert_found("src/sph/a.cpp", '#include "grid/step.hpp"\n', "sph may not include grid")
 
+    def test_rooms_include_those_before_them(self):
+        cmake = {"src/sph/CMakeLists.txt": "treacle_module(sph HEADERS kokkos\n  ROOMS model pressure viscosity/operator viscosity\n  SOURCES step.cpp)\n"}
+        down = {"src/sph/pressure/a.cpp": '#include "sph/model/b.hpp"\n', "src/sph/step.cpp": '#include "sph/viscosity/operator/c.hpp"\n',
+                "src/sph/viscosity/d.cpp": '#include "sph/viscosity/operator/c.hpp"\n', "src/sph/model/b.hpp": '#include "sph/model/e.hpp"\n'}
+        self.assertEqual("", findings(cmake | down))
+        for name, text, problem in (
+                ("src/sph/model/a.hpp", '#include "sph/pressure/b.hpp"\n', "model may not include pressure"),
+                ("src/sph/viscosity/operator/a.hpp", '#include "sph/viscosity/b.hpp"\n', "viscosity/operator may not include viscosity"),
+                ("src/sph/pressure/a.hpp", '#include "sph/step.hpp"\n', "pressure may not include what lies on top of sph"),
+                ("src/sph/attic/a.hpp", "\n", "attic is not among the rooms")):
+            self.assertIn(f"{name}:1: {problem}", findings(cmake | {name: text}))
+
+    def test_rooms_are_not_crowded(self):
+        self.assertEqual("", findings({f"src/io/a{number}.cpp": "\n" for number in range(25)}))
+        self.assertIn("src/io:1: 26 sources in a folder", findings({f"src/io/a{number}.cpp": "\n" for number in range(26)}))
+
     def test_links_point_down(self):
         self.assert_found("src/scene/CMakeLists.txt", "treacle_library(scene PUBLIC treacle_sph)\n",
                           "scene may not link sph")

@@ -1,5 +1,5 @@
 #pragma once
-#include "video/film_raster.hpp"
+#include "video/drawing/film_raster.hpp"
 
 #include <algorithm>
 #include <cmath>

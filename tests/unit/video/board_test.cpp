@@ -1,8 +1,8 @@
-#include "../refusal.hpp"
 #include "../own_folder.hpp"
-#include "base/error.hpp"
-#include "video/board_pictures.hpp"
-#include "video/clip_writer.hpp"
+#include "../refusal.hpp"
+#include "base/text/error.hpp"
+#include "video/camera/board_pictures.hpp"
+#include "video/clip/clip_writer.hpp"
 
 #include <cmath>
 #include <fstream>

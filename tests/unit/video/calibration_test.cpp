@@ -1,9 +1,9 @@
 #include "../refusal.hpp"
-#include "base/error.hpp"
+#include "base/text/error.hpp"
 #include "shared_data.hpp"
-#include "video/board_pictures.hpp"
-#include "video/calibration_covariance.hpp"
-#include "video/circle_bias.hpp"
+#include "video/camera/board_pictures.hpp"
+#include "video/camera/calibration_covariance.hpp"
+#include "video/camera/circle_bias.hpp"
 
 #include <cmath>
 #include <gtest/gtest.h>

@@ -1,7 +1,7 @@
 #include "../own_folder.hpp"
-#include "base/error.hpp"
+#include "base/text/error.hpp"
 #include "shared_data.hpp"
-#include "video/camera_file.hpp"
+#include "video/camera/camera_file.hpp"
 
 #include <cmath>
 #include <fstream>

@@ -1,4 +1,4 @@
-#include "scene/camera_model.hpp"
+#include "scene/camera/camera_model.hpp"
 
 #include <gtest/gtest.h>
 #include <opencv2/calib3d.hpp>

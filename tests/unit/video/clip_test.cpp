@@ -1,8 +1,8 @@
 #include "../own_folder.hpp"
-#include "base/error.hpp"
-#include "video/clip_writer.hpp"
-#include "video/frame_source.hpp"
-#include "video/movie.hpp"
+#include "base/text/error.hpp"
+#include "video/clip/clip_writer.hpp"
+#include "video/clip/frame_source.hpp"
+#include "video/clip/movie.hpp"
 
 #include <array>
 #include <cmath>

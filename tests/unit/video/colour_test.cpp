@@ -1,5 +1,5 @@
-#include "base/error.hpp"
-#include "video/colour.hpp"
+#include "base/text/error.hpp"
+#include "video/picture/colour.hpp"
 
 #include <cmath>
 #include <gtest/gtest.h>

@@ -2,7 +2,7 @@
 // smaller ones in silhouettes_test.cpp.
 #include "../own_folder.hpp"
 #include "test_film.hpp"
-#include "video/silhouettes.hpp"
+#include "video/silhouette/silhouettes.hpp"
 
 #include <gtest/gtest.h>
 #include <ostream>

@@ -1,7 +1,7 @@
 #include "ball_mesh.hpp"
-#include "base/error.hpp"
-#include "video/rasteriser.hpp"
-#include "video/vector.hpp"
+#include "base/text/error.hpp"
+#include "video/drawing/rasteriser.hpp"
+#include "video/picture/vector.hpp"
 
 #include <gtest/gtest.h>
 #include <numbers>

@@ -1,6 +1,6 @@
 #include "../own_folder.hpp"
-#include "base/error.hpp"
-#include "video/movie.hpp"
+#include "base/text/error.hpp"
+#include "video/clip/movie.hpp"
 
 #include <cmath>
 #include <filesystem>

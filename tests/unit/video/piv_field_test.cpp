@@ -1,4 +1,4 @@
-#include "video/piv_field.hpp"
+#include "video/piv/piv_field.hpp"
 
 #include "../own_folder.hpp"
 

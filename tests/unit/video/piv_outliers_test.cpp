@@ -1,4 +1,4 @@
-#include "video/piv_outliers.hpp"
+#include "video/piv/piv_outliers.hpp"
 
 #include <gtest/gtest.h>
 

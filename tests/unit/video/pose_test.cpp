@@ -1,9 +1,9 @@
-#include "../refusal.hpp"
 #include "../own_folder.hpp"
-#include "base/error.hpp"
-#include "video/contour_pose.hpp"
-#include "video/levels.hpp"
-#include "video/pose_algebra.hpp"
+#include "../refusal.hpp"
+#include "base/text/error.hpp"
+#include "video/pose/contour_pose.hpp"
+#include "video/pose/levels.hpp"
+#include "video/pose/pose_algebra.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,6 +1,6 @@
-#include "base/error.hpp"
-#include "video/rasteriser.hpp"
-#include "video/vector.hpp"
+#include "base/text/error.hpp"
+#include "video/drawing/rasteriser.hpp"
+#include "video/picture/vector.hpp"
 
 #include <cmath>
 #include <gtest/gtest.h>

@@ -1,7 +1,7 @@
 #include "../own_folder.hpp"
-#include "base/error.hpp"
+#include "base/text/error.hpp"
 #include "test_film.hpp"
-#include "video/silhouettes.hpp"
+#include "video/silhouette/silhouettes.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,7 @@
 #pragma once
-#include "video/clip_writer.hpp"
-#include "video/film_look.hpp"
-#include "video/mask.hpp"
+#include "video/clip/clip_writer.hpp"
+#include "video/drawing/film_look.hpp"
+#include "video/mask/mask.hpp"
 
 #include <algorithm>
 #include <array>

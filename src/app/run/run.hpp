@@ -1,0 +1,33 @@
+#pragma once
+#include "app/input/company.hpp"
+#include "app/run/continuation.hpp"
+#include "base/text/error.hpp"
+#include "io/run_folder.hpp"
+#include "mpi/comm.hpp"
+
+namespace treacle::app {
+
+struct RunRequest {
+    InputSource source;
+    std::filesystem::path out;                                   // default: out/<name of the scene's folder or file>
+    io::ExistingFiles existing = io::ExistingFiles::refuse;
+    double wall_limit = 0;                                       // [s] of the clock, 0: none; then exit code 5
+    std::vector<std::string> command;                            // the command line, for the manifest
+    Company company;
+};
+
+// `treacle run`. Collective; returns the exit code, ok or stopped; throws Error for the others.
+ExitCode run_scene(const Comm& comm, const RunRequest& request);
+
+struct ResumeRequest {
+    std::filesystem::path folder;
+    std::vector<Change> changes; // of the scene
+    double wall_limit = 0; // [s]
+    std::vector<std::string> command;
+};
+
+// `treacle resume`: goes on from the newest valid checkpoint of a run's folder, on any number of ranks. Changes go into
+// effective.yaml and manifest.json.
+ExitCode resume_run(const Comm& comm, const ResumeRequest& request);
+
+} // namespace treacle::app

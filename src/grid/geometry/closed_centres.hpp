@@ -1,0 +1,22 @@
+#pragma once
+#include "grid/mac/fine_nodes.hpp"
+#include "grid/mac/mac_grid.hpp"
+
+namespace treacle::grid {
+
+// Where the closed parts of faces have their centres. A motion that leads along a solid's surface takes nothing out of a cell:
+// sum over the faces of the closed areas times the velocity is then zero for any linear velocity, but only with that velocity
+// at the centres of the closed parts (the rest of their border is the surface).
+class ClosedCentres {
+public:
+    // Local, of all faces of the window that have their parts in it. `solid`: distances at the fine nodes [m].
+    void find(const FineNodes& nodes, const Array<double>& solid);
+    // [window] from the middle of the faces across `axis`, along axis + 1 + k (k = 0, 1) [cells].
+    const Array<double>& offset(int axis, int k) const { return offset_[axis][k]; }
+    std::size_t bytes() const;
+
+private:
+    Array<double> offset_[3][2];
+};
+
+} // namespace treacle::grid

@@ -1,0 +1,43 @@
+#pragma once
+#include "grid/geometry/solids.hpp"
+#include "grid/mac/fine_nodes.hpp"
+
+namespace treacle::grid {
+
+// How volumes are found (dissertation 5.3.3).
+enum class FractionMethod {
+    consistent,   // parts of the double-resolution grid, each clipped once, summed to the cubes of all places
+    independent,  // the cube of each place by its own eight corners; to compare with
+    supersampled, // parts of the double-resolution grid by the signs at their middles; to compare with
+};
+
+// Volume fractions of all places of a window.
+class FractionBuilder {
+public:
+    // `solid` and `liquid`: distances [m] at the fine nodes of the window of at least 3 layers around the owned cells,
+    // negative inside. Fills `out` for the places of all cells of the window but those of its outermost layer, where
+    // there is no liquid and no solid: wet = liquid = 0, fluid = open = 1. Arrays grow as they must. Local: no messages.
+    // `walls`: sides of the domain that `solid` has, or none: beside those that lie on nodes bodies are cut by their own distance, since the nodes
+    // there have that of the wall, zero, and a body that meets it would be rounded off.
+    void build(const FineNodes& nodes, const Array<double>& solid, const Array<double>& liquid, FractionMethod method,
+               Fractions& out, const WallPlanes& walls = {});
+
+    // Shares of the bodies that move in the cubes around the faces across each axis, as build() found the fluid's, of the
+    // same window. Solid parts of half-width cubes belong to the solid nearest to their corners.
+    // `number`: solids at the fine nodes, Solids::number(); `moves` [bodies]: 1 where a body moves.
+    void build_body_shares(const FineNodes& nodes, const Array<double>& solid, const Array<int>& number,
+                           const Array<int>& moves, BodyShares shares[3]) const;
+
+    std::size_t mixed_cells() const { return mixed_; } // of the last build
+
+private:
+    Array<int> signs_{"treacle::fraction_signs", 0};
+    Array<int> slot_{"treacle::fraction_slot", 0};       // [window] >= 0: row of parts_; below: one kind all through
+    Array<int> written_{"treacle::fraction_written", 0}; // [window] the kind that `out` holds, or `cut_place`
+    Array<double> parts_{"treacle::fraction_parts", 0};  // [mixed cells][8][fluid, liquid, wet]
+    std::size_t mixed_ = 0;
+    CellBox filled_; // window that written_ is about
+    const double* filled_data_ = nullptr; // and the arrays
+};
+
+} // namespace treacle::grid

@@ -1,0 +1,17 @@
+#pragma once
+#include "grid/geometry/solids.hpp"
+#include "grid/mac/particles.hpp"
+
+namespace treacle::grid {
+
+enum class ImagesIn { bodies, all_solids };
+
+// Writes the field `image` of all particles, ghosts too: the mirror image in the nearest solid of those nearer to it
+// than `reach` [m], and Images::none where there is none.
+struct Images {
+    static constexpr double none = 1e100; // [m]
+    static void find(const GridParticles& particles, const DistanceSampler& solid, const Array<int>& number, ImagesIn which,
+                     double reach);
+};
+
+} // namespace treacle::grid

@@ -1,0 +1,96 @@
+#pragma once
+#include "grid/mac/mac_grid.hpp"
+
+namespace treacle::grid {
+
+inline bool same_cells(const CellBox& a, const CellBox& b) {
+    bool same = true;
+    for (int k = 0; k < 3; ++k) same = same && a.lo[k] == b.lo[k] && a.hi[k] == b.hi[k];
+    return same;
+}
+
+// Nodes of the double-resolution grid of a window: corners of cubes of width dx/2, eight to a cell, those of a cell
+// together, so that a halo of cells carries them as blocks of `per_cell` numbers. Node (x, y, z) lies at
+// lower + dx/2 (x, y, z); node 2c is the lower corner of cell c. Plane scenes use z = 0 alone.
+struct FineNodes {
+    static constexpr int per_cell = 8;
+    CellBox window; // of cells
+    double lower[3]{};      // [m]
+    double width = 0;       // dx / 2 [m]
+    int dimensions = 3;
+
+    FineNodes() = default;
+    FineNodes(const MacGrid& grid, const CellBox& cells)
+        : window(cells), lower{grid.lower[0], grid.lower[1], grid.lower[2]}, width(0.5 * grid.dx),
+          dimensions(grid.dimensions) {}
+
+    std::size_t size() const { return static_cast<std::size_t>(per_cell * window.size()); }
+    KOKKOS_INLINE_FUNCTION int index(int x, int y, int z) const {
+        return per_cell * window.index(x >> 1, y >> 1, z >> 1) + (x & 1) + 2 * (y & 1) + 4 * (z & 1);
+    }
+    // Of corner `corner` of cell c.
+    KOKKOS_INLINE_FUNCTION void place(const int c[3], int corner, double x[3]) const {
+        for (int k = 0; k < 3; ++k) x[k] = lower[k] + width * (2 * c[k] + (corner >> k & 1));
+        if (dimensions == 2) x[2] = 0;
+    }
+    // Nearer than this to a solid's surface [m] a node lies in it but for round-off, whose sign differs with the ranks.
+    // Nodes do lie there: on walls, and on bodies after a fall of cfl dx.
+    KOKKOS_INLINE_FUNCTION double surface() const { return 1e-9 * width; }
+    // Of a node at this distance from the solids [m]; those in the surface are outside.
+    KOKKOS_INLINE_FUNCTION bool is_inside(double solid) const { return solid <= -surface(); }
+    KOKKOS_INLINE_FUNCTION int used() const { return dimensions == 2 ? 4 : 8; } // corners of a cell that count
+};
+
+// A distance given at fine nodes, anywhere in the window: trilinear between them; what lies outside of the window
+// takes the value at its border.
+struct DistanceSampler {
+    FineNodes nodes;
+    Array<double> values;
+
+    // The node nearest to x.
+    KOKKOS_INLINE_FUNCTION int nearest(const double x[3]) const {
+        int f[3] = {0, 0, 0};
+        for (int k = 0; k < nodes.dimensions; ++k) {
+            f[k] = static_cast<int>(math::floor((x[k] - nodes.lower[k]) / nodes.width + 0.5));
+            f[k] = math::min(math::max(f[k], 2 * nodes.window.lo[k]), 2 * nodes.window.hi[k] - 1);
+        }
+        return nodes.index(f[0], f[1], f[2]);
+    }
+    // Value [m] and, where asked for, the gradient of the interpolant.
+    KOKKOS_INLINE_FUNCTION double at(const double x[3], double gradient[3] = nullptr) const {
+        int base[3] = {0, 0, 0};
+        double s[3] = {0, 0, 0};
+        for (int k = 0; k < nodes.dimensions; ++k) {
+            const int first = 2 * nodes.window.lo[k], last = 2 * nodes.window.hi[k] - 1;
+            double p = (x[k] - nodes.lower[k]) / nodes.width;
+            // In this order what is not a number goes to the border.
+            p = math::min(double(last), math::max(double(first), p));
+            base[k] = math::min(static_cast<int>(math::floor(p)), last - 1);
+            s[k] = p - base[k];
+        }
+        const int up = nodes.dimensions == 2 ? 0 : 1;
+        double line[2][2]; // values at (y, z) after interpolation along x
+        double slope[2][2];
+        for (int z = 0; z <= up; ++z) {
+            for (int y = 0; y < 2; ++y) {
+                const double a = values(nodes.index(base[0], base[1] + y, base[2] + z));
+                const double b = values(nodes.index(base[0] + 1, base[1] + y, base[2] + z));
+                line[z][y] = a + s[0] * (b - a);
+                slope[z][y] = b - a;
+            }
+        }
+        const double low = line[0][0] + s[1] * (line[0][1] - line[0][0]);
+        const double high = up ? line[1][0] + s[1] * (line[1][1] - line[1][0]) : low;
+        if (gradient) {
+            const double dx0 = slope[0][0] + s[1] * (slope[0][1] - slope[0][0]);
+            const double dx1 = up ? slope[1][0] + s[1] * (slope[1][1] - slope[1][0]) : dx0;
+            const double dy0 = line[0][1] - line[0][0], dy1 = up ? line[1][1] - line[1][0] : dy0;
+            gradient[0] = (dx0 + s[2] * (dx1 - dx0)) / nodes.width;
+            gradient[1] = (dy0 + s[2] * (dy1 - dy0)) / nodes.width;
+            gradient[2] = (high - low) / nodes.width;
+        }
+        return low + s[2] * (high - low);
+    }
+};
+
+} // namespace treacle::grid

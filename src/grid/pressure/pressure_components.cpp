@@ -1,0 +1,158 @@
+#include "grid/pressure/pressure_components.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace treacle::grid {
+
+namespace {
+// Of all that a constant pressure pushes, what a body must be pushed by on the whole to give way.
+constexpr double least_push = 1e-6;
+
+// Labels rise to those of parts that end at a surface, and fall to the least row otherwise.
+double join_labels(double a, double b) {
+    const bool open = std::floor(a) != a || std::floor(b) != b;
+    return std::min(std::floor(a), std::floor(b)) + (open ? 0.5 : 0.0);
+}
+} // namespace
+
+void PressureComponents::label(const Comm& comm, const solve::CsrBlocks& matrix, std::span<const double> to_surface) {
+    const auto rows = static_cast<std::size_t>(matrix.rows);
+    sets_.reset(rows);
+    for (int i = 0; i < matrix.rows; ++i) {
+        for (int k = matrix.diagonal_offsets[i]; k < matrix.diagonal_offsets[i + 1]; ++k) {
+            sets_.join(static_cast<std::size_t>(i), static_cast<std::size_t>(matrix.diagonal_columns[k]));
+        }
+    }
+    label_.assign(rows, 0.0);
+    for (std::size_t i = 0; i < rows; ++i) {
+        const auto root = sets_.find(i);
+        if (root == i) label_[i] = double(matrix.first_row) + double(i);
+        if (to_surface[i] > 0) label_[root] = join_labels(label_[root], label_[root] + 0.5);
+    }
+    const auto closed = [&](std::size_t i) { return label_[i] == std::floor(label_[i]); };
+    bool any = false;
+    for (std::size_t i = 0; i < rows; ++i) any = any || (sets_.find(i) == i && closed(i));
+    if (comm.size() == 1 || !comm.any(any)) return;
+    std::vector<double> spread(rows);
+    for (bool changed = true; changed;) {
+        for (std::size_t i = 0; i < rows; ++i) spread[i] = label_[sets_.find(i)];
+        const auto others = matrix.halo->gather(spread);
+        changed = false;
+        for (std::size_t i = 0; i < rows; ++i) {
+            auto& mine = label_[sets_.find(i)];
+            for (int k = matrix.off_offsets[i]; k < matrix.off_offsets[i + 1]; ++k) {
+                const double joint = join_labels(mine, others[static_cast<std::size_t>(matrix.off_columns[k])]);
+                changed = changed || joint != mine;
+                mine = joint;
+            }
+        }
+        changed = comm.any(changed);
+    }
+}
+
+// The closed parts of all ranks, in the order of their labels.
+void PressureComponents::number(const Comm& comm, std::int64_t first_row) {
+    labels_.clear();
+    const auto is_closed = [](double label) { return label == std::floor(label); };
+    for (std::size_t i = 0; i < sets_.size(); ++i) {
+        const bool root = sets_.find(i) == i;
+        if (root && is_closed(label_[i]) && label_[i] == double(first_row) + double(i)) {
+            labels_.push_back(static_cast<std::int64_t>(label_[i]));
+        }
+    }
+    labels_ = comm.all_gather(std::span<const std::int64_t>(labels_));
+    std::sort(labels_.begin(), labels_.end());
+    all_parts_.assign(labels_.empty() ? 0 : sets_.size(), -1);
+    sizes_.assign(labels_.size(), 0.0);
+    for (std::size_t i = 0; i < all_parts_.size(); ++i) {
+        const double of = label_[sets_.find(i)];
+        if (!is_closed(of)) continue;
+        const auto at = std::lower_bound(labels_.begin(), labels_.end(), static_cast<std::int64_t>(of));
+        all_parts_[i] = static_cast<int>(at - labels_.begin());
+        sizes_[static_cast<std::size_t>(all_parts_[i])] += 1;
+    }
+    comm.sum(std::span(sizes_));
+}
+
+std::vector<char> PressureComponents::find_lifted(const Comm& comm, const PressureCoupling& coupling,
+                                                  const rigid::RigidBodies& bodies) const {
+    std::vector<char> out(labels_.size(), 0);
+    if (!bodies.any_dynamic()) return out;
+    const std::size_t n = bodies.size();
+    std::vector<double> net(labels_.size() * n * 4, 0.0); // three components, and the sum of their sizes
+    for (const auto& entry : coupling.entries()) {
+        const int part = all_parts_[static_cast<std::size_t>(entry.row)];
+        if (part < 0) continue;
+        double* const sum = &net[4 * (static_cast<std::size_t>(part) * n + static_cast<std::size_t>(entry.body))];
+        for (int k = 0; k < 3; ++k) {
+            sum[k] += entry.u[k];
+            sum[3] += std::fabs(entry.u[k]);
+        }
+    }
+    comm.sum(std::span(net));
+    const auto mobility = bodies.mobility();
+    for (std::size_t part = 0; part < labels_.size(); ++part) {
+        std::vector<double> push(6 * n, 0.0);
+        double gross = 0;
+        for (std::size_t b = 0; b < n; ++b) {
+            const double* const sum = &net[4 * (part * n + b)];
+            for (std::size_t k = 0; k < 3; ++k) push[6 * b + k] = sum[k];
+            gross += sum[3];
+        }
+        const auto moved = mobility.respond(push);
+        for (std::size_t b = 0; b < n; ++b) {
+            double work = 0, size = 0;
+            for (std::size_t k = 0; k < 3; ++k) {
+                work += push[6 * b + k] * moved[6 * b + k];
+                size += std::fabs(push[6 * b + k]);
+            }
+            if (work > 0 && size > least_push * gross) out[part] = 1;
+        }
+    }
+    return out;
+}
+
+void PressureComponents::anchor(const Comm& comm, const solve::CsrBlocks& matrix, std::span<const double> to_surface,
+                                const PressureCoupling& coupling, const rigid::RigidBodies& bodies) {
+    lifted_.clear();
+    label(comm, matrix, to_surface);
+    number(comm, matrix.first_row);
+    part_ = all_parts_;
+    if (labels_.empty()) return;
+    const auto gives_way = find_lifted(comm, coupling, bodies);
+    for (std::size_t p = 0; p < labels_.size(); ++p) {
+        const auto row = static_cast<int>(labels_[p] - matrix.first_row);
+        if (row < 0 || row >= matrix.rows) continue;
+        for (int k = matrix.diagonal_offsets[row]; k < matrix.diagonal_offsets[row + 1]; ++k) {
+            if (matrix.diagonal_columns[k] != row) continue;
+            const double weight = matrix.diagonal_values[k];
+            matrix.diagonal_values[k] += weight;
+            if (gives_way[p]) lifted_.push_back({row, weight});
+        }
+    }
+    for (auto& part : part_) {
+        if (part >= 0 && gives_way[static_cast<std::size_t>(part)]) part = -1;
+    }
+}
+
+double PressureComponents::balance(const Comm& comm, std::span<double> b) const {
+    if (labels_.empty()) return 0;
+    std::vector<double> sums(2 * labels_.size(), 0.0);
+    for (std::size_t i = 0; i < b.size(); ++i) {
+        if (part_[i] < 0) continue;
+        sums[2 * static_cast<std::size_t>(part_[i])] += b[i];
+        sums[2 * static_cast<std::size_t>(part_[i]) + 1] += std::fabs(b[i]);
+    }
+    comm.sum(std::span(sums));
+    double taken = 0;
+    for (std::size_t p = 0; p < labels_.size(); ++p) {
+        if (sums[2 * p + 1] > 0) taken = std::max(taken, std::fabs(sums[2 * p]) / sums[2 * p + 1]);
+    }
+    for (std::size_t i = 0; i < b.size(); ++i) {
+        if (part_[i] >= 0) b[i] -= sums[2 * static_cast<std::size_t>(part_[i])] / sizes_[static_cast<std::size_t>(part_[i])];
+    }
+    return taken;
+}
+
+} // namespace treacle::grid

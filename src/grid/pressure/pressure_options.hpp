@@ -1,0 +1,22 @@
+#pragma once
+#include "grid/mac/solver_options.hpp"
+
+namespace treacle::grid {
+
+enum class Ceilings {
+    separate, // liquid leaves walls above it where only a negative pressure would keep it there
+    adhere    // no wall lets liquid go
+};
+
+struct PressureOptions {
+    Preconditioner preconditioner = Preconditioner::multilevel;
+    double residual = 1e-8; // relative
+    int max_iterations = 1000;
+    double least_distance = 1e-4; // of a cell's centre from the surface, in widths (ghost fluid)
+    double least_opening = 0.01;  // share of a face's area below which it is closed
+    Ceilings ceilings = Ceilings::separate;
+
+    void declare(Declaration& d);
+};
+
+} // namespace treacle::grid

@@ -1,0 +1,66 @@
+#pragma once
+#include "grid/geometry/solids.hpp"
+#include "grid/mac/extrapolation.hpp"
+#include "grid/mac/pressure_faces.hpp"
+
+#include <array>
+
+namespace treacle::grid {
+
+// Makes room for a number per face of a window.
+void reserve_faces(FaceField& field, const MacGrid& grid, const CellBox& window);
+// Collective: halo faces take the values of their owners.
+void gather_faces(const MacGrid& grid, CellHalo& halo, const FaceField& field);
+
+// out = a - b on all faces of the window.
+void subtract_faces(const MacGrid& grid, const CellBox& window, const FaceField& a, const FaceField& b, FaceField& out);
+
+// (A1) u += g dt on all faces of the window.
+void accelerate(const MacGrid& grid, const CellBox& window, const std::array<double, 3>& g, double dt,
+                const FaceField& velocity);
+
+// What viscosity does in a step of dt [s].
+struct ViscousSpread {
+    Array<double> cell; // [Pa s]; without one: nothing
+    double density = 1, dt = 0;
+    // How far a velocity spreads into a cell within the step, squared, over (dx/2)^2.
+    KOKKOS_INLINE_FUNCTION double over_half_a_cell(std::size_t i, double dx) const {
+        return cell(i) / density * dt / (0.25 * dx * dx);
+    }
+};
+
+// Marks the faces whose velocity the solves found: open ones beside liquid; and those with `wet` shares from `least` on where the
+// viscosity reaches over half a cell. Thinner liquid beyond the pressure's faces does there what gravity makes of it: a dam
+// break of water in steps of three cells heaped up to thousands of particles in a cell, which followed such faces into walls.
+void mark_solved(const PressureFaces& faces, const FaceField& wet, double least, const ViscousSpread& viscosity, double dx,
+                 FaceMarks& known);
+
+// How solids hold the liquid along them.
+struct WallGrip {
+    bool any = false;     // without viscosity: none
+    Array<double> length; // [6 sides, then bodies] slip lengths [m], 0: grips, infinity: does not hold
+    ViscousSpread viscosity;
+    Array<int> leaves; // [window] 1: cells whose liquid separates from solids (separation.hpp); none: no extent
+};
+
+// (A2) Collective: velocities of closed faces, found by extrapolation, lose what leads into or out of their solid (of cells that separate: into it), so that
+// particles near solids move along them; and are those of a velocity that falls linearly to the solid's a slip length behind
+// its surface, as far as viscosity spreads within the step: nu dt over that and (dx/2)^2. `scratch` takes a copy.
+void turn_along_solids(const MacGrid& grid, CellHalo& halo, const Solids& solids, const PressureFaces& faces,
+                       const WallGrip& grip, const FaceField& velocity, FaceField& scratch);
+
+// (A6) Collective: what the step has changed since `start` at the faces that are known goes on to open faces around them that
+// particles gave a velocity, which have a mass: start + change, and known from then on. A mean of the neighbours'
+// velocities in its place would slow whatever turns. In solids no one would ever set such a face right.
+struct Continued {
+    const FaceField& start;
+    const FaceField& mass;
+    FaceField& change; // scratch
+    FaceMarks& reached; // scratch
+};
+void continue_changes(const MacGrid& grid, CellHalo& halo, const PressureFaces& faces, const Continued& with, FaceMarks& known,
+                      const FaceField& velocity);
+// Copies the numbers of the window.
+void copy_faces(const MacGrid& grid, const CellBox& window, const FaceField& from, FaceField& to);
+
+} // namespace treacle::grid

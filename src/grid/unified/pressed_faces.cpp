@@ -1,0 +1,148 @@
+#include "grid/unified/pressed_faces.hpp"
+
+#include <algorithm>
+
+namespace treacle::grid {
+
+namespace {
+// Rows of the cells below and above each face of the viscous system, its open share, and the share over theta.
+struct SidesLoop {
+    PressureFaces faces;
+    Array<int> place_of, row_of, rows;
+    Array<double> values;
+
+    KOKKOS_INLINE_FUNCTION void operator()(int r) const {
+        const int a = place_of(r) % 3, i = place_of(r) / 3;
+        const auto above = static_cast<std::size_t>(i), below = above - static_cast<std::size_t>(faces.stride[a]);
+        const double open = faces.open(a, above), pushed = faces.pushed(a, above);
+        const bool pushes = pushed > 0;
+        rows(2 * r) = pushes ? row_of(below) : -1;
+        rows(2 * r + 1) = pushes ? row_of(above) : -1;
+        values(2 * r) = pushes ? open : 0.0;
+        values(2 * r + 1) = pushes ? open / pushed : 0.0;
+    }
+};
+
+// Rows and open shares of the six faces of each cell with a pressure; into the cell.
+struct FluxLoop {
+    PressureFaces faces;
+    Array<int> cell_of, row_of[3], rows;
+    Array<double> values;
+
+    KOKKOS_INLINE_FUNCTION void operator()(int r) const {
+        for (int a = 0; a < 3; ++a) {
+            for (int side = 0; side < 2; ++side) {
+                const int k = 6 * r + 2 * a + side;
+                rows(k) = -1;
+                if (a >= faces.dimensions) continue;
+                const auto i = static_cast<std::size_t>(cell_of(r) + side * faces.stride[a]);
+                const double open = faces.open(a, i);
+                if (!(open > 0)) continue;
+                rows(k) = row_of[a](i);
+                values(k) = side == 0 ? open : -open;
+            }
+        }
+    }
+};
+
+// Places of rows by their global numbers: this rank's, then those of a halo.
+struct Places {
+    int first, rows;
+    std::span<const int> halo;
+
+    int operator()(int global) const {
+        if (global >= first && global < first + rows) return global - first;
+        return rows + static_cast<int>(std::lower_bound(halo.begin(), halo.end(), global) - halo.begin());
+    }
+};
+
+double value_at(std::span<const double> own, std::span<const double> around, int place) {
+    const auto k = static_cast<std::size_t>(place);
+    return k < own.size() ? own[k] : around[k - own.size()];
+}
+} // namespace
+
+void PressedFaces::find_sides(const ViscousSystem& viscous, const PressureSystem& pressure, const Scales& scales) {
+    const auto n = static_cast<std::size_t>(faces_);
+    reserve(rows_, 2 * n);
+    reserve(values_, 2 * n);
+    Kokkos::parallel_for("treacle::pressed_sides", faces_,
+                         SidesLoop{pressure.faces(), viscous.place_of(), pressure.row_of(), rows_, values_});
+    const auto rows = on_host(rows_);
+    const auto values = on_host(values_);
+    const Places place{static_cast<int>(pressure.first_row()), pressures_, of_pressures_->columns()};
+    sides_.resize(n);
+    for (std::size_t r = 0; r < n; ++r) {
+        const int below = rows(2 * r), above = rows(2 * r + 1);
+        sides_[r] = {below < 0 ? none : place(below), above < 0 ? none : place(above), scales.area * values(2 * r),
+                     scales.change * values(2 * r + 1)};
+    }
+}
+
+void PressedFaces::find_flux(const ViscousSystem& viscous, const PressureSystem& pressure, double area) {
+    const auto m = static_cast<std::size_t>(pressures_);
+    reserve(rows_, 6 * m);
+    reserve(values_, 6 * m);
+    Kokkos::parallel_for("treacle::pressed_flux", pressures_,
+                         FluxLoop{pressure.faces(), pressure.cell_of(), {viscous.row_of(0), viscous.row_of(1), viscous.row_of(2)},
+                                  rows_, values_});
+    const auto rows = on_host(rows_);
+    const auto values = on_host(values_);
+    const Places place{static_cast<int>(viscous.first_row()), faces_, of_faces_->columns()};
+    entries_.clear();
+    first_.assign(1, 0);
+    for (std::size_t r = 0; r < m; ++r) {
+        for (std::size_t k = 6 * r; k < 6 * r + 6; ++k) {
+            if (rows(k) >= 0) entries_.push_back({place(rows(k)), area * values(k)});
+        }
+        first_.push_back(static_cast<int>(entries_.size()));
+    }
+}
+
+void PressedFaces::build(ViscousSystem& viscous, PressureSystem& pressure, const Scales& scales) {
+    faces_ = viscous.faces();
+    pressures_ = pressure.rows();
+    of_faces_ = &viscous.halo();
+    of_pressures_ = &pressure.halo();
+    find_sides(viscous, pressure, scales);
+    find_flux(viscous, pressure, scales.area);
+    difference_.resize(sides_.size());
+}
+
+void PressedFaces::flux(std::span<const double> u, std::span<double> y) {
+    const auto around = of_faces_->gather(u);
+    const auto own = u.first(static_cast<std::size_t>(faces_));
+    for (std::size_t r = 0; r < y.size(); ++r) {
+        double sum = 0;
+        for (int k = first_[r]; k < first_[r + 1]; ++k) {
+            const auto& entry = entries_[static_cast<std::size_t>(k)];
+            sum += entry.area * value_at(own, around, entry.face);
+        }
+        y[r] = sum;
+    }
+}
+
+void PressedFaces::differences(std::span<const double> p, std::vector<double>& out) {
+    const auto around = of_pressures_->gather(p);
+    for (std::size_t r = 0; r < out.size(); ++r) {
+        const auto& face = sides_[r];
+        out[r] = (face.above == none ? 0.0 : value_at(p, around, face.above)) - (face.below == none ? 0.0 : value_at(p, around, face.below));
+    }
+}
+
+void PressedFaces::add_forces(std::span<const double> p, std::span<double> y) {
+    differences(p, difference_);
+    for (std::size_t r = 0; r < sides_.size(); ++r) y[r] += sides_[r].area * difference_[r];
+}
+
+void PressedFaces::push(std::span<const double> p, std::span<double> u) {
+    differences(p, difference_);
+    for (std::size_t r = 0; r < sides_.size(); ++r) u[r] -= sides_[r].change * difference_[r];
+}
+
+std::size_t PressedFaces::bytes() const {
+    return sides_.capacity() * sizeof(Sides) + entries_.capacity() * sizeof(Entry) + 4 * (first_.capacity() + rows_.span()) +
+           8 * (difference_.capacity() + values_.span());
+}
+
+} // namespace treacle::grid

@@ -1,0 +1,105 @@
+#include "grid/viscosity/slip_geometry.hpp"
+
+#include <algorithm>
+#include <limits>
+
+namespace treacle::grid {
+
+namespace {
+double length_of(scene::Slip slip, double length) {
+    if (slip == scene::Slip::no_slip) return 0;
+    return slip == scene::Slip::free_slip ? std::numeric_limits<double>::infinity() : length;
+}
+
+// The sides that grip alone are walls.
+scene::Domain gripping_sides(scene::Domain domain) {
+    for (auto& face : domain.faces) {
+        const bool slides = length_of(face.slip, face.slip_length) > 0;
+        if (face.kind == scene::FaceKind::wall && slides) face.kind = scene::FaceKind::open;
+    }
+    return domain;
+}
+
+std::vector<char> gripping_bodies(const SlipSetup& setup) {
+    std::vector<char> out;
+    for (std::size_t b = 0; b < setup.slip.size(); ++b) {
+        out.push_back(length_of(setup.slip[b], setup.slip_length[b]) > 0 ? 0 : 1);
+    }
+    return out;
+}
+
+// The solid whose surface a cell has: that nearest to its middle. Where that grips, it may be beside one that liquid slides along: then that
+// of the nearest node of the cell which is nearest to such a solid.
+struct SlipLengthLoop {
+    FineNodes nodes;
+    Array<int> number;
+    Array<double> distance, of, length;
+    Array<int> body;
+
+    KOKKOS_INLINE_FUNCTION double length_of_solid(int solid) const { return solid == Solids::nothing ? 0 : of(Solids::place(solid)); }
+    KOKKOS_INLINE_FUNCTION int sliding_near(const int c[3]) const {
+        int out = Solids::nothing;
+        double least = 0;
+        const int corners = nodes.dimensions == 2 ? 9 : 27;
+        for (int k = 0; k < corners; ++k) {
+            const int corner[3] = {2 * c[0] + k % 3, 2 * c[1] + k / 3 % 3, 2 * c[2] + k / 9};
+            bool there = true;
+            for (int a = 0; a < nodes.dimensions; ++a) there = there && corner[a] < 2 * nodes.window.hi[a];
+            if (!there) continue;
+            const int node = nodes.index(corner[0], corner[1], corner[2]);
+            const double d = math::fabs(distance(node));
+            if (!(length_of_solid(number(node)) > 0) || (out != Solids::nothing && !(d < least))) continue;
+            out = number(node);
+            least = d;
+        }
+        return out;
+    }
+    KOKKOS_INLINE_FUNCTION void operator()(int i) const {
+        int c[3];
+        nodes.window.cell(i, c);
+        int nearest = number(FineNodes::per_cell * i + nodes.used() - 1);
+        if (nearest != Solids::nothing && !(length_of_solid(nearest) > 0)) {
+            if (const int sliding = sliding_near(c); sliding != Solids::nothing) nearest = sliding;
+        }
+        body(i) = nearest;
+        length(i) = length_of_solid(nearest);
+    }
+};
+} // namespace
+
+SlipGeometry::SlipGeometry(const MacGrid& grid, const scene::Domain& domain, const SlipSetup& setup)
+    : dimensions_(grid.dimensions), gripping_(grid, gripping_sides(domain), gripping_bodies(setup)) {
+    std::vector<double> lengths;
+    for (const auto& face : domain.faces) {
+        const bool wall = face.kind == scene::FaceKind::wall;
+        lengths.push_back(wall ? length_of(face.slip, face.slip_length) : 0);
+    }
+    for (std::size_t b = 0; b < setup.slip.size(); ++b) lengths.push_back(length_of(setup.slip[b], setup.slip_length[b]));
+    any_ = std::ranges::any_of(lengths, [](double length) { return length > 0; });
+    reserve(lengths_, lengths.size());
+    auto host = Kokkos::create_mirror_view(lengths_);
+    for (std::size_t k = 0; k < lengths.size(); ++k) host(k) = lengths[k];
+    Kokkos::deep_copy(lengths_, host);
+}
+
+void SlipGeometry::find_lengths(const Solids& solids) {
+    const auto& nodes = solids.nodes();
+    const auto n = static_cast<std::size_t>(nodes.window.size());
+    reserve(slip_.length, n);
+    reserve(slip_.body, n);
+    Kokkos::parallel_for("treacle::slip_lengths", static_cast<int>(n),
+                         SlipLengthLoop{nodes, solids.number(), solids.distance(), lengths_, slip_.length, slip_.body});
+}
+
+void SlipGeometry::update(const CellHalo& halo, const rigid::RigidBodies& bodies, const Solids& solids,
+                          const LevelSet& liquid, FractionMethod method) {
+    gripping_.update(halo, bodies);
+    builder_.build(gripping_.nodes(), gripping_.distance(), liquid.distance(), method, slip_.grip, gripping_.walls());
+    if (bodies.size() > 0) {
+        builder_.build_body_shares(gripping_.nodes(), gripping_.distance(), gripping_.number(), gripping_.moves(),
+                                   shares_.data());
+    }
+    find_lengths(solids);
+}
+
+} // namespace treacle::grid

@@ -1,0 +1,46 @@
+#pragma once
+#include "grid/geometry/fractions.hpp"
+#include "grid/geometry/level_set.hpp"
+#include "grid/pressure/pressure_coupling.hpp"
+#include "grid/viscosity/viscosity.hpp"
+
+#include <vector>
+
+namespace treacle::grid {
+
+// Along which solids liquid slides.
+struct SlipSetup {
+    std::vector<scene::Slip> slip;   // [bodies]
+    std::vector<double> slip_length; // [bodies] [m], where the slip says so
+};
+
+// What the viscous solve must know of solids that liquid slides along, where there are any: the volume fractions of the
+// solids that grip alone, and the slip length near each cell.
+class SlipGeometry {
+public:
+    // Sides of the domain have their slip in `domain`.
+    SlipGeometry(const MacGrid& grid, const scene::Domain& domain, const SlipSetup& setup);
+
+    bool any() const { return any_; }
+    // Local. `solids` and `liquid` are those of all solids, of the window of the halo.
+    void update(const CellHalo& halo, const rigid::RigidBodies& bodies, const Solids& solids, const LevelSet& liquid,
+                FractionMethod method);
+    const SlipSolids& slip() const { return slip_; }
+    const FaceShares& shares() const { return shares_; } // of bodies that grip
+    const Solids& gripping() const { return gripping_; }
+    const FractionBuilder& fractions_of_gripping() const { return builder_; }
+    const Array<double>& lengths() const { return lengths_; } // [6 sides, then bodies] 0: grips, infinity: does not hold [m]
+
+private:
+    void find_lengths(const Solids& solids);
+
+    bool any_ = false;
+    int dimensions_;
+    Solids gripping_;
+    FractionBuilder builder_;
+    SlipSolids slip_;
+    FaceShares shares_;
+    Array<double> lengths_{"treacle::slip_lengths", 0}; // [6 sides, then bodies] 0: grips [m]
+};
+
+} // namespace treacle::grid

@@ -1,0 +1,182 @@
+#include "grid/viscosity/step_strains.hpp"
+
+namespace treacle::grid {
+
+namespace {
+KOKKOS_INLINE_FUNCTION int pair_of(int a, int b) { return a == b ? a : a + b == 1 ? 3 : a + b == 3 ? 4 : 5; }
+
+// dt/2, such that (dt/2) sym(L^2) is exact for a rotation by the angle 2 atan(t), with t^2 = dt^2 |L|^2 / 8; less where paths bend
+// by themselves.
+KOKKOS_INLINE_FUNCTION double half_step(const SmallMatrix& middle, double dt) {
+    return 0.5 * dt / (1 + dt * dt * middle.squares() / 8) * (1 - bent_share(middle, dt));
+}
+
+KOKKOS_INLINE_FUNCTION void strains_of(const SmallMatrix& square, double factor, double out[6]) {
+    for (int a = 0; a < 3; ++a) {
+        for (int b = a; b < 3; ++b) out[pair_of(a, b)] = 0.5 * factor * (square.at[a][b] + square.at[b][a]);
+    }
+}
+
+struct CentreLoop {
+    MacGrid grid;
+    CellBox window, box;
+    std::ptrdiff_t stride[3];
+    FaceField velocity, mass;
+    Array<double> fluid;
+    Array<int> number;
+    BodyMotion motion;
+    double before, dt;
+    Array<double> out[6], path[6];
+
+    // u_a rises by this from face i to face j, over dx; false where particles reach only one of them.
+    KOKKOS_INLINE_FUNCTION bool rise(int a, std::ptrdiff_t i, std::ptrdiff_t j, double& sum) const {
+        if (!(mass.axis[a](i) > 0) || !(mass.axis[a](j) > 0)) return false;
+        sum += (velocity.axis[a](j) - velocity.axis[a](i)) / grid.dx;
+        return true;
+    }
+    KOKKOS_INLINE_FUNCTION SmallMatrix gradient(std::ptrdiff_t i) const {
+        SmallMatrix out;
+        for (int a = 0; a < grid.dimensions; ++a) {
+            for (int b = 0; b < grid.dimensions; ++b) {
+                double sum = 0;
+                int count = 0;
+                if (a == b) {
+                    count = rise(a, i, i + stride[a], sum) ? 1 : 0;
+                } else {
+                    for (int corner = 0; corner < 4; ++corner) {
+                        const auto upper = i + (corner & 1 ? stride[a] : 0) + (corner & 2 ? stride[b] : 0);
+                        count += rise(a, upper - stride[b], upper, sum) ? 1 : 0;
+                    }
+                }
+                out.at[a][b] = count > 0 ? sum / count : 0.0;
+            }
+        }
+        return out;
+    }
+    // Of a cell's faces that particles reach.
+    KOKKOS_INLINE_FUNCTION void mean(std::ptrdiff_t i, double u[3]) const {
+        for (int a = 0; a < 3; ++a) {
+            u[a] = 0;
+            int count = 0;
+            for (int side = 0; side < 2 && a < grid.dimensions; ++side) {
+                const auto j = i + side * stride[a];
+                if (!(mass.axis[a](j) > 0)) continue;
+                u[a] += velocity.axis[a](j);
+                ++count;
+            }
+            u[a] /= count > 0 ? count : 1;
+        }
+    }
+    // dt a/2 beside a solid.
+    KOKKOS_INLINE_FUNCTION void bend_along(int solid, const int c[3], const SmallMatrix& middle, double factor,
+                                           std::ptrdiff_t i) const {
+        double u[3], x[3], moved[3], centre[3] = {0, 0, 0}, spin[3] = {0, 0, 0};
+        mean(i, u);
+        grid.centre(c, x);
+        motion.velocity(solid, x, moved, false);
+        for (int k = 0; k < 3 && solid >= 0; ++k) {
+            centre[k] = motion.frame(BodyMotion::width * solid + 3 + k);
+            spin[k] = motion.frame(BodyMotion::width * solid + 6 + k);
+        }
+        for (int a = 0; a < grid.dimensions; ++a) {
+            const int b = (a + 1) % 3, d = (a + 2) % 3;
+            double sum = spin[b] * (u[d] - centre[d]) - spin[d] * (u[b] - centre[b]);
+            for (int k = 0; k < 3; ++k) sum += middle.at[a][k] * (u[k] - moved[k]);
+            path[a](i) = factor * sum;
+        }
+    }
+    KOKKOS_INLINE_FUNCTION void operator()(int n) const {
+        int c[3];
+        box.cell(n, c);
+        const auto i = window.index(c[0], c[1], c[2]);
+        double liquid[6], solid[6] = {0, 0, 0, 0, 0, 0};
+        const auto middle = carried_gradient(gradient(i), -0.5 * before);
+        const double factor = half_step(middle, dt);
+        strains_of(middle.times(middle), factor, liquid);
+        const int nearest = number(FineNodes::per_cell * i + (grid.dimensions == 2 ? 3 : 7));
+        const double share = fluid(i);
+        if (share < 1) bend_along(nearest, c, middle, factor, i);
+        if (share < 1 && nearest >= 0) motion.strains(nearest, solid);
+        for (int k = 0; k < 6; ++k) out[k](i) = share * liquid[k] + (1 - share) * solid[k];
+        for (int a = 0; a < 3; ++a) path[3 + a](i) = liquid[a];
+    }
+};
+
+// The mean of the centres around an edge, doubled.
+struct EdgeLoop {
+    CellBox window, box;
+    std::ptrdiff_t first, second;
+    Array<double> centre, out;
+
+    KOKKOS_INLINE_FUNCTION void operator()(int n) const {
+        int c[3];
+        box.cell(n, c);
+        const auto i = window.index(c[0], c[1], c[2]);
+        out(i) = 0.5 * (centre(i) + centre(i - first) + centre(i - second) + centre(i - first - second));
+    }
+};
+
+CellBox within(CellBox window, int layers, int dimensions) {
+    for (int k = 0; k < dimensions; ++k) {
+        window.lo[k] += layers;
+        window.hi[k] -= layers;
+    }
+    return window;
+}
+
+void clear(Array<double>& array, std::size_t n) {
+    reserve(array, n);
+    Kokkos::deep_copy(array, 0.0);
+}
+} // namespace
+
+void StepStrains::find(const Scene& scene) {
+    const CellBox window = scene.halo.window();
+    const int dimensions = scene.grid.dimensions;
+    const auto n = static_cast<std::size_t>(window.size());
+    for (auto& component : centre_) clear(component, n);
+    for (auto& component : path_) clear(component, n);
+    for (int e = dimensions == 2 ? 2 : 0; e < 3; ++e) clear(shear_.axis[e], n);
+    if (scene.halo.owned().empty()) return;
+    CentreLoop loop{scene.grid, window, within(window, 1, dimensions), {1, 1, 1}, scene.velocity, scene.mass,
+                    scene.fractions.cell_fluid, scene.solids.number(), scene.solids.motion(), scene.before, scene.dt, {}, {}};
+    for (int k = 1; k < 3; ++k) loop.stride[k] = loop.stride[k - 1] * (window.hi[k - 1] - window.lo[k - 1]);
+    for (int k = 0; k < 6; ++k) loop.out[k] = centre_[k], loop.path[k] = path_[k];
+    Kokkos::parallel_for("treacle::step_strains", static_cast<int>(loop.box.size()), loop);
+    for (int a = 0; a < 3; ++a) normal_[a] = centre_[a];
+    const CellBox inner = within(window, 2, dimensions);
+    for (int e = dimensions == 2 ? 2 : 0; e < 3; ++e) {
+        const int a = (e + 1) % 3, b = (e + 2) % 3;
+        Kokkos::parallel_for("treacle::step_shear", static_cast<int>(inner.size()),
+                             EdgeLoop{window, inner, loop.stride[a], loop.stride[b], centre_[pair_of(math::min(a, b), math::max(a, b))],
+                                      shear_.axis[e]});
+    }
+}
+
+void StepStrains::add_flux(const MacGrid& grid, const CellHalo& halo, const FaceField& open, const Array<double>& inflow) const {
+    const CellBox window = halo.window(), owned = halo.owned();
+    std::ptrdiff_t stride[3] = {1, 1, 1};
+    for (int k = 1; k < 3; ++k) stride[k] = stride[k - 1] * (window.hi[k - 1] - window.lo[k - 1]);
+    for (int a = 0; a < grid.dimensions; ++a) {
+        const auto area = open.axis[a], path = path_[a], rise = path_[3 + a];
+        const auto step = stride[a];
+        const double half = 0.5 * grid.dx;
+        Kokkos::parallel_for("treacle::bent_flux", static_cast<int>(owned.size()), KOKKOS_LAMBDA(int n) {
+            int c[3];
+            owned.cell(n, c);
+            const int i = window.index(c[0], c[1], c[2]);
+            const double lower = area(i), upper = area(i + step);
+            inflow(i) -= (upper - lower) * path(i) + (upper + lower) * half * rise(i);
+        });
+    }
+}
+
+std::size_t StepStrains::bytes() const {
+    std::size_t numbers = 0;
+    for (const auto& component : path_) numbers += component.span();
+    for (const auto& component : centre_) numbers += component.span();
+    for (const auto& edge : shear_.axis) numbers += edge.span();
+    return 8 * numbers;
+}
+
+} // namespace treacle::grid

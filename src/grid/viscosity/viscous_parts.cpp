@@ -1,0 +1,300 @@
+#include "grid/viscosity/viscous_parts.hpp"
+
+#include "grid/pressure/resting_solids.hpp"
+#include "grid/viscosity/step_strains.hpp"
+
+namespace treacle::grid {
+
+namespace {
+// w = K wet / W_F^2 dx^3 / dx^2 of one stress; 0 where there is no liquid, or no room for it to slide.
+struct StressLoop {
+    Array<double> viscosity, wet, fluid, out;
+    double factor, least_wet, least_gap; // factor: K / eta dx, of a plane scene K / eta
+
+    KOKKOS_INLINE_FUNCTION void operator()(int i) const {
+        const bool strains = wet(i) > least_wet && fluid(i) >= least_gap;
+        out(i) = strains ? factor * viscosity(i) * wet(i) / (fluid(i) * fluid(i)) : 0.0;
+    }
+};
+
+// The inner part of a window, where places have all neighbours.
+struct Inner {
+    CellBox window, box;
+    Inner(const CellBox& w, int dimensions, int layers = 1) : window(w), box(w) {
+        for (int k = 0; k < dimensions; ++k) {
+            box.lo[k] += layers;
+            box.hi[k] -= layers;
+        }
+    }
+    int count() const { return static_cast<int>(box.size()); }
+    KOKKOS_INLINE_FUNCTION std::ptrdiff_t place(int n, int c[3]) const {
+        box.cell(n, c);
+        return window.index(c[0], c[1], c[2]);
+    }
+};
+
+struct RoleLoop {
+    ViscousFaces faces;
+    Inner inner;
+    int axis;
+    Array<double> wet, fluid, cell_fluid;
+    EdgeField edge_fluid;
+    double least_wet, least_gap, mass;
+    PressureFaces pressed;
+    bool with_pressure;
+
+    KOKKOS_INLINE_FUNCTION void operator()(int n) const {
+        int c[3];
+        const auto i = inner.place(n, c);
+        const double push = with_pressure ? pressed.pushed(axis, static_cast<std::size_t>(i)) : -1;
+        bool stressed = false, tight = false;
+        faces.each_stress(axis, i, faces.normal, faces.shear, [&](double w) { stressed = stressed || w > 0; });
+        faces.each_stress(axis, i, cell_fluid, edge_fluid, [&](double f) { tight = tight || f < least_gap; });
+        const bool has_liquid = wet(i) > least_wet;
+        int role = idle_face;
+        if (has_liquid || stressed || push > 0) role = fluid(i) < least_gap || (has_liquid && tight) ? held_face : free_face;
+        const double solid = 1 - fluid(i);
+        faces.role[axis](i) = role;
+        faces.share.axis[axis](i) = role == free_face ? fluid(i) : 0.0;
+        faces.scale.axis[axis](i) = role == free_face || !(solid > least_wet) ? 1.0 : 1 / solid;
+        const bool by_pressure = role == free_face && ((push > 0 && !has_liquid) || (push == 0 && stressed));
+        faces.mass.axis[axis](i) = mass * (by_pressure ? push : wet(i));
+    }
+};
+
+struct SolidLoop {
+    ViscousFaces faces;
+    Inner inner;
+    int axis;
+    BodyShares shares;
+    BodyMotion motion;
+    MacGrid grid;
+
+    KOKKOS_INLINE_FUNCTION void operator()(int n) const {
+        int c[3];
+        const auto i = inner.place(n, c);
+        double sum = 0, bend = 0;
+        for (int k = shares.first(i); k < shares.first(i + 1); ++k) {
+            double x[3], r[3];
+            grid.face(axis, c, x);
+            motion.arm(shares.body(k), x, r);
+            sum += shares.share(k) * motion.velocity(shares.body(k), axis, r);
+            bend += shares.share(k) * motion.bend(shares.body(k), axis, r);
+        }
+        faces.solid.axis[axis](i) = faces.scale.axis[axis](i) * sum;
+        faces.bend.axis[axis](i) = faces.scale.axis[axis](i) * bend;
+    }
+};
+
+struct WallLoop {
+    ViscousFaces faces;
+    Inner inner;
+    BodyMotion motion, sides;
+    MacGrid grid;
+
+    KOKKOS_INLINE_FUNCTION void operator()(int n) const {
+        int c[3];
+        const auto i = inner.place(n, c);
+        const int body = faces.slip_body(i);
+        for (int k = 0; k < faces.dimensions; ++k) {
+            double x[3], r[3];
+            faces.wall[k](i) = faces.wall_bend[k](i) = body < 0 && body >= -6 ? sides.side[-1 - body][k] : 0.0;
+            if (body < 0) continue;
+            faces.slip_point(grid, k, c, x);
+            motion.arm(body, x, r);
+            faces.wall[k](i) = motion.rigid_velocity(body, k, r);
+        }
+    }
+};
+
+// The force of the slip surface that a cell carries: its own one where its centre is not in the solid, and those of cells
+// before it whose centre is. Areas by the divergence of the open areas of a cell's faces, velocities at the cell's centre, a
+// distance from the surface that adds to the slip length.
+struct TractionLoop {
+    ViscousFaces faces;
+    Inner inner;
+    FaceField open, grip;
+    Array<double> wet, fluid, viscosity, length;
+    Array<double> distance; // none: no pressure
+    double area, least_wet, normal_layer, dx; // [m2], of a plane scene [m]; [1]; [m]; [m]
+
+    // Out of the solid, in faces' areas.
+    KOKKOS_INLINE_FUNCTION double surface(std::ptrdiff_t i, double n[3]) const {
+        double squares = 0;
+        for (int k = 0; k < faces.dimensions; ++k) {
+            const auto j = i + faces.stride[k];
+            n[k] = (open.axis[k](j) - open.axis[k](i)) - (grip.axis[k](j) - grip.axis[k](i));
+            squares += n[k] * n[k];
+        }
+        return math::sqrt(squares);
+    }
+    KOKKOS_INLINE_FUNCTION void add(std::ptrdiff_t i, const double n[3], double size, double beyond) const {
+        const double whole = area * size * viscosity(i) * wet(i) / fluid(i);
+        const bool pressed = distance.extent(0) > 0 && distance(i) < 0;
+        const double across = pressed ? 0.0 : whole / normal_layer, along = whole / (math::max(length(i), normal_layer) + beyond);
+        for (int k = 0; k < faces.dimensions; ++k) {
+            for (int l = k; l < faces.dimensions; ++l) {
+                const double nn = n[k] * n[l] / (size * size);
+                faces.traction[ViscousFaces::component(k, l)](i) += across * nn + along * ((k == l ? 1.0 : 0.0) - nn);
+            }
+        }
+    }
+    KOKKOS_INLINE_FUNCTION void operator()(int at) const {
+        int c[3];
+        const auto i = inner.place(at, c);
+        for (int k = 0; k < 6; ++k) faces.traction[k](i) = 0;
+        if (!(wet(i) > least_wet) || fluid(i) < 0.5) return;
+        double n[3] = {0, 0, 0};
+        double size = surface(i, n);
+        if (size > 0) add(i, n, size, (fluid(i) - 0.5) * dx);
+        for (int k = 0; k < faces.dimensions; ++k) {
+            for (int side = -1; side <= 1; side += 2) {
+                const auto j = i - side * faces.stride[k];
+                if (!(fluid(j) < 0.5)) continue;
+                size = surface(j, n);
+                bool here = size > 0 && side * n[k] > 0; // along its largest component, the first of equal ones
+                for (int l = 0; l < faces.dimensions; ++l) {
+                    here = here && (l > k ? n[l] * n[l] <= n[k] * n[k] : l == k || n[l] * n[l] < n[k] * n[k]);
+                }
+                if (here) add(i, n, size, (fluid(j) + 0.5) * dx);
+            }
+        }
+    }
+};
+
+struct LeanLoop {
+    Array<double> wet, out;
+    std::ptrdiff_t stride;
+    Inner inner;
+
+    KOKKOS_INLINE_FUNCTION void operator()(int n) const {
+        int c[3];
+        const auto i = inner.place(n, c);
+        const double lower = wet(i), upper = wet(i + stride);
+        out(i) = lower + upper > 0 ? lower / (lower + upper) : 0.5;
+    }
+};
+
+void make_room(const Array<double>& like, std::initializer_list<Array<double>*> arrays) {
+    for (auto* array : arrays) {
+        if (array->extent(0) >= like.extent(0)) continue;
+        reserve(*array, like.extent(0));
+        Kokkos::deep_copy(*array, 0.0); // the outermost places are never written
+    }
+}
+} // namespace
+
+void ViscousParts::weigh_stresses(const ViscousScene& scene, const ViscosityOptions& options) {
+    const auto& f = scene.fractions;
+    const auto& grip = scene.slip ? scene.slip->grip : f;
+    const int n = static_cast<int>(faces_.window.size());
+    const double length = scene.grid.dimensions == 3 ? scene.grid.dx : 1.0;
+    const auto weigh = [&](const Array<double>& viscosity, const Array<double>& wet, const Array<double>& fluid,
+                           double k, Array<double>& out) {
+        make_room(f.cell_wet, {&out});
+        Kokkos::parallel_for("treacle::weigh_stresses", n,
+                             StressLoop{viscosity, wet, fluid, out, k * length, options.least_wet, options.least_gap});
+    };
+    weigh(scene.viscosity.cell, f.cell_wet, grip.cell_fluid, 2, faces_.normal);
+    for (int e = scene.grid.dimensions == 3 ? 0 : 2; e < 3; ++e) {
+        weigh(scene.viscosity.edge.axis[e], f.edge_wet.axis[e], grip.edge_fluid.axis[e], 1, faces_.shear.axis[e]);
+    }
+}
+
+void ViscousParts::weigh_slip(const ViscousScene& scene, const ViscosityOptions& options) {
+    faces_.slips = scene.slip != nullptr;
+    if (!faces_.slips) return;
+    const auto& f = scene.fractions;
+    const Inner inner(faces_.window, faces_.dimensions);
+    faces_.slip_body = scene.slip->body;
+    for (auto& component : faces_.traction) make_room(f.cell_wet, {&component});
+    for (auto& component : faces_.wall) make_room(f.cell_wet, {&component});
+    for (auto& component : faces_.wall_bend) make_room(f.cell_wet, {&component});
+    const double dx = scene.grid.dx;
+    const Inner second(faces_.window, faces_.dimensions, 2); // the neighbours' neighbours are read
+    Kokkos::parallel_for("treacle::weigh_slip", second.count(),
+                         TractionLoop{faces_, second, f.open, scene.slip->grip.open, f.cell_wet, f.cell_fluid,
+                                      scene.viscosity.cell, scene.slip->length,
+                                      scene.distance ? *scene.distance : Array<double>(), faces_.dimensions == 3 ? dx * dx : dx,
+                                      options.least_wet, options.normal_layer * dx, dx});
+    for (int a = 0; a < faces_.dimensions; ++a) {
+        make_room(f.cell_wet, {&faces_.lean.axis[a]});
+        Kokkos::parallel_for("treacle::lean_slip", inner.count(),
+                             LeanLoop{f.face_wet.axis[a], faces_.lean.axis[a], faces_.stride[a], inner});
+    }
+}
+
+void ViscousParts::cast_roles(const ViscousScene& scene, const ViscosityOptions& options, double dt) {
+    const auto& f = scene.fractions;
+    const auto& grip = scene.slip ? scene.slip->grip : f;
+    const Inner inner(faces_.window, faces_.dimensions);
+    for (int a = 0; a < faces_.dimensions; ++a) {
+        make_room(f.cell_wet, {&faces_.share.axis[a], &faces_.scale.axis[a], &faces_.mass.axis[a], &faces_.solid.axis[a], &faces_.bend.axis[a]});
+        if (faces_.role[a].extent(0) < f.cell_wet.extent(0)) {
+            reserve(faces_.role[a], f.cell_wet.extent(0));
+            Kokkos::deep_copy(faces_.role[a], int(idle_face));
+        }
+        Kokkos::parallel_for("treacle::cast_roles", inner.count(),
+                             RoleLoop{faces_, inner, a, f.face_wet.axis[a], grip.face_fluid.axis[a], grip.cell_fluid,
+                                      grip.edge_fluid, options.least_wet, options.least_gap,
+                                      scene.density * cube_volume(scene.grid) / dt,
+                                      scene.pressed ? *scene.pressed : PressureFaces(), scene.pressed != nullptr});
+    }
+}
+
+void ViscousParts::move_solids(const ViscousScene& scene, const BodyMotion& motion) {
+    const Inner inner(faces_.window, faces_.dimensions);
+    const bool sides = scene.resting && scene.resting->any_moves();
+    if (faces_.slips && (motion.bodies > 0 || sides)) {
+        Kokkos::parallel_for("treacle::move_slip_surfaces", inner.count(),
+                             WallLoop{faces_, inner, motion, sides ? scene.resting->motion() : BodyMotion(), scene.grid});
+    }
+    for (int a = 0; a < faces_.dimensions; ++a) {
+        if (motion.bodies == 0) {
+            Kokkos::deep_copy(faces_.solid.axis[a], 0.0);
+            Kokkos::deep_copy(faces_.bend.axis[a], 0.0);
+        } else {
+            Kokkos::parallel_for("treacle::move_solids", inner.count(),
+                                 SolidLoop{faces_, inner, a, scene.shares[static_cast<std::size_t>(a)], motion, scene.grid});
+        }
+        if (!sides) continue;
+        for (const auto& out : {faces_.solid.axis[a], faces_.bend.axis[a]}) {
+            scene.resting->add_velocities(a, faces_.window, faces_.scale.axis[a], out);
+        }
+    }
+}
+
+void ViscousParts::build(const ViscousScene& scene, const ViscosityOptions& options, const BodyMotion& motion, double dt) {
+    faces_.window = scene.halo.window();
+    faces_.dimensions = scene.grid.dimensions;
+    for (int k = 1; k < 3; ++k) {
+        faces_.stride[k] = faces_.stride[k - 1] * (faces_.window.hi[k - 1] - faces_.window.lo[k - 1]);
+    }
+    faces_.dx = scene.grid.dx;
+    faces_.strained = scene.strains != nullptr;
+    if (scene.strains) {
+        for (int a = 0; a < 3; ++a) faces_.strain[a] = scene.strains->normal(a);
+        faces_.shear_strain = scene.strains->shear();
+    }
+    faces_.volumes = scene.volumes ? *scene.volumes : VolumeStiffness();
+    if (faces_.window.empty()) return;
+    weigh_stresses(scene, options);
+    weigh_slip(scene, options);
+    cast_roles(scene, options, dt);
+    move_solids(scene, motion);
+}
+
+std::size_t ViscousParts::bytes() const {
+    std::size_t total = faces_.normal.span();
+    for (int a = 0; a < 3; ++a) {
+        total += faces_.shear.axis[a].span();
+        for (const auto* field : {&faces_.share, &faces_.scale, &faces_.mass, &faces_.solid, &faces_.bend, &faces_.lean}) {
+            total += field->axis[a].span();
+        }
+    }
+    for (const auto& component : faces_.traction) total += component.span();
+    for (int a = 0; a < 3; ++a) total += faces_.wall[a].span() + faces_.wall_bend[a].span();
+    return 8 * total + 4 * (faces_.role[0].span() + faces_.role[1].span() + faces_.role[2].span());
+}
+
+} // namespace treacle::grid

@@ -1,0 +1,69 @@
+#pragma once
+#include "grid/viscosity/viscous_faces.hpp"
+#include "mpi/cell_halo.hpp"
+#include "mpi/row_halo.hpp"
+#include "solve/rows/matrix.hpp"
+
+#include <vector>
+
+namespace treacle::grid {
+
+// The matrix A11 = m/dt + W_F D^T K D W_F of the free faces (V4), and of volumes that it holds, in distributed compressed rows [kg/s], symmetric to the
+// bit. Rows go cell by cell, x fastest, the components of a cell beside each other. After the faces of rank 0 stand
+// `extra` rows, a dense block for the caller to fill: the bodies'.
+class ViscousSystem {
+public:
+    // Collective.
+    void assemble(const Comm& comm, CellHalo& halo, const ViscousFaces& faces, int extra);
+
+    int faces() const { return free_; }        // rows of this rank that are faces
+    int rows() const { return free_ + extra_; } // all
+    const CellBox& owned() const { return owned_; }
+    std::int64_t first_row() const { return first_row_; }
+    std::int64_t global_rows() const { return global_rows_; }
+    int extra() const { return extra_; } // on this rank
+    const Array<int>& row_of(int axis) const { return row_of_[axis]; } // [window] global number, -1: none
+    const Array<int>& place_of() const { return place_of_; } // [faces()] place in the window times 3 plus the axis
+
+    RowHalo& halo() { return halo_; }
+
+    // The matrix, with its extra block as it was filled last; rank 0 fills it.
+    solve::CsrBlocks blocks();
+    double& extra_entry(int row, int column);
+
+    // b = m u* - (D^T K D) (W_S V), on the rows of faces.
+    void right_hand_side(const ViscousFaces& faces, const FaceField& velocity, const Array<double>& b) const;
+    std::size_t bytes() const;
+
+    // Parts of the above; not private, since nvcc takes no kernel in a private function.
+    void number_rows(const Comm& comm, CellHalo& halo, const ViscousFaces& faces);
+    void count_entries(const ViscousFaces& faces);
+    void fill(const ViscousFaces& faces);
+
+    struct Block {
+        Array<int> offset{"treacle::row_offset", 0}; // [rows + 1]
+        Array<int> column{"treacle::column", 0};
+        Array<double> value{"treacle::value", 0};
+    };
+
+private:
+    struct HostBlock {
+        Array<int>::HostMirror offset, column;
+        Array<double>::HostMirror value;
+    };
+    void connect_halo(const Comm& comm, const CellHalo& halo, int dimensions);
+    void add_extra();
+
+    Block own_, other_;
+    HostBlock host_own_, host_other_;
+    RowHalo halo_;
+    std::vector<int> columns_;
+    Array<int> row_of_[3];
+    Array<int> place_of_{"treacle::viscous_place", 0};
+    Array<int> halo_place_[3]; // [window] of other ranks' rows: place in the halo
+    CellBox owned_;
+    int free_ = 0, extra_ = 0;
+    std::int64_t first_row_ = 0, global_rows_ = 0;
+};
+
+} // namespace treacle::grid

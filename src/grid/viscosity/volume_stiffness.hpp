@@ -1,0 +1,60 @@
+#pragma once
+#include "grid/mac/pressure_faces.hpp"
+#include "mpi/cell_halo.hpp"
+
+namespace treacle::grid {
+
+class Pressure;
+struct ViscousFaces;
+
+// Resistance of cells to what flows out of them, held (A u) A for the areas A of their faces, which adds to the viscous matrix
+// where pressure and viscosity are solved together (U). In kernels.
+struct VolumeStiffness {
+    PressureFaces faces; // of the pressure
+    Array<double> held;  // [window] by a flux in face areas [kg/s]; none: no cell resists
+
+    // Whether any cell beside the face resists.
+    KOKKOS_INLINE_FUNCTION bool holds(int a, std::ptrdiff_t i) const {
+        return held.extent(0) > 0 && faces.open(a, static_cast<std::size_t>(i)) > 0 && (held(i) > 0 || held(i - faces.stride[a]) > 0);
+    }
+    // Row (a, i): use(b, j, entry) for each face j across b that it meets, itself twice.
+    template <class Use>
+    KOKKOS_INLINE_FUNCTION void each_entry(int a, std::ptrdiff_t i, const Use& use) const {
+        if (held.extent(0) == 0) return;
+        const double own = faces.open(a, static_cast<std::size_t>(i));
+        if (!(own > 0)) return;
+        for (int side = 0; side < 2; ++side) {
+            const std::ptrdiff_t cell = side == 0 ? i : i - faces.stride[a];
+            if (!(held(cell) > 0)) continue;
+            for (int b = 0; b < faces.dimensions; ++b) {
+                for (int end = 0; end < 2; ++end) {
+                    const std::ptrdiff_t j = cell + end * faces.stride[b];
+                    const double other = faces.open(b, static_cast<std::size_t>(j));
+                    if (other > 0) use(b, j, (side == end ? held(cell) : -held(cell)) * (own * other));
+                }
+            }
+        }
+    }
+};
+
+// How much pressure a flux into a cell makes against the viscosity alone, by the resistance of its faces' own stresses; and as
+// much again for the matrix to hold (README.md, U). Cells beside bodies that move have no such part, since the motion of the
+// body belongs to their flux.
+class VolumeStresses {
+public:
+    // Collective, for the faces of the pressure's matrix and the stresses as they are. `face` [m2], of a plane scene [m].
+    void find(Pressure& pressure, const ViscousFaces& viscous, CellHalo& halo, double face);
+
+    const VolumeStiffness& held() const { return held_; }
+    // [rows of the pressure] pressure by flux, the part that the matrix holds included [Pa s/m3].
+    const Array<double>& by_row() const { return by_row_; }
+    const Array<double>& held_by_row() const { return held_by_row_; } // that part alone
+    std::size_t bytes() const { return 8 * (held_.held.span() + by_row_.span() + held_by_row_.span()) + 4 * by_body_.span(); }
+
+private:
+    VolumeStiffness held_;
+    Array<int> by_body_{"treacle::by_body", 0}; // [rows] 1 where a body that moves takes part in the flux
+    Array<double> by_row_{"treacle::pressure_by_flux", 0}, held_by_row_{"treacle::held_by_flux", 0};
+};
+
+} // namespace treacle::grid

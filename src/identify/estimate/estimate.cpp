@@ -1,0 +1,283 @@
+#include "identify/estimate/estimate.hpp"
+
+#include "base/text/error.hpp"
+#include "identify/estimate/drift.hpp"
+#include "identify/estimate/local_model.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+
+namespace treacle::identify {
+
+namespace {
+constexpr int most_rounds = 20; // of diluting
+
+// Distance by which the fit takes the view of each experiment from what is known of it: its square, in units of its expectation by
+// the priors and a standard deviation more. Above 1 the residuals are less independent than their scatter tells: what the model does not explain has pulled at the view.
+std::vector<double> excesses(const Vector& view, const Matrix& information, const EvaluatedRun& run) {
+    std::vector<double> out;
+    for (std::size_t e = 0; e < run.experiments.size(); ++e) {
+        const auto first = Eigen::Index(e) * view_count;
+        const auto count = Eigen::Index(view_parameters(run.experiments[e].kind).size());
+        const Vector v = view.segment(first, count);
+        constexpr double exact = 1e20; // information on what is held to be known
+        const auto free = (information.diagonal().segment(first, count).array() < exact).count();
+        const double n = double(std::max<Eigen::Index>(1, free));
+        out.push_back(v.dot(information.block(first, first, count, count) * v) / (n + std::sqrt(2 * n)));
+    }
+    return out;
+}
+
+double& part_of(VarianceParts& parts, ViewPart part) {
+    switch (part) {
+    case ViewPart::time: return parts.time;
+    case ViewPart::contour: return parts.contour;
+    case ViewPart::camera: return parts.camera;
+    case ViewPart::sheet: return parts.sheet;
+    case ViewPart::instrument: break;
+    }
+    return parts.instrument;
+}
+
+VarianceParts parts_of(Eigen::Index k, Eigen::Index p, const Matrix& changes, const Fit& fit, const Matrix& g, const Matrix& information, const EvaluatedRun& run) {
+    VarianceParts out;
+    const Matrix& a = fit.inverse;
+    const Vector moves = g * a.col(k);
+    out.pixels = std::max(changes.col(k).squaredNorm(), moves.dot(fit.weights.cwiseProduct(moves))); // of blocks, and of diluted segments
+    for (std::size_t e = 0; e < run.experiments.size(); ++e) {
+        const auto& views = view_parameters(run.experiments[e].kind);
+        for (std::size_t first = 0, end = 0; first < views.size(); first = end) { // parameters of a part share a covariance
+            while (end < views.size() && views[end].part == views[first].part) ++end;
+            const auto at_view = p + Eigen::Index(e) * view_count + Eigen::Index(first), count = Eigen::Index(end - first);
+            const Vector column = a.row(k).segment(at_view, count).transpose();
+            part_of(out, views[first].part) += column.dot(information.block(at_view, at_view, count, count) * column);
+        }
+    }
+    out.range = a.row(k).head(p).dot(information.topLeftCorner(p, p) * a.row(k).head(p).transpose());
+    return out;
+}
+
+// Covariance of the parameters, by blocks and by the priors of views and ranges.
+Matrix covariance_of(const Matrix& changes, const Fit& fit, const Matrix& information, Eigen::Index p) {
+    const Matrix moves = changes.leftCols(p), by_priors = fit.inverse.topRows(p);
+    return moves.transpose() * moves + by_priors * information * by_priors.transpose();
+}
+
+// Standard deviation of each parameter if every point had the noise of its segment, independent of its neighbours, and the view were known.
+std::vector<double> naive_deviations(const EvaluatedRun& run, const Layout& layout, const Matrix& gradient, const std::vector<double>& noise) {
+    Vector information = Vector::Zero(gradient.cols());
+    for (std::size_t i = 0; i < layout.rows.size(); ++i) {
+        const double scale = noise[layout.rows[i].experiment];
+        information += at(run, layout.rows[i]).points / (scale * scale) * gradient.row(Eigen::Index(i)).cwiseAbs2().transpose();
+    }
+    std::vector<double> out;
+    for (const double one : information) out.push_back(1 / std::sqrt(one));
+    return out;
+}
+
+// By experiment and frame: squares of what is left over in the experiment's unit, weighted by the points of the segments; these points; the time [s].
+std::map<std::pair<std::size_t, int>, std::array<double, 3>> squares_by_frame(const EvaluatedRun& run, const Layout& layout, const Vector& left) {
+    std::map<std::pair<std::size_t, int>, std::array<double, 3>> out;
+    for (std::size_t i = 0; i < layout.rows.size(); ++i) {
+        const auto& row = layout.rows[i];
+        const auto& s = at(run, row);
+        auto& sum = out[{row.experiment, s.frame}];
+        sum[0] += s.points * std::pow(left[Eigen::Index(i)] * row.usual, 2);
+        sum[1] += s.points;
+        sum[2] = s.time;
+    }
+    return out;
+}
+
+// Root mean square residual left over by frame of each experiment.
+void tell_misfit(Estimate& out, const EvaluatedRun& run, const Layout& layout, const Vector& left_over) {
+    for (const auto& [key, sum] : squares_by_frame(run, layout, left_over)) {
+        out.misfit.push_back(std::sqrt(sum[0] / sum[1]));
+        out.times.push_back(sum[2]);
+        out.misfit_of.push_back(key.first);
+    }
+}
+
+// By frame of all experiments: how far the run's liquid goes on beyond the observed one, in usual noises, a segment each. Empty where nothing is compared by contours.
+std::vector<double> beyond_contours(const EvaluatedRun& run) {
+    std::vector<double> out;
+    for (const auto& one : run.experiments) {
+        if (one.kind != ExperimentKind::contours) continue;
+        for (const auto& frame : one.frames) out.push_back(frame.beyond / usual_noise(one.kind));
+    }
+    return out;
+}
+
+const EvaluatedRun& least_of(const std::vector<EvaluatedRun>& runs, const std::vector<ViewInformation>& priors) {
+    std::vector<double> objectives;
+    for (const auto& run : runs) objectives.push_back(residual_objective(run, priors));
+    return runs[std::size_t(std::ranges::min_element(objectives) - objectives.begin())];
+}
+} // namespace
+
+const char* misfit_unit(ExperimentKind kind) { return kind == ExperimentKind::contours ? "px" : "noises"; }
+
+double residual_objective(const EvaluatedRun& run, const std::vector<ViewInformation>& priors, double bend) {
+    const auto layout = layout_of(run, {}, {});
+    if (layout.rows.empty()) return 1e300;
+    const auto r = displacements(run, layout), size = sizes(run, layout);
+    const auto best = fit(r, view_matrix(run, layout), size, prior_matrix(priors, 0), layout, {true, bend, {}, 0});
+    double sum = best.x.dot(prior_matrix(priors, 0) * best.x);
+    for (Eigen::Index i = 0; i < r.size(); ++i) {
+        const double u = std::abs(best.left[i]);
+        sum += size[i] * (u <= bend ? u * u : 2 * bend * u - bend * bend);
+    }
+    for (const double beyond : beyond_contours(run)) sum += 2 * bend * beyond;
+    return 0.5 * sum / double(r.size());
+}
+
+std::vector<double> search_residuals(const EvaluatedRun& run, const std::vector<ViewInformation>& priors, double bend) {
+    std::vector<double> out;
+    std::vector<std::size_t> first;
+    for (const auto& one : run.experiments) {
+        first.push_back(out.size());
+        out.resize(out.size() + one.segments.size(), std::nan(""));
+    }
+    const auto layout = layout_of(run, {}, {});
+    if (layout.rows.empty()) return {};
+    const auto size = sizes(run, layout);
+    const auto information = prior_matrix(priors, 0);
+    const auto best = fit(displacements(run, layout), view_matrix(run, layout), size, information, layout, {true, bend, {}, 0});
+    for (std::size_t i = 0; i < layout.rows.size(); ++i) {
+        out[first[layout.rows[i].experiment] + layout.rows[i].segment] = std::sqrt(size[Eigen::Index(i)]) * best.left[Eigen::Index(i)];
+    }
+    const auto beyond = beyond_contours(run);
+    out.insert(out.end(), beyond.begin(), beyond.end());
+    const Vector away = information.llt().matrixU() * best.x;
+    out.insert(out.end(), away.data(), away.data() + away.size());
+    return out;
+}
+
+std::vector<double> misfits_of_run(const EvaluatedRun& run, const std::vector<ViewInformation>& priors, double bend) {
+    std::vector<double> squares(run.experiments.size(), 0.0), frames(run.experiments.size(), 0.0), out;
+    const auto layout = layout_of(run, {}, {});
+    if (layout.rows.empty()) return std::vector<double>(run.experiments.size(), std::nan(""));
+    const auto best = fit(displacements(run, layout), view_matrix(run, layout), sizes(run, layout), prior_matrix(priors, 0), layout, {true, bend, {}, 0});
+    for (const auto& [key, sum] : squares_by_frame(run, layout, best.left)) {
+        squares[key.first] += sum[0] / sum[1];
+        frames[key.first] += 1;
+    }
+    for (std::size_t e = 0; e < squares.size(); ++e) out.push_back(frames[e] > 0 ? std::sqrt(squares[e] / frames[e]) : std::nan(""));
+    return out;
+}
+
+double VarianceParts::total() const {
+    double sum = pixels + time + contour + camera + sheet + instrument + range + resolution + noise + clips;
+    for (const auto& [name, part] : measured) sum += part;
+    return sum;
+}
+
+double ninety_percent(const VarianceParts& parts, double freedom) {
+    constexpr double z = 1.6449;
+    const double total = parts.total();
+    double inverse = 0; // of the sum's degrees of freedom
+    if (parts.pixels > 0) inverse += parts.pixels * parts.pixels / (total * total * freedom);
+    if (parts.clips > 0) inverse += parts.clips * parts.clips / (total * total * parts.clip_freedom);
+    if (!(inverse > 0)) return z;
+    const double n = 1 / inverse;
+    // Expansion of the quantile in 1 / n (Abramowitz & Stegun 26.7.5).
+    const double z3 = z * z * z, z5 = z3 * z * z, z7 = z5 * z * z;
+    return z + (z3 + z) / (4 * n) + (5 * z5 + 16 * z3 + 3 * z) / (96 * n * n) + (3 * z7 + 19 * z5 + 17 * z3 - 15 * z) / (384 * n * n * n);
+}
+
+Estimate estimate(const std::vector<EvaluatedRun>& runs, const std::vector<ViewInformation>& priors, const std::vector<std::vector<EvaluatedRun>>& finer, const RangePrior& range) {
+    if (runs.empty()) throw InputError({"identify", "has no good run", "all have failed", "look at their reasons in the table"});
+    const auto p = runs.front().point.size();
+    const auto* best = &least_of(finer.empty() ? runs : finer.back(), priors);
+    const auto layout = layout_of(*best, runs, finer);
+    if (layout.rows.empty()) {
+        throw InputError({"identify", "finds nothing to compare: no contour in the masks, no vector in the liquid",
+                          "masks hold no liquid, or only specks and what touches the rim; or sheets lie where no run has liquid",
+                          "look at the masks or fields, and at from and to"});
+    }
+    const auto size = sizes(*best, layout);
+    const auto views = view_matrix(*best, layout);
+    auto information = prior_matrix(priors, p);
+    const bool bounded = range.lower.size() == p;
+    if (bounded) information.diagonal().head(p) = range.information();
+
+    Estimate out;
+    out.point = best->point;
+    Fit result;
+    LocalModel model;
+    Matrix g(views.rows(), p + views.cols());
+    const auto settle = [&](const std::vector<double>& dilution) {
+        for (int round = 0; round < 12; ++round) {
+            model = local_model(runs, layout, out.point);
+            for (const auto& rung : finer) correct(model, rung, layout, out.point);
+            g << model.gradient, views;
+            Vector pull = Vector::Zero(g.cols());
+            if (bounded) pull.head(p) = range.information().cwiseProduct(out.point - range.centre());
+            result = fit(model.value, g, size, information, layout, {false, 3, dilution, p, pull});
+            const Vector before = out.point;
+            // Not far beyond the runs, where the model is a guess.
+            out.point += result.x.head(p) / std::max(1.0, result.x.head(p).cwiseAbs().maxCoeff() / 0.5);
+            if (bounded) out.point = out.point.cwiseMax(range.lower).cwiseMin(range.upper);
+            const Vector step = out.point - before;
+            if (step.cwiseAbs().maxCoeff() < 1e-6) break;
+        }
+    };
+    settle({});
+    const auto sector = sectors(*best, layout);
+    out.block_frames = correlation_frames(*best, layout, result.left, sector);
+    const auto blocks = blocks_of(*best, layout, sector, 2 * out.block_frames);
+    out.blocks = std::size_t(*std::ranges::max_element(blocks)) + 1;
+    // Segments that share their noise must not outvote what is known of the view.
+    auto dilution = inflation(result, g, block_changes(result, g, information, blocks), blocks, layout, p);
+    const auto far = [&] { return excesses(result.x.tail(result.x.size() - p), information.bottomRightCorner(views.cols(), views.cols()), *best); };
+    const auto dilute = [&](const std::vector<double>& excess) {
+        for (std::size_t e = 0; e < excess.size(); ++e) dilution[e] *= std::max(1.0, std::min(10.0, excess[e]));
+    };
+    Fit spread;
+    if (p == 1) {
+        settle(dilution);
+        for (int round = 0; round < most_rounds && std::ranges::max(far()) > 1; ++round) {
+            dilute(far());
+            settle(dilution);
+        }
+        spread = result;
+    } else {
+        // Several parameters can do what the resolution does to the view, if this is held: they leave by the valley in which they trade with
+        // each other. So the view is free within its priors, and dilution widens the region alone, by the same for all experiments: with
+        // one of its own the one that the model explains worse would be given up for the others.
+        dilute(far());
+        std::ranges::fill(dilution, std::ranges::max(dilution));
+        spread = fit(model.value, g, size, information, layout, {false, 3, dilution, p, {}});
+    }
+
+    const Matrix changes = block_changes(spread, g, information, blocks);
+    out.covariance = covariance_of(changes, spread, information, p);
+    for (Eigen::Index k = 0; k < p; ++k) {
+        out.parts.push_back(parts_of(k, p, changes, spread, g, information, *best));
+        const auto squares = changes.col(k).array().square();
+        out.freedom.push_back(std::max(1.0, squares.sum() * squares.sum() / std::max(1e-300, squares.square().sum()) - 1));
+    }
+    out.naive = naive_deviations(*best, layout, model.gradient, result.noise);
+    for (std::size_t e = 0; e < priors.size(); ++e) out.view.push_back(result.x.segment(p + Eigen::Index(e) * view_count, view_count));
+    for (std::size_t e = 0; e < layout.experiments; ++e) out.noise.push_back(result.noise[e] * usual_noise(best->experiments[e].kind));
+    out.runs = model.runs;
+    out.dilution = dilution;
+    for (std::size_t e = 0; e < layout.experiments; ++e) {
+        constexpr double half_quantile = 1.353; // of chi square of one degree of freedom, 90 %
+        out.alike = std::max(out.alike, half_quantile * dilution[e] * result.noise[e] * result.noise[e] / double(layout.rows.size()));
+    }
+    const double deviation = std::sqrt(out.parts.front().total());
+    const double slope = model.gradient.col(0).norm();
+    out.curvature = slope > 0 ? 0.5 * deviation * model.square.norm() / slope : 0;
+    tell_misfit(out, *best, layout, result.left);
+    if (p == 1) {
+        for (std::size_t e = 0; e < layout.experiments; ++e) {
+            out.drifts.push_back(drift_of(e, *best, layout, result, model.gradient.col(0), views, information.bottomRightCorner(views.cols(), views.cols()), blocks));
+        }
+    }
+    return out;
+}
+
+} // namespace treacle::identify

@@ -1,0 +1,126 @@
+#include "identify/estimate/residual_blocks.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+
+namespace treacle::identify {
+
+namespace {
+constexpr double correlated = 0.2; // autocorrelation below which frames count as independent
+
+// Number of each frame among those of its experiment.
+std::map<std::size_t, std::map<int, int>> frame_order(const EvaluatedRun& run, const Layout& layout) {
+    std::map<std::size_t, std::map<int, int>> order;
+    for (const auto& row : layout.rows) order[row.experiment].emplace(at(run, row).frame, 0);
+    for (auto& [experiment, frames] : order) {
+        int k = 0;
+        for (auto& [frame, number] : frames) number = k++;
+    }
+    return order;
+}
+
+// Windows of time are averages, independent of each other but whole: what a turn does it does all around.
+bool is_averaged(const EvaluatedRun& run, const Layout::Row& row) { return run.experiments[row.experiment].kind == ExperimentKind::occupancy; }
+} // namespace
+
+int correlation_frames(const EvaluatedRun& run, const Layout& layout, const Vector& left, const std::vector<int>& sector) {
+    std::map<std::pair<std::size_t, int>, std::map<int, std::pair<double, int>>> series; // by experiment and sector: sums by frame
+    auto order = frame_order(run, layout);
+    for (std::size_t i = 0; i < layout.rows.size(); ++i) {
+        const auto& row = layout.rows[i];
+        if (is_averaged(run, row)) continue;
+        auto& entry = series[{row.experiment, sector[i]}][order[row.experiment][at(run, row).frame]];
+        entry.first += left[Eigen::Index(i)];
+        ++entry.second;
+    }
+    for (int lag = 1; lag < 200; ++lag) {
+        double product = 0, square = 0;
+        for (const auto& [key, sums] : series) {
+            for (const auto& [place, sum] : sums) {
+                const auto other = sums.find(place + lag);
+                if (other == sums.end()) continue;
+                const double a = sum.first / sum.second, b = other->second.first / other->second.second;
+                product += a * b;
+                square += 0.5 * (a * a + b * b);
+            }
+        }
+        if (!(square > 0) || product < correlated * square) return lag;
+    }
+    return 200;
+}
+
+std::vector<int> sectors(const EvaluatedRun& run, const Layout& layout) {
+    std::map<std::pair<std::size_t, int>, std::array<double, 3>> sums;
+    for (const auto& row : layout.rows) {
+        const auto& s = at(run, row);
+        auto& sum = sums[{row.experiment, s.frame}];
+        sum[0] += s.x;
+        sum[1] += s.y;
+        sum[2] += 1;
+    }
+    std::vector<int> out;
+    for (const auto& row : layout.rows) {
+        const auto& s = at(run, row);
+        const auto& sum = sums[{row.experiment, s.frame}];
+        if (is_averaged(run, row)) {
+            out.push_back(0);
+            continue;
+        }
+        const double angle = std::atan2(s.y - sum[1] / sum[2], s.x - sum[0] / sum[2]);
+        out.push_back(std::min(5, int((angle + 3.14159265358979) / 1.04719755119660)));
+    }
+    return out;
+}
+std::vector<int> blocks_of(const EvaluatedRun& run, const Layout& layout, const std::vector<int>& sector, int frames_each) {
+    auto order = frame_order(run, layout);
+    std::map<std::tuple<std::size_t, int, int>, int> numbers;
+    std::vector<int> out;
+    for (std::size_t i = 0; i < layout.rows.size(); ++i) {
+        const auto& row = layout.rows[i];
+        const int part = order[row.experiment][at(run, row).frame] / (is_averaged(run, row) ? 1 : frames_each);
+        out.push_back(numbers.try_emplace({row.experiment, part, sector[i]}, int(numbers.size())).first->second);
+    }
+    return out;
+}
+
+Matrix block_changes(const Fit& fit, const Matrix& g, const Matrix& information, const std::vector<int>& blocks) {
+    const int count = *std::ranges::max_element(blocks) + 1;
+    const auto n = g.cols();
+    std::vector<Matrix> shares(std::size_t(count), Matrix::Zero(n, n));
+    Matrix scores = Matrix::Zero(count, n);
+    for (Eigen::Index i = 0; i < g.rows(); ++i) {
+        const auto b = std::size_t(blocks[std::size_t(i)]);
+        shares[b] += fit.weights[i] * g.row(i).transpose() * g.row(i);
+        scores.row(Eigen::Index(b)) += fit.weights[i] * fit.left[i] * g.row(i);
+    }
+    Matrix whole = information;
+    for (const auto& share : shares) whole += share;
+    Matrix out(count, n);
+    for (int b = 0; b < count; ++b) out.row(b) = (whole - shares[std::size_t(b)]).ldlt().solve(scores.row(b).transpose()).transpose();
+    return out * (count > 1 ? std::sqrt(double(count - 1) / double(count)) : 1.0);
+}
+
+std::vector<double> inflation(const Fit& fit, const Matrix& g, const Matrix& changes, const std::vector<int>& blocks, const Layout& layout, Eigen::Index p) {
+    const Matrix weighted = fit.weights.cwiseProduct(fit.left).asDiagonal() * g;
+    const Matrix moves = weighted * fit.inverse.leftCols(p);
+    Matrix independent = Matrix::Zero(Eigen::Index(layout.experiments), p), by_blocks = independent;
+    std::vector<bool> counted(std::size_t(changes.rows()));
+    for (std::size_t i = 0; i < layout.rows.size(); ++i) {
+        const auto e = Eigen::Index(layout.rows[i].experiment);
+        independent.row(e) += moves.row(Eigen::Index(i)).cwiseAbs2();
+        const auto block = std::size_t(blocks[i]);
+        if (!counted[block]) by_blocks.row(e) += changes.row(Eigen::Index(block)).head(p).cwiseAbs2();
+        counted[block] = true;
+    }
+    std::vector<double> out(layout.experiments, 1);
+    for (std::size_t e = 0; e < layout.experiments; ++e) {
+        for (Eigen::Index k = 0; k < p; ++k) {
+            if (independent(Eigen::Index(e), k) > 0) out[e] = std::max(out[e], by_blocks(Eigen::Index(e), k) / independent(Eigen::Index(e), k));
+        }
+    }
+    return out;
+}
+
+} // namespace treacle::identify

@@ -1,0 +1,24 @@
+#pragma once
+#include "identify/estimate/residual_rows.hpp"
+
+namespace treacle::identify {
+
+// The parameters of a linear model r + G x whose reweighted squares are least within the priors.
+struct Fit {
+    Vector x, left, weights;
+    Matrix inverse; // of G^T W G + P
+    std::vector<double> noise; // per experiment, in usual ones
+};
+
+struct FitOptions {
+    bool usual_noise = false; // that of the residuals otherwise
+    double bend = 3;
+    std::vector<double> dilution; // per experiment: how many correlated segments count as one
+    Eigen::Index parameters = 0;  // columns before those of the views
+    Vector pull = {};             // slope of what is known beside the residuals; empty: none
+};
+
+// size: [rows] weights before those of Huber; information: [columns][columns] of the priors.
+Fit fit(const Vector& r, const Matrix& g, const Vector& size, const Matrix& information, const Layout& layout, const FitOptions& options);
+
+} // namespace treacle::identify

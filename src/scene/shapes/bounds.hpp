@@ -1,0 +1,18 @@
+#pragma once
+#include "base/text/vec3.hpp"
+
+#include <limits>
+
+namespace treacle::scene {
+
+// An axis-aligned box [m]; the default contains all of space.
+struct Bounds {
+    static constexpr double infinite = std::numeric_limits<double>::infinity();
+    Vec3 min{-infinite, -infinite, -infinite};
+    Vec3 max{infinite, infinite, infinite};
+
+    // Contains no point, and grows from there.
+    static constexpr Bounds nothing() { return {{infinite, infinite, infinite}, {-infinite, -infinite, -infinite}}; }
+};
+
+} // namespace treacle::scene

@@ -1,0 +1,59 @@
+#pragma once
+#include "search/problem/search.hpp"
+
+namespace treacle::search {
+
+struct Sample {
+    double x = 0;
+    Value f = Value::failed();
+};
+
+// The least value of a function of one variable within a bracket (Brent 1973, chapter 5), with a second model: beside the
+// parabola through the three best values (L1) stands the corner of two lines through four neighbours (L2), which an
+// objective that sums absolute differences has. The next point is that of the model that was nearer to the last value;
+// where neither may be used, by Brent's rules, it is that of the golden section. Points lie on a lattice of half the tolerance
+// around the origin. Values that are bounds or failures move the bracket but enter no model.
+class Brent {
+public:
+    // Samples in the order of x. The least is x; its neighbours are the bracket, or it is at the end of it.
+    Brent(std::vector<Sample> samples, double tolerance, double origin);
+
+    bool converged() const;
+    double next() const { return propose().x; }
+    void accept(Value f) { accept(propose(), f); } // the value at next()
+    void accept(double x, Value f) { accept({x, last_step_}, f); } // at another point within the bracket
+    double on_lattice(double u) const;
+    const Sample& best() const { return x_; }
+    double lower() const { return lower_; }
+    double upper() const { return upper_; }
+    // Value that the better model expects at next(); failed where there is none.
+    Value expected() const;
+
+private:
+    enum class Model { parabola, corner };
+    struct Proposal {
+        double x = 0;
+        double bound = 0; // of the step after next, by Brent's rule
+    };
+    struct Vertex {
+        double x = 0, f = 0;
+    };
+    Proposal propose() const;
+    void accept(const Proposal& proposal, Value f);
+    bool allowed(double u) const;
+    std::optional<Vertex> vertex(Model model) const;
+    std::optional<Vertex> parabola_vertex() const;
+    std::optional<Vertex> corner_vertex() const;
+    std::optional<double> expectation(Model model, double u) const;
+    void judge_models(double u, double f);
+    std::vector<Sample> measured() const;
+
+    double tolerance_, origin_;
+    double lower_ = 0, upper_ = 0;
+    Sample x_, w_, v_; // the best, the next best and the one before
+    double step_before_last_ = 0, last_step_ = 0;
+    Model better_ = Model::parabola;
+    std::vector<Sample> samples_; // all, in the order of x
+};
+
+} // namespace treacle::search

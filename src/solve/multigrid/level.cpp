@@ -1,0 +1,274 @@
+#include "solve/multigrid/level.hpp"
+
+#include "solve/rows/gather_sum.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace treacle::solve {
+
+namespace {
+constexpr int key_bits = 21;
+constexpr int key_offset = 1 << 20;
+
+// Puts two zeros after each bit.
+CellKey spread_bits(CellKey x) {
+    x &= (CellKey{1} << key_bits) - 1;
+    x = (x | x << 32) & 0x1f00000000ffff;
+    x = (x | x << 16) & 0x1f0000ff0000ff;
+    x = (x | x << 8) & 0x100f00f00f00f00f;
+    x = (x | x << 4) & 0x10c30c30c30c30c3;
+    x = (x | x << 2) & 0x1249249249249249;
+    return x;
+}
+constexpr CellKey lane = 0x1249249249249249; // the bits of x
+
+// No column comes twice in a row.
+void scatter(const Index* columns, const double* values, Index begin, Index end, double factor, double* t) {
+    for (Index k = begin; k < end; ++k) t[columns[k]] -= values[k] * factor;
+}
+
+constexpr int ahead = 3; // rows
+constexpr Index line = 64; // bytes
+
+inline void fetch(const Index* columns, const double* values, Index begin, Index end) {
+    for (Index k = begin; k < end; k += line / 8) __builtin_prefetch(values + k);
+    for (Index k = begin; k < end; k += line / 4) __builtin_prefetch(columns + k);
+}
+
+double inverse(double diagonal) { return diagonal > 0 ? 1 / diagonal : 0.0; }
+} // namespace
+
+CellKey cell_key(const int cell[3]) {
+    CellKey key = 0;
+    for (int axis = 0; axis < 3; ++axis) key |= spread_bits(static_cast<CellKey>(cell[axis] + key_offset)) << axis;
+    return key;
+}
+
+int colour(CellKey key) { return static_cast<int>((key ^ key >> 1 ^ key >> 2) & 1); }
+
+CellKey beside(CellKey key, int face) {
+    const CellKey mask = lane << (face / 2);
+    const CellKey one = CellKey{1} << (face / 2);
+    const CellKey part = face % 2 == 0 ? ((key & mask) - one) & mask : ((key | ~mask) + one) & mask;
+    return part | (key & ~mask);
+}
+
+void Level::refer_to(const Matrix& matrix) {
+    const auto& blocks = matrix.blocks();
+    rows = matrix.rows();
+    first_row = matrix.first_row();
+    global_rows = matrix.global_rows();
+    own_ = {blocks.diagonal_offsets, blocks.diagonal_columns, blocks.diagonal_values};
+    other_ = {blocks.off_offsets, blocks.off_columns, blocks.off_values};
+    find_places();
+    blocks_.take(1, rows, own_.offsets, own_.columns, own_.values);
+    borrowed_halo_ = blocks.halo;
+    t.resize(static_cast<std::size_t>(rows));
+}
+
+void Level::find_places() {
+    secured_.clear();
+    diagonal_.resize(static_cast<std::size_t>(rows));
+    for (Index i = 0; i < rows; ++i) {
+        const Index* const begin = own_.columns + own_.offsets[i];
+        const Index* const end = own_.columns + own_.offsets[i + 1];
+        diagonal_[static_cast<std::size_t>(i)] = static_cast<Index>(std::lower_bound(begin, end, i) - own_.columns);
+    }
+    inverse_.resize(static_cast<std::size_t>(rows));
+    for (Index i = 0; i < rows; ++i) inverse_[static_cast<std::size_t>(i)] = inverse(diagonal(i));
+    border_.clear();
+    change_.clear();
+    for (Index i = 0; i < rows; ++i) {
+        if (other_.offsets[i] < other_.offsets[i + 1]) border_.push_back(i);
+    }
+}
+
+void Level::secure_sweeps(double relaxation) {
+    secured_.resize(static_cast<std::size_t>(rows));
+    for (Index i = 0; i < rows; ++i) secured_[static_cast<std::size_t>(i)] = diagonal(i);
+    const auto around = halo().gather(secured_);
+    const double beside = 1.5 * (1 - 1 / relaxation);
+    for (Index i = 0; i < rows; ++i) {
+        double& own = secured_[static_cast<std::size_t>(i)];
+        const double given = own;
+        double sum = 0;
+        for (Index k = other_.offsets[i]; k < other_.offsets[i + 1]; ++k) {
+            const double there = around[static_cast<std::size_t>(other_.columns[k])];
+            if (there > 0) sum += std::fabs(other_.values[k]) * std::sqrt(given / there);
+        }
+        own = std::max(given / relaxation + beside * sum, 0.5 * (given + sum));
+    }
+    for (std::size_t i = 0; i < secured_.size(); ++i) inverse_[i] = inverse(secured_[i]);
+}
+
+void Level::take(const Comm& comm, MadeRows& made, Index first, Index global) {
+    rows = made.rows();
+    first_row = first;
+    global_rows = global;
+    keys.swap(made.keys);
+    walls.swap(made.walls);
+    centres.swap(made.centres);
+    const auto& given = made.matrix;
+    const auto inside = [&](Index column) { return column >= first && column < first + rows; };
+    auto& others = halo_columns_;
+    others.clear();
+    for (const Index column : given.columns) {
+        if (!inside(column)) others.push_back(column);
+    }
+    std::sort(others.begin(), others.end());
+    others.erase(std::unique(others.begin(), others.end()), others.end());
+    own_store_.clear();
+    other_store_.clear();
+    for (std::size_t i = 0; i < static_cast<std::size_t>(rows); ++i) {
+        for (Index k = given.offsets[i]; k < given.offsets[i + 1]; ++k) {
+            const auto at = static_cast<std::size_t>(k);
+            const Index column = given.columns[at];
+            auto& store = inside(column) ? own_store_ : other_store_;
+            const auto place = std::lower_bound(others.begin(), others.end(), column);
+            const auto halo_place = static_cast<Index>(place - others.begin());
+            store.columns.push_back(inside(column) ? column - first : halo_place);
+            store.values.push_back(given.values[at]);
+        }
+        own_store_.end_row();
+        other_store_.end_row();
+    }
+    own_ = {own_store_.offsets.data(), own_store_.columns.data(), own_store_.values.data()};
+    other_ = {other_store_.offsets.data(), other_store_.columns.data(), other_store_.values.data()};
+    find_places();
+    blocks_.take(made.block, rows, own_.offsets, own_.columns, own_.values);
+    halo_.connect(comm, first, others);
+    for (auto* vector : {&r, &z, &t}) vector->resize(static_cast<std::size_t>(rows));
+}
+
+void Level::sweep_down_from_zero(std::span<const double> r_, std::span<double> z_, std::span<double> t_) {
+    if (blocks_.taken()) {
+        blocks_.down_from_zero(inverse_, r_, z_, t_);
+        if (!secured_.empty()) {
+            for (std::size_t i = 0; i < z_.size(); ++i) t_[i] += (secured_[i] - diagonal(static_cast<Index>(i))) * z_[i];
+        }
+        subtract_others(halo().gather(z_), t_);
+        return;
+    }
+    std::fill(t_.begin(), t_.end(), 0.0);
+    const Index* const columns = own_.columns;
+    const double* const values = own_.values;
+    for (Index i = 0; i < rows; ++i) {
+        const auto at = static_cast<std::size_t>(i);
+        if (is_fixed(at)) {
+            z_[at] = 0;
+            continue;
+        }
+        const Index begin = own_.offsets[i], diagonal = diagonal_[at];
+        // Hardware that fetches ahead along the arrays would go on into the half that is not read.
+        if (i + ahead < rows) fetch(columns, values, own_.offsets[i + ahead], diagonal_[at + ahead]);
+        const double sum = r_[at] - gather_sum(columns, values, begin, diagonal, z_.data());
+        z_[at] = sum * inverse_[at];
+        // What is left is -U z + (D' - D) z, U the transpose of the part of the row that was just read.
+        scatter(columns, values, begin, diagonal, z_[at], t_.data());
+        if (!secured_.empty()) t_[at] += (secured_[at] - values[diagonal]) * z_[at];
+    }
+    subtract_others(halo().gather(z_), t_);
+}
+
+// t -= A_off z, z of other ranks.
+void Level::subtract_others(std::span<const double> around, std::span<double> t_) const {
+    for (const Index i : border_) {
+        t_[static_cast<std::size_t>(i)] -=
+            gather_sum(other_.columns, other_.values, other_.offsets[i], other_.offsets[i + 1], around.data());
+    }
+}
+
+// r - A_off z; r itself where no row is beside others.
+std::span<const double> Level::less_others(std::span<const double> r_, std::span<const double> around) {
+    if (border_.empty()) return r_;
+    right_.assign(r_.begin(), r_.end());
+    subtract_others(around, right_);
+    return right_;
+}
+
+double Level::product(std::span<const double> z_, std::span<const double> around, std::size_t row) const {
+    const double sum = gather_sum(own_.columns, own_.values, own_.offsets[row], own_.offsets[row + 1], z_.data());
+    const Index begin = other_.offsets[row], end = other_.offsets[row + 1];
+    return begin == end ? sum : sum + gather_sum(other_.columns, other_.values, begin, end, around.data());
+}
+
+void Level::sweep_down(std::span<const double> r_, std::span<double> z_) {
+    const auto around = halo().gather(z_);
+    for (std::size_t i = 0; i < static_cast<std::size_t>(rows); ++i) {
+        if (!is_fixed(i)) z_[i] += (r_[i] - product(z_, around, i)) * inverse_[i];
+    }
+}
+
+void Level::sweep_up(std::span<const double> r_, std::span<double> z_) {
+    const auto around = halo().gather(z_);
+    if (blocks_.taken()) return blocks_.up(inverse_, less_others(r_, around), z_);
+    for (std::size_t i = static_cast<std::size_t>(rows); i-- > 0;) {
+        // Rows fall while each row's entries rise, which hardware does not foresee.
+        if (is_fixed(i)) continue;
+        if (i >= ahead) fetch(own_.columns, own_.values, own_.offsets[i - ahead], own_.offsets[i - ahead + 1]);
+        z_[i] += (r_[i] - product(z_, around, i)) * inverse_[i];
+    }
+}
+
+void Level::sweep_up_by_rows(std::span<const double> r_, std::span<double> z_, std::span<double> t_) {
+    std::fill(t_.begin(), t_.end(), 0.0);
+    for (std::size_t i = static_cast<std::size_t>(rows); i-- > 0;) {
+        if (is_fixed(i)) continue;
+        if (i >= ahead) fetch(own_.columns, own_.values, own_.offsets[i - ahead], own_.offsets[i - ahead + 1]);
+        const double sum = r_[i] - product(z_, around_, i), change = sum * inverse_[i];
+        const Index diagonal = diagonal_[i];
+        z_[i] += change;
+        t_[i] += sum - own_.values[diagonal] * change;
+        scatter(own_.columns, own_.values, diagonal + 1, own_.offsets[i + 1], change, t_.data());
+    }
+}
+
+// Row i meets values above it as they are now and those below it, and of other ranks, as they were before: of the residual
+// after the sweep all but the changes of the latter are at hand there, and these are a_ij of the row that changes.
+void Level::sweep_up(std::span<const double> r_, std::span<double> z_, std::span<double> t_) {
+    const auto before = halo().gather(z_);
+    around_.assign(before.begin(), before.end());
+    if (blocks_.taken()) blocks_.up(inverse_, less_others(r_, around_), z_, t_);
+    else sweep_up_by_rows(r_, z_, t_);
+    const auto after = halo().gather(z_);
+    for (std::size_t k = 0; k < around_.size(); ++k) around_[k] = after[k] - around_[k];
+    subtract_others(around_, t_);
+}
+
+void Level::sweep_border_down(std::span<double> z_, std::span<double> t_) {
+    change_.resize(static_cast<std::size_t>(rows)); // other ranks ask for border rows alone: the rest stays zero
+    for (const Index i : border_) {
+        const auto at = static_cast<std::size_t>(i);
+        if (is_fixed(at)) continue;
+        change_[at] = t_[at] * inverse_[at];
+        z_[at] += change_[at];
+        scatter(own_.columns, own_.values, own_.offsets[i], own_.offsets[i + 1], change_[at], t_.data());
+    }
+    subtract_others(halo().gather(change_), t_);
+}
+
+void Level::sweep_border_up(std::span<const double> r_, std::span<double> z_) {
+    const auto around = halo().gather(z_);
+    for (std::size_t k = border_.size(); k-- > 0;) {
+        const auto at = static_cast<std::size_t>(border_[k]);
+        if (!is_fixed(at)) z_[at] += (r_[at] - product(z_, around, at)) * inverse_[at];
+    }
+}
+
+void Level::residual(std::span<const double> r_, std::span<const double> z_, std::span<double> t_) {
+    const auto around = halo().gather(z_);
+    for (std::size_t i = 0; i < static_cast<std::size_t>(rows); ++i) {
+        t_[i] = r_[i] - product(z_, around, i);
+    }
+}
+
+std::size_t Level::bytes() const {
+    std::size_t reals = keys.capacity(), indices = 0;
+    for (const auto* of : {&centres, &walls, &r, &z, &t, &secured_, &inverse_, &change_, &around_, &right_}) reals += of->capacity();
+    for (const auto* of : {&halo_columns_, &diagonal_, &border_, &aggregate, &group}) indices += of->capacity();
+    return own_store_.bytes() + other_store_.bytes() + blocks_.bytes() + halo_.bytes() + sizeof(Run) * runs.capacity() + fixed.capacity() +
+           8 * reals + 4 * indices;
+}
+
+} // namespace treacle::solve

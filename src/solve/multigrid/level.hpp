@@ -1,0 +1,137 @@
+#pragma once
+// Inside src/solve only: one level of a multilevel hierarchy.
+#include "mpi/row_halo.hpp"
+#include "solve/multigrid/block_sweeps.hpp"
+#include "solve/rows/matrix.hpp"
+
+#include <cstdint>
+#include <span>
+#include <utility>
+#include <vector>
+
+namespace treacle::solve {
+
+// Place of a cell along the Z-curve: eight cells in a row make the cell of twice the width.
+using CellKey = std::uint64_t;
+CellKey cell_key(const int cell[3]);
+// Parity of the sum of the coordinates.
+int colour(CellKey key);
+// The key of the cell beside; face: x-, x+, y-, y+, z-, z+.
+CellKey beside(CellKey key, int face);
+
+struct Csr {
+    std::vector<Index> offsets{0}, columns;
+    std::vector<double> values;
+
+    void clear() {
+        offsets.assign(1, 0);
+        columns.clear();
+        values.clear();
+    }
+    void end_row() { offsets.push_back(static_cast<Index>(columns.size())); }
+    std::size_t bytes() const {
+        return 4 * (offsets.capacity() + columns.capacity()) + 8 * values.capacity();
+    }
+};
+
+// This rank's rows of a coarse matrix as they are made: columns are global numbers.
+struct MadeRows {
+    Csr matrix;
+    std::vector<CellKey> keys;
+    std::vector<double> walls; // for grids: what walls add to the diagonals
+    std::vector<double> centres; // for rigid modes: [rows / modes][3], of the aggregates [m]
+    int block = 1;               // so many rows one after the other have the same columns, so many of which are one after the other
+
+    void clear() {
+        matrix.clear();
+        keys.clear();
+        walls.clear();
+        centres.clear();
+        block = 1;
+    }
+    Index rows() const { return static_cast<Index>(keys.size()); }
+};
+
+// Rows of equal keys one after the other, in the order of the rows.
+struct Run {
+    CellKey key;
+    Index begin, end;
+};
+
+class Level {
+public:
+    // The matrix itself. The level refers to it.
+    void refer_to(const Matrix& matrix);
+    // Collective. Takes the rows, whose numbers start at first in the order of the ranks.
+    void take(const Comm& comm, MadeRows& made, Index first, Index global_rows);
+
+    // Collective. Sweeps within the ranks' own rows reduce the error of any symmetric positive definite matrix only if
+    // 2 D' - D - A_off is positive definite too, D' being what they divide by and A_off the couplings of different ranks.
+    // (D + sum |A_off|) / 2 is enough, rows scaled to a unit diagonal. D' = D / relaxation within a rank, and more beside
+    // others, whose values a sweep does not see change: D / relaxation + 1.5 (1 - 1 / relaxation) sum |A_off|.
+    void secure_sweeps(double relaxation = 1);
+
+    // z = (D' + L)^-1 r, t = r - A z: one pass over half of the matrix.
+    void sweep_down_from_zero(std::span<const double> r, std::span<double> z, std::span<double> t);
+    // Sweeps from z. The values of other ranks are those before the sweep.
+    void sweep_down(std::span<const double> r, std::span<double> z);
+    void sweep_up(std::span<const double> r, std::span<double> z);
+    // The same, and t = r - A z of a symmetric A: in one pass over the matrix. Not where rows are fixed.
+    void sweep_up(std::span<const double> r, std::span<double> z, std::span<double> t);
+    // Rows beside other ranks once more, with what these have come to: after sweep_down_from_zero or sweep_down, with its t, and
+    // before sweep_up.
+    void sweep_border_down(std::span<double> z, std::span<double> t);
+    void sweep_border_up(std::span<const double> r, std::span<double> z);
+    // t = r - A z
+    void residual(std::span<const double> r, std::span<const double> z, std::span<double> t);
+
+    bool is_fixed(std::size_t row) const { return !fixed.empty() && fixed[row] != 0; }
+    double diagonal(Index row) const { return own_.values[diagonal_[static_cast<std::size_t>(row)]]; }
+    std::int64_t entries() const { return std::int64_t{own_.offsets[rows]} + other_.offsets[rows]; }
+    std::size_t bytes() const;
+
+    Index rows = 0, first_row = 0, global_rows = 0;
+    std::vector<CellKey> keys;  // [rows]; of the matrix itself, those of the finest cells
+    std::vector<double> walls;  // [rows], for grids
+    std::vector<double> centres; // [rows / modes][3], for rigid modes
+    std::vector<unsigned char> fixed; // [rows] of the matrix itself, 1 where z stays 0; or empty
+    std::vector<double> r, z, t; // of coarse levels; t of the matrix too
+    std::pair<std::vector<double>, std::vector<double>> second; // of coarse levels, for a W-cycle
+
+    // The aggregates of this level, which are this rank's rows of the next one before it is gathered.
+    std::vector<Index> aggregate; // [rows], -1: none
+    std::vector<Run> runs;        // aggregate a holds the rows of runs group[a] to group[a + 1] - 1
+    std::vector<Index> group;
+    Index aggregates() const { return static_cast<Index>(group.size()) - 1; }
+
+    struct Block {
+        const Index* offsets = nullptr;
+        const Index* columns = nullptr;
+        const double* values = nullptr;
+    };
+    const Block& own() const { return own_; }     // columns are local rows
+    const Block& other() const { return other_; } // columns are places in the halo
+    RowHalo& halo() { return borrowed_halo_ ? *borrowed_halo_ : halo_; }
+
+private:
+    double product(std::span<const double> z, std::span<const double> around, std::size_t row) const;
+    void find_places();
+    void subtract_others(std::span<const double> around, std::span<double> t) const;
+    void sweep_up_by_rows(std::span<const double> r, std::span<double> z, std::span<double> t);
+    std::span<const double> less_others(std::span<const double> r, std::span<const double> around);
+
+    Block own_, other_;
+    Csr own_store_, other_store_;
+    std::vector<Index> halo_columns_; // scratch of take()
+    std::vector<Index> diagonal_;     // place of the diagonal entry in own
+    std::vector<Index> border_;       // rows that couple to other ranks
+    std::vector<double> change_;      // [rows], of sweep_border_down(): zero but for border rows
+    std::vector<double> secured_;     // [rows] D'; or empty: D
+    std::vector<double> inverse_;     // [rows] 1/D', 0 where there is nothing to divide by
+    std::vector<double> around_, right_; // scratch of sweep_up()
+    BlockSweeps blocks_;              // where rows come in blocks, does their sweeps
+    RowHalo halo_;
+    RowHalo* borrowed_halo_ = nullptr; // the matrix's own
+};
+
+} // namespace treacle::solve

@@ -1,0 +1,244 @@
+#include "solve/multigrid/multilevel.hpp"
+
+#include "solve/multigrid/coarsen.hpp"
+#include "solve/multigrid/dense.hpp"
+
+#include <algorithm>
+#include <cassert>
+#include <deque>
+#include <stdexcept>
+
+namespace treacle::solve {
+
+namespace {
+constexpr int most_halvings = 20;
+// Levels that hardly shrink cost as much as the one above and help no more than it.
+constexpr double least_shrinkage = 0.7;
+// Finite differences on cells of twice the width: half of what P^T A P gives where all eight cells are liquid.
+constexpr double grid_divisor = 2;
+// Of rows that no coarse matrix has; larger than all keys of cells, also after their halvings.
+constexpr CellKey no_cell = ~CellKey{0};
+
+// A level, and the way from its aggregates to the next one.
+struct Stage {
+    Level level;
+    Gathering gathering;
+    std::vector<double> made_r, made_z; // [aggregates], where the next level has moved
+};
+} // namespace
+
+struct Multilevel::State {
+    const MultilevelOptions* options = nullptr;
+    std::deque<Stage> stages; // of the deepest hierarchy so far
+    std::size_t used = 0;      // levels of the present one
+    bool direct = false;       // the last level is solved for directly
+    CellSet dirichlet;
+    MadeRows made;
+    Coarsener coarsener;
+    DenseFactor dense;
+
+    void coarsen_cells(const Comm& comm, Level& level, bool finest);
+    bool add_level(const Comm& comm, int& stride, std::span<const double> densities);
+    void cycle(std::size_t depth, std::span<const double> r, std::span<double> z);
+    void twice(std::size_t depth, std::span<const double> r, std::span<double> z);
+    void correct(std::size_t depth, std::span<const double> t, std::span<double> z);
+    bool jacobi(std::size_t depth) const { return depth == 0 && options->smoother == Smoother::jacobi; }
+};
+
+// Finds the aggregates of a level: the cells of the matrix itself, then cells of twice the width, or of four times
+// and more where liquid is so scattered that few would join.
+void Multilevel::State::coarsen_cells(const Comm& comm, Level& level, bool finest) {
+    const auto order = options->coarse == CoarseMatrices::grids ? RowOrder::red_black : RowOrder::along_curve;
+    if (finest) {
+        aggregate(level, 0, order, dirichlet);
+        return;
+    }
+    for (int halvings = 1; halvings <= most_halvings; ++halvings) {
+        coarsen(dirichlet, 1);
+        sort_unique(dirichlet);
+        aggregate(level, halvings, order, dirichlet);
+        const auto made_rows = comm.sum(std::int64_t{level.aggregates()});
+        if (double(made_rows) <= least_shrinkage * double(level.global_rows)) return;
+    }
+}
+
+// False when there is nothing to coarsen.
+bool Multilevel::State::add_level(const Comm& comm, int& stride, std::span<const double> densities) {
+    const bool finest = used == 1;
+    if (stages.size() == used) stages.emplace_back();
+    auto& [level, gathering, made_r, made_z] = stages[used - 1];
+    coarsen_cells(comm, level, finest);
+    const auto global_rows = comm.sum(std::int64_t{level.aggregates()});
+    if (global_rows == 0) return false;
+    if (options->coarse == CoarseMatrices::galerkin) {
+        coarsener.make_galerkin(comm, level, options->overcorrection, made);
+    } else if (finest) {
+        coarsener.make_grid(comm, level, {options->grid_coupling, densities, dirichlet}, made);
+    } else {
+        coarsener.make_galerkin(comm, level, grid_divisor, made);
+    }
+    const int old_stride = stride;
+    stride = Gathering::wider(comm, stride, global_rows,
+                              global_rows <= options->dense_rows ? global_rows : options->rows_per_rank);
+    gathering.move(comm, stride > old_stride ? stride : 1, coarsener.first_made(), made, dirichlet);
+    auto& next = stages[used++].level;
+    next.take(comm, made, static_cast<Index>(comm.exclusive_sum(std::int64_t{made.rows()})),
+              static_cast<Index>(global_rows));
+    gathering.connect(comm, next);
+    const auto made_rows = gathering.moved() ? static_cast<std::size_t>(level.aggregates()) : 0;
+    made_r.resize(made_rows);
+    made_z.resize(made_rows);
+    return true;
+}
+
+// z += P M_c P^T t
+void Multilevel::State::correct(std::size_t depth, std::span<const double> t, std::span<double> z) {
+    auto& [level, gathering, made_r, made_z] = stages[depth];
+    auto& next = stages[depth + 1].level;
+    auto& coarse_r = gathering.moved() ? made_r : next.r;
+    const auto& coarse_z = gathering.moved() ? made_z : next.z;
+    std::fill(coarse_r.begin(), coarse_r.end(), 0.0);
+    for (std::size_t i = 0; i < t.size(); ++i) {
+        if (level.aggregate[i] >= 0) coarse_r[static_cast<std::size_t>(level.aggregate[i])] += t[i];
+    }
+    if (gathering.moved()) gathering.down(made_r, next.r);
+    const bool exact = depth + 2 == used && direct;
+    if (options->cycle == Cycle::w && !exact) {
+        twice(depth + 1, next.r, next.z);
+    } else {
+        cycle(depth + 1, next.r, next.z);
+    }
+    if (gathering.moved()) gathering.up(next.z, made_z);
+    for (std::size_t i = 0; i < z.size(); ++i) {
+        if (level.aggregate[i] >= 0) z[i] += coarse_z[static_cast<std::size_t>(level.aggregate[i])];
+    }
+}
+
+// z = (2 M - M A M) r
+void Multilevel::State::twice(std::size_t depth, std::span<const double> r, std::span<double> z) {
+    auto& level = stages[depth].level;
+    auto& [left, more] = level.second;
+    left.resize(r.size());
+    more.resize(r.size());
+    cycle(depth, r, z);
+    level.residual(r, z, left);
+    cycle(depth, left, more);
+    for (std::size_t i = 0; i < z.size(); ++i) z[i] += more[i];
+}
+
+void Multilevel::State::cycle(std::size_t depth, std::span<const double> r, std::span<double> z) {
+    auto& level = stages[depth].level;
+    const bool last = depth + 1 == used;
+    if (last && direct) {
+        dense.solve(r, z);
+        return;
+    }
+    const auto n = static_cast<std::size_t>(level.rows);
+    if (jacobi(depth)) {
+        const double weight = options->jacobi_weight;
+        const auto step = [&](std::size_t i, double residual) {
+            return level.is_fixed(i) ? 0.0 : weight * residual / level.diagonal(static_cast<Index>(i));
+        };
+        for (std::size_t i = 0; i < n; ++i) z[i] = step(i, r[i]);
+        level.residual(r, z, level.t);
+        if (!last) correct(depth, level.t, z);
+        level.residual(r, z, level.t);
+        for (std::size_t i = 0; i < n; ++i) z[i] += step(i, level.t[i]);
+        return;
+    }
+    const int sweeps = depth == 0 ? 1 : options->coarse_sweeps;
+    level.sweep_down_from_zero(r, z, level.t);
+    for (int sweep = 1; sweep < sweeps; ++sweep) level.sweep_down(r, z);
+    if (sweeps > 1) level.residual(r, z, level.t);
+    if (options->border_sweeps) level.sweep_border_down(z, level.t);
+    if (!last) correct(depth, level.t, z);
+    if (options->border_sweeps) level.sweep_border_up(r, z);
+    for (int sweep = 0; sweep < sweeps; ++sweep) level.sweep_up(r, z);
+}
+
+namespace {
+MultilevelOptions checked(const MultilevelOptions& options) {
+    if (options.overcorrection < 1 || options.overcorrection >= 2) throw std::logic_error("multilevel: overcorrection");
+    if (options.relaxation < 1 || options.relaxation >= 2) throw std::logic_error("multilevel: relaxation");
+    if (options.jacobi_weight <= 0 || options.jacobi_weight > 1) throw std::logic_error("multilevel: jacobi_weight");
+    if (options.coarse == CoarseMatrices::grids && options.cycle == Cycle::w) {
+        throw std::logic_error("multilevel: a W-cycle on grids may be indefinite");
+    }
+    return options;
+}
+} // namespace
+
+Multilevel::Multilevel(const Comm& comm, MultilevelOptions options)
+    : comm_(comm), options_(checked(options)), state_(std::make_unique<State>()) {}
+Multilevel::~Multilevel() = default;
+Multilevel::Multilevel(Multilevel&&) noexcept = default;
+Multilevel& Multilevel::operator=(Multilevel&&) noexcept = default;
+
+void Multilevel::set_up(Matrix& matrix, const MultilevelCells& cells) {
+    auto& state = *state_;
+    state.options = &options_;
+    if (state.stages.empty()) state.stages.emplace_back();
+    auto& finest = state.stages[0].level;
+    finest.refer_to(matrix);
+    const auto rows = static_cast<std::size_t>(matrix.rows());
+    assert(cells.cells.size() == 3 * rows);
+    finest.keys.resize(rows);
+    for (std::size_t i = 0; i < rows; ++i) finest.keys[i] = cell_key(&cells.cells[3 * i]);
+    state.dirichlet.clear();
+    finest.fixed.assign(cells.fixed.begin(), cells.fixed.end());
+    for (std::size_t i = 0; i < finest.fixed.size(); ++i) {
+        if (finest.fixed[i] != 0) finest.keys[i] = no_cell;
+    }
+    if (!finest.fixed.empty()) state.dirichlet = {no_cell};
+    finest.walls.clear();
+    if (options_.coarse == CoarseMatrices::grids) {
+        finest.walls.assign(cells.walls.begin(), cells.walls.end());
+        for (std::size_t k = 0; k < cells.dirichlet.size(); k += 3) {
+            state.dirichlet.push_back(cell_key(&cells.dirichlet[k]));
+        }
+        sort_unique(state.dirichlet);
+    }
+    state.used = 1;
+    state.direct = false;
+    int stride = 1;
+    while (!state.direct && state.add_level(comm_, stride, cells.densities)) {
+        auto& last = state.stages[state.used - 1].level;
+        state.direct = last.global_rows <= options_.dense_rows;
+        if (state.direct) state.dense.factor(last);
+    }
+    for (std::size_t k = 0; k < state.used && options_.relaxation > 1; ++k) {
+        state.stages[k].level.secure_sweeps(options_.relaxation);
+    }
+}
+
+void Multilevel::apply(std::span<const double> r, std::span<double> z) { state_->cycle(0, r, z); }
+
+std::vector<LevelSize> Multilevel::sizes() const {
+    std::vector<LevelSize> sizes;
+    for (std::size_t k = 0; k < state_->used; ++k) {
+        const auto& level = state_->stages[k].level;
+        sizes.push_back({comm_.sum(std::int64_t{level.rows}), comm_.sum(level.entries()),
+                         static_cast<int>(comm_.sum(std::int64_t{level.rows > 0}))});
+    }
+    return sizes;
+}
+
+double Multilevel::operator_complexity() const {
+    double entries = 0, first = 0;
+    for (const auto& size : sizes()) {
+        if (entries == 0) first = double(size.entries);
+        entries += double(size.entries);
+    }
+    return first > 0 ? entries / first : 1.0;
+}
+
+std::size_t Multilevel::bytes() const {
+    std::size_t total = state_->dense.bytes();
+    for (const auto& stage : state_->stages) {
+        total += stage.level.bytes() + stage.gathering.bytes() +
+                 8 * (stage.made_r.capacity() + stage.made_z.capacity());
+    }
+    return total;
+}
+
+} // namespace treacle::solve

@@ -1,0 +1,393 @@
+#include "solve/multigrid/rigid_coarsen.hpp"
+
+#include <algorithm>
+
+namespace treacle::solve {
+
+namespace {
+// Arms below this are round-off of zero [widths]. Motions that no row of an aggregate feels, as the spin of a single row
+// about itself, get rows and columns of zeros, which the sweeps pass over.
+constexpr double least_arm = 1e-9;
+
+// Of the diagonal, added to it in coarse matrices: motions that cost nothing, as semidefinite matrices have, would have nothing
+// but round-off there, of either sign, and its inverse in the cycle. Far below the mass of free pieces that are stiff.
+constexpr double least_cost = 1e-10;
+
+// How a row of the matrix feels the motions of its aggregate: entries that are not zero.
+template <int D>
+struct Felt {
+    static constexpr int count = D == 3 ? 3 : 2;
+    int mode[count];
+    double share[count];
+
+    Felt(int axis, const double* arm) {
+        mode[0] = axis;
+        share[0] = 1;
+        if constexpr (D == 3) { // (w x a)_k = w_l a_m - w_m a_l
+            const int l = (axis + 1) % 3, m = (axis + 2) % 3;
+            mode[1] = 3 + l;
+            mode[2] = 3 + m;
+            share[1] = arm[m];
+            share[2] = -arm[l];
+        } else {
+            mode[1] = 2;
+            share[1] = axis == 0 ? -arm[1] : arm[0];
+        }
+    }
+};
+
+// The velocity w x a of the centre of an aggregate below, entry [k][l] times w_l; its spin is w.
+template <int D>
+using Turn = std::array<std::array<double, D == 3 ? 3 : 1>, D>;
+template <int D>
+Turn<D> turn(const double* a) {
+    if constexpr (D == 3) {
+        return {{{0, a[2], -a[1]}, {-a[2], 0, a[0]}, {a[1], -a[0], 0}}};
+    } else {
+        return {{{-a[1]}, {a[0]}}};
+    }
+}
+
+template <int D>
+void restrict_rows(const Level& level, const RigidLinks& links, std::span<const double> t, std::span<double> coarse) {
+    constexpr auto modes = static_cast<std::size_t>(rigid_modes(D));
+    for (std::size_t i = 0; i < t.size(); ++i) {
+        if (level.aggregate[i] < 0) continue;
+        double* const motion = &coarse[modes * static_cast<std::size_t>(level.aggregate[i])];
+        const Felt<D> felt(links.axes[i], &links.arms[3 * i]);
+        for (int k = 0; k < felt.count; ++k) motion[felt.mode[k]] += felt.share[k] * t[i];
+    }
+}
+
+template <int D>
+void prolong_rows(const Level& level, const RigidLinks& links, std::span<const double> coarse, std::span<double> z) {
+    constexpr auto modes = static_cast<std::size_t>(rigid_modes(D));
+    for (std::size_t i = 0; i < z.size(); ++i) {
+        if (level.aggregate[i] < 0) continue;
+        const double* const motion = &coarse[modes * static_cast<std::size_t>(level.aggregate[i])];
+        const Felt<D> felt(links.axes[i], &links.arms[3 * i]);
+        double sum = 0;
+        for (int k = 0; k < felt.count; ++k) sum += felt.share[k] * motion[felt.mode[k]];
+        z[i] += sum;
+    }
+}
+
+template <int D>
+void restrict_blocks(const Level& level, const RigidLinks& links, std::span<const double> t, std::span<double> coarse) {
+    constexpr auto modes = static_cast<std::size_t>(rigid_modes(D));
+    for (std::size_t n = 0; modes * n < t.size(); ++n) {
+        if (level.aggregate[modes * n] < 0) continue;
+        double* const motion = &coarse[modes * static_cast<std::size_t>(level.aggregate[modes * n])];
+        const double* const own = &t[modes * n];
+        const auto s = turn<D>(&links.arms[3 * n]);
+        for (std::size_t k = 0; k < modes; ++k) motion[k] += own[k];
+        for (std::size_t k = 0; k < D; ++k) {
+            for (std::size_t l = 0; l < s[k].size(); ++l) motion[D + l] += s[k][l] * own[k];
+        }
+    }
+}
+
+template <int D>
+void prolong_blocks(const Level& level, const RigidLinks& links, std::span<const double> coarse, std::span<double> z) {
+    constexpr auto modes = static_cast<std::size_t>(rigid_modes(D));
+    for (std::size_t n = 0; modes * n < z.size(); ++n) {
+        if (level.aggregate[modes * n] < 0) continue;
+        const double* const motion = &coarse[modes * static_cast<std::size_t>(level.aggregate[modes * n])];
+        double* const own = &z[modes * n];
+        const auto s = turn<D>(&links.arms[3 * n]);
+        for (std::size_t k = 0; k < modes; ++k) own[k] += motion[k];
+        for (std::size_t k = 0; k < D; ++k) {
+            for (std::size_t l = 0; l < s[k].size(); ++l) own[k] += s[k][l] * motion[D + l];
+        }
+    }
+}
+} // namespace
+
+void RigidLinks::restrict_to(const Level& level, std::span<const double> t, std::span<double> coarse) const {
+    const auto work = finest ? (dimensions == 3 ? restrict_rows<3> : restrict_rows<2>)
+                             : (dimensions == 3 ? restrict_blocks<3> : restrict_blocks<2>);
+    work(level, *this, t, coarse);
+}
+
+void RigidLinks::prolong(const Level& level, std::span<const double> coarse, std::span<double> z) const {
+    const auto work = finest ? (dimensions == 3 ? prolong_rows<3> : prolong_rows<2>)
+                             : (dimensions == 3 ? prolong_blocks<3> : prolong_blocks<2>);
+    work(level, *this, coarse, z);
+}
+
+Index Separation::root(Index row) {
+    auto at = static_cast<std::size_t>(row);
+    while (parent_[at] != static_cast<Index>(at)) {
+        parent_[at] = parent_[static_cast<std::size_t>(parent_[at])];
+        at = static_cast<std::size_t>(parent_[at]);
+    }
+    return static_cast<Index>(at);
+}
+
+void Separation::unite(Index a, Index b) {
+    a = root(a);
+    b = root(b);
+    parent_[static_cast<std::size_t>(std::max(a, b))] = std::min(a, b);
+}
+
+// Rows of an aggregate belong together when some row, of it or not, is joined to both: of a surface that boxes cut, one
+// layer of rows may be joined to the next box alone.
+void Separation::join_rows(const Level& level, int joined) {
+    parent_.resize(static_cast<std::size_t>(level.rows));
+    first_met_.assign(static_cast<std::size_t>(level.aggregates()), {-1, -1});
+    for (Index i = 0; i < level.rows; ++i) parent_[static_cast<std::size_t>(i)] = i - i % joined;
+    const auto& own = level.own();
+    for (Index i = 0; i < level.rows; ++i) {
+        const Index hub = i / joined;
+        for (Index e = own.offsets[i]; e < own.offsets[i + 1]; ++e) {
+            const Index j = own.columns[e], aggregate = level.aggregate[static_cast<std::size_t>(j)];
+            if (aggregate < 0 || own.values[e] == 0) continue;
+            auto& [met_by, first] = first_met_[static_cast<std::size_t>(aggregate)];
+            if (met_by != hub) {
+                met_by = hub;
+                first = j;
+            } else if (parent_[static_cast<std::size_t>(first)] != parent_[static_cast<std::size_t>(j)]) {
+                unite(first, j);
+            }
+        }
+    }
+}
+
+// Whether the rows from first on are joined to no others.
+bool Separation::alone(const Level& level, Index first, int joined) const {
+    for (Index i = first; i < first + joined; ++i) {
+        const auto& own = level.own();
+        for (Index e = own.offsets[i]; e < own.offsets[i + 1]; ++e) {
+            if (own.values[e] != 0 && (own.columns[e] < first || own.columns[e] >= first + joined)) return false;
+        }
+        const auto& other = level.other();
+        for (Index e = other.offsets[i]; e < other.offsets[i + 1]; ++e) {
+            if (other.values[e] != 0) return false;
+        }
+    }
+    return true;
+}
+
+void Separation::split(Level& level, int joined) {
+    join_rows(level, joined);
+    pieces_.clear();
+    for (const auto& run : level.runs) {
+        for (Index i = run.begin; i < run.end; i += joined) {
+            const Index from = root(i);
+            if (joined > 1 && alone(level, i, joined)) {
+                std::fill_n(level.aggregate.begin() + i, joined, -1);
+            } else if (!pieces_.empty() && pieces_.back().end == i && pieces_.back().root == from && pieces_.back().key == run.key) {
+                pieces_.back().end += joined;
+            } else {
+                pieces_.push_back({run.key, from, i, i + joined});
+            }
+        }
+    }
+    std::sort(pieces_.begin(), pieces_.end(), [](const Piece& a, const Piece& b) {
+        if (a.key != b.key) return a.key < b.key;
+        return a.root != b.root ? a.root < b.root : a.begin < b.begin;
+    });
+    level.runs.clear();
+    level.group.clear();
+    for (std::size_t k = 0; k < pieces_.size(); ++k) {
+        const auto& piece = pieces_[k];
+        if (k == 0 || piece.key != pieces_[k - 1].key || piece.root != pieces_[k - 1].root) {
+            level.group.push_back(static_cast<Index>(k));
+        }
+        level.runs.push_back({piece.key, piece.begin, piece.end});
+        std::fill(level.aggregate.begin() + piece.begin, level.aggregate.begin() + piece.end,
+                  static_cast<Index>(level.group.size()) - 1);
+    }
+    level.group.push_back(static_cast<Index>(pieces_.size()));
+}
+
+// Centres are the means of what the aggregates hold.
+void RigidCoarsener::find_arms(const Level& level, std::span<const double> places, RigidLinks& links, MadeRows& made) {
+    const std::size_t step = links.finest ? 1 : static_cast<std::size_t>(modes_);
+    const auto aggregates = static_cast<std::size_t>(level.aggregates());
+    made.centres.assign(3 * aggregates, 0.0);
+    scratch_.assign(aggregates, 0.0);
+    const auto each = [&](auto&& work) {
+        for (std::size_t i = 0; 3 * i < places.size(); ++i) {
+            const Index aggregate = level.aggregate[step * i];
+            if (aggregate >= 0) work(i, static_cast<std::size_t>(aggregate));
+        }
+    };
+    each([&](std::size_t i, std::size_t a) {
+        scratch_[a] += 1;
+        for (std::size_t k = 0; k < 3; ++k) made.centres[3 * a + k] += places[3 * i + k];
+    });
+    for (std::size_t a = 0; a < aggregates; ++a) {
+        for (std::size_t k = 0; k < 3; ++k) made.centres[3 * a + k] /= scratch_[a];
+    }
+    links.arms.assign(places.size(), 0.0);
+    each([&](std::size_t i, std::size_t a) {
+        for (std::size_t k = 0; k < 3; ++k) {
+            const double arm = places[3 * i + k] - made.centres[3 * a + k];
+            links.arms[3 * i + k] = arm < -least_arm || arm > least_arm ? arm : 0.0;
+        }
+    });
+}
+
+void RigidCoarsener::gather_arms(const Comm& comm, Level& level, const RigidLinks& links) {
+    halo_arms_.clear();
+    halo_axes_.clear();
+    if (comm.size() == 1) return;
+    const auto rows = static_cast<std::size_t>(level.rows);
+    const auto modes = static_cast<std::size_t>(modes_);
+    scratch_.resize(rows);
+    if (!links.finest) { // the first rows of an aggregate take the numbers along
+        for (std::size_t i = 0; i < rows; ++i) {
+            const std::size_t k = i % modes;
+            scratch_[i] = k < 3 ? links.arms[3 * (i / modes) + k] : 0;
+        }
+        const auto around = level.halo().gather(scratch_);
+        for (std::size_t i = 0; i < around.size(); i += modes) {
+            for (std::size_t k = 0; k < 3; ++k) halo_arms_.push_back(around[i + k]);
+        }
+        return;
+    }
+    for (std::size_t k = 0; k < 4; ++k) {
+        for (std::size_t i = 0; i < rows; ++i) scratch_[i] = k < 3 ? links.arms[3 * i + k] : double(links.axes[i]);
+        const auto around = level.halo().gather(scratch_);
+        halo_arms_.resize(3 * around.size());
+        halo_axes_.resize(around.size());
+        for (std::size_t i = 0; i < around.size(); ++i) {
+            if (k < 3) halo_arms_[3 * i + k] = around[i];
+            else halo_axes_[i] = static_cast<signed char>(around[i]);
+        }
+    }
+}
+
+double* RigidCoarsener::block(Index place) {
+    auto& slot = slot_[static_cast<std::size_t>(place)];
+    const auto size = static_cast<std::size_t>(modes_ * modes_);
+    if (slot < 0) {
+        slot = static_cast<Index>(met_places_.size());
+        met_places_.push_back(place);
+        if (blocks_.size() < size * met_places_.size()) blocks_.resize(2 * size * met_places_.size());
+        std::fill_n(blocks_.begin() + static_cast<std::ptrdiff_t>(size) * slot, size, 0.0);
+    }
+    return &blocks_[size * static_cast<std::size_t>(slot)];
+}
+
+// P_i^T a_ij P_j of the entries of a row of the matrix.
+template <int D>
+void RigidCoarsener::add_row(const Level& level, const RigidLinks& links, Index row) {
+    constexpr int modes = rigid_modes(D);
+    const auto at = static_cast<std::size_t>(row);
+    const Felt<D> left(links.axes[at], &links.arms[3 * at]);
+    const auto add = [&](Index place, const Felt<D>& right, double value) {
+        double* const sum = block(place);
+        for (int k = 0; k < left.count; ++k) {
+            const double part = left.share[k] * value;
+            for (int l = 0; l < right.count; ++l) sum[modes * left.mode[k] + right.mode[l]] += part * right.share[l];
+        }
+    };
+    const auto& own = level.own();
+    for (Index e = own.offsets[row]; e < own.offsets[row + 1]; ++e) {
+        const auto j = static_cast<std::size_t>(own.columns[e]);
+        const double value = static_cast<Index>(j) == row ? (1 + least_cost) * own.values[e] : own.values[e];
+        if (level.aggregate[j] >= 0) add(level.aggregate[j], Felt<D>(links.axes[j], &links.arms[3 * j]), value);
+    }
+    const auto& other = level.other();
+    for (Index e = other.offsets[row]; e < other.offsets[row + 1]; ++e) {
+        const auto j = static_cast<std::size_t>(other.columns[e]);
+        const Index place = places_.of_halo()[j];
+        if (place >= 0) add(place, Felt<D>(halo_axes_[j], &halo_arms_[3 * j]), other.values[e]);
+    }
+}
+
+// The same of the rows of an aggregate below, whose entries come in blocks.
+template <int D>
+void RigidCoarsener::add_blocks(const Level& level, const RigidLinks& links, Index node) {
+    constexpr auto m = static_cast<std::size_t>(rigid_modes(D));
+    const auto left = turn<D>(&links.arms[3 * static_cast<std::size_t>(node)]);
+    const auto add = [&](const Level::Block& part, Index entry, Index place, const Turn<D>& right) {
+        double b[m][m];
+        for (std::size_t k = 0; k < m; ++k) {
+            const double* const values = &part.values[part.offsets[node * Index(m) + Index(k)] + entry];
+            for (std::size_t l = 0; l < m; ++l) b[k][l] = values[l];
+        }
+        for (std::size_t k = 0; k < m; ++k) {
+            for (std::size_t l = 0; l < D; ++l) {
+                for (std::size_t w = 0; w < right[l].size(); ++w) b[k][D + w] += b[k][l] * right[l][w];
+            }
+        }
+        for (std::size_t k = 0; k < D; ++k) {
+            for (std::size_t w = 0; w < left[k].size(); ++w) {
+                for (std::size_t l = 0; l < m; ++l) b[D + w][l] += left[k][w] * b[k][l];
+            }
+        }
+        double* const sum = block(place);
+        for (std::size_t k = 0; k < m * m; ++k) sum[k] += b[k / m][k % m];
+    };
+    const auto each = [&](const Level::Block& part, auto&& place_of, auto&& arm_of) {
+        const Index begin = part.offsets[node * Index(m)], end = part.offsets[node * Index(m) + 1];
+        for (Index e = begin; e < end; e += Index(m)) {
+            const auto column = static_cast<std::size_t>(part.columns[e]);
+            const Index place = place_of(column);
+            if (place >= 0) add(part, e - begin, place, turn<D>(arm_of(column / m)));
+        }
+    };
+    each(level.own(), [&](std::size_t column) { return level.aggregate[column]; },
+         [&](std::size_t other) { return &links.arms[3 * other]; });
+    each(level.other(), [&](std::size_t column) { return places_.of_halo()[column]; },
+         [&](std::size_t other) { return &halo_arms_[3 * other]; });
+}
+
+template <int D>
+void RigidCoarsener::end_rows(double divisor, MadeRows& made) {
+    constexpr auto m = static_cast<std::size_t>(rigid_modes(D));
+    met_.clear();
+    for (std::size_t k = 0; k < met_places_.size(); ++k) {
+        met_.emplace_back(places_.global(met_places_[k]), static_cast<Index>(k));
+        slot_[static_cast<std::size_t>(met_places_[k])] = -1;
+    }
+    met_places_.clear();
+    std::sort(met_.begin(), met_.end());
+    for (std::size_t k = 0; k < m; ++k) {
+        for (const auto& [number, slot] : met_) {
+            const double* const values = &blocks_[m * m * static_cast<std::size_t>(slot) + m * k];
+            for (std::size_t l = 0; l < m; ++l) {
+                made.matrix.columns.push_back(static_cast<Index>(m) * number + static_cast<Index>(l));
+                made.matrix.values.push_back(values[l] / divisor);
+            }
+        }
+        made.matrix.end_row();
+    }
+}
+
+template <int D>
+void RigidCoarsener::make_rows(const Level& level, double divisor, const RigidLinks& links, MadeRows& made) {
+    constexpr int modes = rigid_modes(D);
+    for (std::size_t a = 0; a < static_cast<std::size_t>(level.aggregates()); ++a) {
+        for (auto k = static_cast<std::size_t>(level.group[a]); k < static_cast<std::size_t>(level.group[a + 1]); ++k) {
+            const Run& run = level.runs[k];
+            if (links.finest) {
+                for (Index i = run.begin; i < run.end; ++i) add_row<D>(level, links, i);
+            } else {
+                for (Index n = run.begin / modes; n < run.end / modes; ++n) add_blocks<D>(level, links, n);
+            }
+        }
+        const CellKey key = level.runs[static_cast<std::size_t>(level.group[a])].key;
+        made.keys.insert(made.keys.end(), static_cast<std::size_t>(modes), key);
+        end_rows<D>(divisor, made);
+    }
+}
+
+void RigidCoarsener::make(const Comm& comm, Level& level, std::span<const double> places, double divisor,
+                          RigidLinks& links, MadeRows& made) {
+    modes_ = rigid_modes(links.dimensions);
+    made.clear();
+    made.block = modes_;
+    places_.number(comm, level);
+    slot_.assign(places_.size(), -1);
+    met_places_.clear();
+    find_arms(level, places, links, made);
+    gather_arms(comm, level, links);
+    if (links.dimensions == 3) make_rows<3>(level, divisor, links, made);
+    else make_rows<2>(level, divisor, links, made);
+}
+
+} // namespace treacle::solve

@@ -1,0 +1,35 @@
+#pragma once
+#include "base/liquid_totals.hpp"
+#include "base/losses.hpp"
+#include "mpi/comm.hpp"
+#include "sph/model/domain.hpp"
+#include "sph/model/neighbourhood.hpp"
+
+#include <array>
+#include <vector>
+
+namespace treacle::sph {
+
+using treacle::LiquidTotals;
+using treacle::LossCause;
+using treacle::LostParticle;
+using treacle::loss_causes;
+
+// (S9) x += dt (u + correction), wrapped along periodic axes. `correction` is the XSPH velocity in the
+// acceleration field, used when `use_correction` is Use::yes. Returns how many of this rank's particles are lost by
+// that, for remove_lost to take out, and how many went through sides that let them go, for remove_outflow.
+enum class Use { no, yes };
+struct Departures {
+    int lost = 0, outflow = 0;
+};
+Departures move_particles(const DomainBox& domain, LiquidParticles& liquid, double dt, Use use_correction);
+
+// Takes out the particles of this rank that left through an open side, went through a wall, or are no longer
+// finite, and returns them with their causes. Looks at every particle on the host: losses are rare.
+std::vector<LostParticle> remove_lost(const DomainBox& domain, LiquidParticles& liquid);
+
+// Of the owned particles, summed over the ranks.
+LiquidTotals measure_totals(const Comm& comm, const LiquidParticles& liquid, const Constants& constants,
+                            const std::array<double, 3>& gravity);
+
+} // namespace treacle::sph

@@ -1,0 +1,86 @@
+#pragma once
+#include "base/text/vec3.hpp"
+#include "sph/iisph/bounded_solve.hpp"
+#include "sph/model/step_parts.hpp"
+#include "sph/pressure/body_response.hpp"
+#include "sph/pressure/prediction.hpp"
+
+namespace treacle::sph {
+
+// Implicit incompressible SPH (Ihmsen et al. 2014) without a matrix, in q = p / rho^2:
+//     g_i = sum_j m grad W_ij + rho0 sum_s V_s grad W_is
+//     a_i = -q_i g_i - sum_j m q_j grad W_ij                    (S8), the walls' share of g_i times Constants::wall_push
+//     (A q)_i = sum_j m a_j.grad W_ij - a_i.g_i                 minus the density's change by a_i, over dt^2
+//     b_i = (rho*_i - rho0) / dt^2
+// A is G^T G with the q -> a of S8 as G: symmetric and positive semidefinite for any densities, solids included, unless
+// walls push harder.
+// Wanted: q >= 0, A q - b >= 0, one of the two zero. With Aim::approach the velocities that result are the nearest to u*, by their
+// kinetic energy, of those that compress nothing further: a projection onto a convex cone that holds u = 0, which loses
+// energy or keeps it, whatever u* and the step.
+class Iisph {
+public:
+    // gravity [m/s2] tells Aim::approach which solids bear liquid.
+    explicit Iisph(const Vec3& gravity = {0, 0, 0}) : gravity_(gravity) {}
+
+    // Source b of the solve.
+    //   density:    (rho*_i - rho0) / dt^2
+    //   approach:   the same without what the density exceeds rho0 by before the step, liquid within a slack of rho0 counting as full;
+    //               of stop: density_error, largest_residual holds for the sums over cells of rows above solids that bear them
+    //   places:     as density, of a shift of places; largest_residual does not hold
+    //   divergence: the density's rate of change over dt; rows with few neighbours, whose density says little, stay 0 (Bender &
+    //               Koschier 2017)
+    enum class Aim { density, approach, places, divergence };
+    // g, the diagonal of A, the gradients of the pairs. Writes the field place.
+    void prepare_pairs(const StepParts& parts);
+    // The same, and (S5) b. Ghosts' velocities must be current. Writes the fields source, place, motion.
+    void prepare(const StepParts& parts, double dt, Aim aim = Aim::density);
+
+    // Dynamic bodies give way: A has their term as well, until this is called with nullptr. `response` must be that of the present poses.
+    void give_way(const BodyResponse* response) { response_ = response; }
+
+    // Collective: product() = A q, on owned rows, with q of the owned particles, by gradients of single precision. Writes the
+    // fields load, acceleration, motion.
+    void multiply(const StepParts& parts, const Array<double>& q);
+
+    // Collective: prepares and solves, from half the last pressures, with DFSPH from all of them, with Aim::approach from their best
+    // multiple. Writes pressure and role: Poisson where the pressure is positive, Dirichlet elsewhere.
+    solve::SolveReport solve(const StepParts& parts, double dt, RoleCounts& roles);
+
+    // (I2) Collective: what the density would exceed rho0 by after a step dt with the velocities, ghosts' included, as a shift
+    // of places: writes -dt G q, A q - b >= 0, to the acceleration field [m/s]. Writes source, load, motion; pressures stay. The
+    // particles must stand where they stood at solve() or prepare_pairs().
+    solve::SolveReport shift(const StepParts& parts, double dt);
+
+    // Collective: the divergence-free solve of DFSPH. last: the pressures of the last one, in and out [Pa]. Leaves p / rho^2
+    // in the field load, ghosts included, for apply_pressure.
+    solve::SolveReport solve_divergence(const StepParts& parts, double dt, const Array<double>& last);
+
+    const Array<double>& product() const { return product_; }
+    const Array<double>& diagonal() const { return diagonal_; }
+    std::size_t bytes() const;
+
+private:
+    // (S5)
+    void write_source(const StepParts& parts, double dt, Aim aim);
+    // Solves what prepare() has prepared; last: pressures to start from [owned] [Pa].
+    solve::SolveReport iterate(const StepParts& parts, Aim aim, double dt, const Array<double>& last);
+
+    Vec3 gravity_;
+    const BodyResponse* response_ = nullptr;
+    Array<double> q_{"treacle::iisph_q", 0};
+    Array<double> product_{"treacle::iisph_product", 0};
+    Array<double> diagonal_{"treacle::iisph_diagonal", 0};
+    Array<double> watched_{"treacle::iisph_watched", 0}; // 1 in rows for which largest_residual holds, else 0
+    Array<float> gradient_[3] = {Array<float>("treacle::iisph_gradient_x", 0), Array<float>("treacle::iisph_gradient_y", 0),
+                                 Array<float>("treacle::iisph_gradient_z", 0)}; // m grad W of each pair [kg/m^(D+1)]
+    Array3 own_{"treacle::iisph_own", 0};     // g
+    Array3 force_{"treacle::iisph_force", 0}; // g of the forces: the same array unless walls push harder
+    Array<double> pressed_{"treacle::iisph_pressed", 0}, answered_{"treacle::iisph_answered", 0}; // with bodies that give way
+    SpectralGradient spectral_;
+    double weight_ = 0; // of Jacobi; 0: not known yet
+};
+
+// omega: the option's, or 0.5 where an endless lattice lets it converge with a margin for disorder, or less.
+double iisph_weight(const SphOptions& options, const Constants& constants);
+
+} // namespace treacle::sph

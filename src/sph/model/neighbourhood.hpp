@@ -1,0 +1,131 @@
+#pragma once
+#include "kokkos/neighbour_list.hpp"
+#include "sph/model/mixture.hpp"
+#include "sph/model/options.hpp"
+#include "sph/model/particles.hpp"
+
+namespace treacle::sph {
+
+// The constants of a run that every pair sum needs.
+struct Constants {
+    double support = 0;        // h [m]
+    double spacing = 0;        // d [m]
+    double mass = 0;           // m [kg], [kg/m] in the plane; of the first liquid
+    double rest_density = 0;   // rho0 [kg/m3]; of the first liquid
+    double rest_volume = 0;    // V0 [m^D]
+    double number_density = 0; // n0
+    double laplacian_diagonal = 0; // sum_j a_ij on the full lattice [1/m2]
+    double wall_cover = 1;         // how many times a_is count as cover (lattice.hpp)
+    double wall_push = 1;          // how many times Akinci's one-sided pressure of solids acts (lattice.hpp)
+    double wall_grip = 1;          // how many times V_s counts in the viscous sums (lattice.hpp)
+    double wall_wetting = 0;       // sum of V0 |W'|/r of the lattice over a particle of a plane wall [1/m2]
+    double wall_volume = 0;        // V_s of a plane wall [m^D]
+    double wall_packing = 1;       // factor on V_s of solids at rest in all but viscous sums (density.hpp)
+    double wall_depth = 0;         // of the layer of solid particles below the surface [m]
+    int dimensions = 3;
+    Mixture mixture;           // of several liquids, otherwise empty
+    int conveyors = 0;         // solids with numbers below it move along themselves: their particles stay, and carry no volume
+};
+
+// The neighbours of one step: liquid around liquid, solid around liquid.
+struct Neighbourhood {
+    NeighbourList liquid;
+    NeighbourList solid;
+};
+
+// Copies positions and a number of each owned and ghost particle, or velocities and pressures, to where pair sums
+// read them.
+void write_places(LiquidParticles& liquid, const Array<double>& number);
+void write_motions(LiquidParticles& liquid);
+
+// The liquid particles around one particle, several at a time: for (int k = 0; k < row.count; k += lanes).
+struct Row {
+    const int* index;
+    int count;
+    double x, y, z;
+    const double* place;
+
+    struct Near {
+        Lanes x, y, z, r2; // from the neighbours to the particle
+        Lanes number;      // the fourth one of `place`
+    };
+    KOKKOS_INLINE_FUNCTION Near near(int k) const {
+        const Quads q = gather_quads(place, index + k);
+        const Lanes dx = x - q.x, dy = y - q.y, dz = z - q.z;
+        return {dx, dy, dz, dx * dx + dy * dy + dz * dz, q.w};
+    }
+    // Lanes beyond the end of the row hold some other pair: what is summed must be 0 there.
+    KOKKOS_INLINE_FUNCTION Lanes within(int k, Lanes term) const { return select(first_lanes(count - k), term, 0.0); }
+};
+
+// Pair sums over a list, for kernels: visit(j, dx, dy, dz, r2) with the vector from x_j to x_i.
+struct Pairs {
+    Array<std::int64_t> offset;
+    Array<int> index;
+    Array3 of, among;
+
+    KOKKOS_INLINE_FUNCTION int count(int i) const { return static_cast<int>(offset(i + 1) - offset(i)); }
+    KOKKOS_INLINE_FUNCTION Row row(int i, const Array4& place) const {
+        return {index.data() + offset(i), count(i), of(i, 0), of(i, 1), of(i, 2), place.data()};
+    }
+
+    template <class Visit>
+    KOKKOS_INLINE_FUNCTION void each(int i, const Visit& visit) const {
+        const double x = of(i, 0), y = of(i, 1), z = of(i, 2);
+        const std::int64_t last = offset(i + 1);
+        for (std::int64_t k = offset(i); k < last; ++k) {
+            const int j = index(k);
+            const double dx = x - among(j, 0), dy = y - among(j, 1), dz = z - among(j, 2);
+            visit(j, dx, dy, dz, dx * dx + dy * dy + dz * dz);
+        }
+    }
+};
+
+inline RelativeDensity relative_density(const Constants& constants, const LiquidParticles& liquid) {
+    return {constants.mixture.several(), liquid.liquid(), constants.mixture.density};
+}
+
+inline Pairs pairs(const NeighbourList& list, const ParticleStore& of, const ParticleStore& among) {
+    return {list.offset, list.index, of.position(), among.position()};
+}
+
+// Everything a loop over the liquid reads, gathered once per step.
+struct Fluid {
+    Constants constants;
+    Pairs liquid, solid;
+    Array4 place, motion;
+    Array3 velocity;
+    Array<double> pressure, volume, load;
+    Array3 solid_velocity;
+    Array<double> solid_volume;
+    Array<int> solid_body;
+    int count; // owned liquid particles
+
+    // Whether the velocity of a solid particle is that of its place.
+    KOKKOS_INLINE_FUNCTION bool carries(int s) const {
+        return constants.conveyors == 0 || solid_body(s) >= constants.conveyors;
+    }
+    KOKKOS_INLINE_FUNCTION Row row(int i) const { return liquid.row(i, place); }
+    KOKKOS_INLINE_FUNCTION Quads motions(const Row& row, int k) const {
+        return gather_quads(motion.data(), row.index + k);
+    }
+};
+
+inline Fluid gather_fluid(const Constants& constants, const LiquidParticles& liquid, const SolidParticles& solid,
+                          const Neighbourhood& neighbours) {
+    return {constants,
+            pairs(neighbours.liquid, liquid.store, liquid.store),
+            pairs(neighbours.solid, liquid.store, solid.store),
+            liquid.place,
+            liquid.motion,
+            liquid.velocity(),
+            liquid.pressure(),
+            liquid.volume(),
+            liquid.load(),
+            solid.velocity(),
+            solid.volume(),
+            solid.body(),
+            liquid.store.owned()};
+}
+
+} // namespace treacle::sph

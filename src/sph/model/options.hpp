@@ -1,0 +1,165 @@
+#pragma once
+#include "sph/model/kernels.hpp"
+
+namespace treacle {
+class Declaration;
+}
+
+namespace treacle::sph {
+
+enum class DensityKind { blended, smooth, spiky };
+enum class DirichletRule { predicted, source, density, predicted_density, surface, ghosts, complementarity };
+enum class Clamping { pressures, sources };
+enum class SolidTerm { none, decomposed, unified, amplified, exact, unknowns };
+enum class WallForce { one_sided, balanced };
+enum class WallContact { stop, none };
+enum class BodyCoupling { implicit, one_step_late };
+enum class StoppingRule { density_error, residual };
+enum class DensityRecovery { automatic, velocities, positions };
+enum class PressureSolver { isph, iisph, iisph_jacobi, dfsph };
+enum class PressurePreconditioner {
+    none,
+    jacobi,
+    incomplete_cholesky,
+    ssor,
+    sor_jacobi, // the dissertation's SORCG, 3.6
+    gamg,
+    boomeramg,
+    multilevel,      // Galerkin products on cells (src/solve/README.md)
+    multilevel_grids // the dissertation's grids, 3.5
+};
+enum class ViscosityIntegration {
+    automatic,
+    implicit,
+    explicit_pairs, // Monaghan & Cleary's, with the other forces
+    explicit_form   // one product with the operator of the form
+};
+enum class ViscosityForm {
+    corrected, // the adjoint form of exact gradients: rotations stay what they are
+    adjoint,   // the symmetric form of section 4.4
+    pairwise,  // Weiler et al. 2018
+    laplacian, // Brookshaw 1985, component by component
+    printed    // equations 4.5-4.12, not symmetric
+};
+enum class ViscosityPreconditioner {
+    jacobi,      // the diagonal 3 x 3 blocks
+    multilevel,  // and multigrid over cells, matrix-free
+    gamg,        // of the assembled matrix
+    boomeramg
+};
+enum class ViscositySolver { conjugate_gradients, bicgstab };
+enum class ViscosityPrecision { full, mixed };
+enum class ViscosityGuess { velocity, last_change };
+enum class SurfaceTensionModel {
+    none,
+    cohesion, // Becker & Teschner 2007
+    curvature // Morris 2000
+};
+enum class MultilevelCycle { v, w };
+enum class MultilevelSmoother { gauss_seidel, jacobi };
+
+// Options of hybrid incompressible SPH (dissertation, chapter 2), as the block `method` of a scene gives them.
+struct DensityOptions {
+    DensityKind kind = DensityKind::smooth; // blended is the dissertation's (README)
+    double blend_from = 5; // alpha of Eq. 2.3: wall neighbours below which the smooth kernel rules alone
+    double blend_to = 15;  // beta: from which the spiky kernel rules alone
+
+    // Share of the spiky kernel's density at a number of solid neighbours (zeta of Eq. 2.3).
+    KOKKOS_INLINE_FUNCTION double spiky_share(double wall_neighbours) const {
+        if (kind != DensityKind::blended) return kind == DensityKind::spiky ? 1.0 : 0.0;
+        return math::min(math::max((wall_neighbours - blend_from) / (blend_to - blend_from), 0.0), 1.0);
+    }
+    void declare(Declaration& d);
+};
+
+// Of the multilevel preconditioners.
+struct MultilevelOptions {
+    double cell = 0;             // width of the finest cells in spacings; 0: the neighbour search's
+    double overcorrection = 1.6; // what coarse matrices are divided by
+    MultilevelSmoother smoother = MultilevelSmoother::gauss_seidel;
+    double jacobi_weight = 2.0 / 3;
+    MultilevelCycle cycle = MultilevelCycle::w;
+    int coarse_sweeps = 1;
+    double grid_factor = 1.2;    // lambda of the dissertation
+
+    void declare(Declaration& d);
+};
+
+struct PressureOptions {
+    PressureSolver solver = PressureSolver::iisph;
+    double jacobi_weight = 0;       // omega of IISPH and DFSPH; 0: the published 0.5, or less where that diverges (README)
+    DirichletRule dirichlet = DirichletRule::predicted;
+    double prediction = 1;          // gamma of Eq. 2.6; the dissertation's 0.5 is noisier (README)
+    double surface_density = 0.97;  // of the rest density, below which `density` and `predicted_density` see a surface
+    Clamping clamping = Clamping::pressures;
+    SolidTerm solid_term = SolidTerm::exact;
+    double amplification_limit = 2; // gamma of Eq. 3.3; the dissertation's 5 ejects lone particles (README)
+    WallForce wall_force = WallForce::one_sided;
+    WallContact wall_contact = WallContact::stop;
+    BodyCoupling body_coupling = BodyCoupling::implicit;
+    PressurePreconditioner preconditioner = PressurePreconditioner::multilevel;
+    double relaxation = 1;          // omega of ssor and sor_jacobi
+    MultilevelOptions multilevel;
+    StoppingRule stop = StoppingRule::density_error;
+    double density_error = 0;       // mean compression of the Poisson particles, share of the rest density; 0: density_tolerance()
+    DensityRecovery recovery = DensityRecovery::automatic; // by what compressed liquid gets its density back
+    double divergence_error = 1e-4; // of DFSPH: mean compression that the velocities would cause in a step
+    double largest_residual = 0;    // relative, that the density rule must reach as well (README); 0: residual_tolerance()
+    double residual = 1e-6;         // relative, for the residual rule
+    int corrections = 0;            // most of a step (density_correction.hpp)
+    int max_iterations = 2000;
+
+    // What the two that are 0 stand for: with positions, pressures of the first solve gather no density error.
+    double density_tolerance() const { return density_error > 0 ? density_error : recovers_places() ? 1e-3 : 1e-5; }
+    double residual_tolerance() const { return largest_residual > 0 ? largest_residual : recovers_places() ? 0.05 : 0.1; }
+    bool recovers_places() const {
+        return recovery == DensityRecovery::positions || (recovery == DensityRecovery::automatic && solver == PressureSolver::iisph);
+    }
+
+    void declare(Declaration& d);
+
+private:
+    void check_solver(Declaration& d) const;
+};
+
+struct ViscosityOptions {
+    ViscosityIntegration integration = ViscosityIntegration::automatic;
+    ViscosityForm form = ViscosityForm::corrected;
+    double checkerboard_damping = 1;   // kappa of the corrected form (README)
+    double support_ratio = 2.2;        // of the corrected form's sums, h / d
+    bool assembled = false;            // the matrix with its second ring, in place of products without one
+    ViscositySolver solver = ViscositySolver::conjugate_gradients;
+    ViscosityPreconditioner preconditioner = ViscosityPreconditioner::multilevel;
+    ViscosityGuess guess = ViscosityGuess::velocity;
+    ViscosityPrecision precision = ViscosityPrecision::mixed;
+    double residual = 1e-6;            // relative
+    int max_iterations = 5000;
+    BodyCoupling body_coupling = BodyCoupling::implicit;
+    double rheology_residual = 0.01;   // relative, with the viscosities of the velocities that were found
+    int rheology_solves = 4;           // most in a step, when viscosities depend on the shear rate
+    double artificial = 0.2;      // Monaghan's alpha
+    double reference_speed = 0;   // [m/s]; 0: sqrt(g H) of the initial liquid
+    double xsph = 0;              // share of the neighbours' mean velocity that moves a particle
+
+    void declare(Declaration& d);
+};
+
+struct SurfaceTensionOptions {
+    SurfaceTensionModel model = SurfaceTensionModel::none;
+
+    void declare(Declaration& d);
+};
+
+struct SphOptions {
+    KernelKind kernel = KernelKind::cubic_spline;
+    double support_ratio = 2.5;     // h / d
+    DensityOptions density;
+    PressureOptions pressure;
+    ViscosityOptions viscosity;
+    SurfaceTensionOptions surface_tension;
+    double rebalance_above = 1.15;  // largest over mean load of the ranks
+
+    void declare(Declaration& d);
+};
+
+} // namespace treacle::sph

@@ -1,0 +1,32 @@
+#pragma once
+#include "sph/model/neighbourhood.hpp"
+
+namespace treacle::sph {
+
+struct RoleCounts {
+    std::int64_t poisson = 0;
+    std::int64_t dirichlet = 0;
+    std::int64_t separated = 0;
+};
+
+// Whether the pressures of a last step are there to predict from; not so in the first step of a run.
+enum class LastPressures { none, known };
+
+// (S5) Predicted density rho* by the continuity equation with u* (Eq. 2.4), and (S6) the role of each owned
+// particle by one projected Jacobi step from gamma p^t (Eq. 2.6), the solid term and the right-hand side of the
+// pressure system -lap p = (rho* - rho0) / dt^2 (signs of chapter 3: a_ij > 0).
+// With answering bodies, the field `response` tells what the bodies that give way add to each row with p^t
+// (body_response.hpp).
+// Reads ghost velocities u*, densities and pressures p^t. Writes role, source (right-hand side), diagonal
+// (sum_j a_ij + wall term), wall_term: what walls and ghosts add. With solids as unknowns the diagonal has their a_is
+// too, and wall_term waits for SolidRows. Other rules than Eq. 2.6 and clamped sources: README.
+// Returns this rank's counts.
+enum class Answer { none, bodies };
+RoleCounts predict(const SphOptions& options, const Constants& constants, LiquidParticles& liquid,
+                   const SolidParticles& solid, const Neighbourhood& neighbours, LastPressures pressures,
+                   double dt, Answer answer = Answer::none);
+
+// This rank's particles by their present roles.
+RoleCounts count_roles(const LiquidParticles& liquid);
+
+} // namespace treacle::sph

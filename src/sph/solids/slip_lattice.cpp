@@ -1,0 +1,26 @@
+#include "sph/solids/slip_lattice.hpp"
+
+#include <cmath>
+
+namespace treacle::sph {
+
+void measure_slip(const WallSetup& wall, const DensityOptions& density, double viscous_support, Constants& constants) {
+    const double gap = rest_gap(wall, density), d = wall.spacing;
+    const auto lattice = measure_lattice(wall.kind, wall.dimensions, wall.support, d);
+    constants.wall_volume = measure_wall(wall, gap).wall_volume;
+    const int reach = static_cast<int>(std::ceil(viscous_support / d)), depth = wall.dimensions == 3 ? reach : 0;
+    double wetting = 0;
+    with_kernel(wall.kind, wall.dimensions, viscous_support, [&](const auto& kernel) {
+        for (int k = -depth; k <= depth; ++k) {
+            for (int i = -reach; i <= reach; ++i) {
+                for (int j = 0; j < reach; ++j) {
+                    const double y = gap + j * d, r = std::sqrt(d * d * double(i * i + k * k) + y * y);
+                    if (r < viscous_support) wetting -= lattice.volume * kernel.gradient(r);
+                }
+            }
+        }
+    });
+    constants.wall_wetting = wetting;
+}
+
+} // namespace treacle::sph

@@ -1,0 +1,173 @@
+#include "sph/surface_tension/surface_curvature.hpp"
+
+#include "sph/surface_tension/surface_lattice.hpp"
+
+namespace treacle::sph {
+
+namespace {
+constexpr int normal_passes = 3;      // fewer leave the steps of a lattice in the curvatures (README)
+constexpr int curvature_passes = 2;
+constexpr double least_normal = 0.1;  // |N| h below which a particle is none of the surface
+
+KOKKOS_INLINE_FUNCTION double length(const double v[3]) {
+    return math::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+}
+KOKKOS_INLINE_FUNCTION double length(const Array3& v, int i) {
+    const double row[3] = {v(i, 0), v(i, 1), v(i, 2)};
+    return length(row);
+}
+
+template <class Kernel>
+struct NormalLoop {
+    Kernel kernel;
+    Fluid fluid;
+    Array3 normal;
+
+    KOKKOS_INLINE_FUNCTION void operator()(int i) const {
+        double n[3] = {0, 0, 0}, wall[3] = {0, 0, 0};
+        fluid.liquid.each(i, [&](int, double dx, double dy, double dz, double r2) {
+            const double g = fluid.constants.rest_volume * kernel.gradient(math::sqrt(r2));
+            n[0] += g * dx;
+            n[1] += g * dy;
+            n[2] += g * dz;
+        });
+        fluid.solid.each(i, [&](int s, double dx, double dy, double dz, double r2) {
+            const double g = fluid.solid_volume(s) * kernel.gradient(math::sqrt(r2));
+            wall[0] += g * dx;
+            wall[1] += g * dy;
+            wall[2] += g * dz;
+        });
+        const double square = wall[0] * wall[0] + wall[1] * wall[1] + wall[2] * wall[2];
+        const double along =
+            square > 0 ? (n[0] * wall[0] + n[1] * wall[1] + n[2] * wall[2]) / square : 0;
+        for (int k = 0; k < 3; ++k) normal(i, k) = n[k] - along * wall[k];
+    }
+};
+
+template <class Kernel>
+struct SmoothNormalLoop {
+    Kernel kernel;
+    Pairs pairs;
+    Array3 from, to;
+    double least; // [1/m]; what is shorter becomes 0
+
+    KOKKOS_INLINE_FUNCTION void operator()(int i) const {
+        const double own = kernel.value(0.0);
+        double weights = own, n[3] = {own * from(i, 0), own * from(i, 1), own * from(i, 2)};
+        pairs.each(i, [&](int j, double, double, double, double r2) {
+            const double w = kernel.value(math::sqrt(r2));
+            weights += w;
+            for (int k = 0; k < 3; ++k) n[k] += w * from(j, k);
+        });
+        const double scale = length(n) < least * weights ? 0 : 1 / weights;
+        for (int k = 0; k < 3; ++k) to(i, k) = scale * n[k];
+    }
+};
+
+template <class Kernel>
+struct CurvatureLoop {
+    Kernel kernel;
+    Pairs pairs;
+    Array3 normal;
+    Array<double> curvature;
+
+    KOKKOS_INLINE_FUNCTION void operator()(int i) const {
+        curvature(i) = 0;
+        const double size = length(normal, i);
+        if (size == 0) return;
+        const double n[3] = {normal(i, 0) / size, normal(i, 1) / size, normal(i, 2) / size}; // inwards
+        double turned = 0, across = 0;
+        pairs.each(i, [&](int j, double dx, double dy, double dz, double r2) {
+            const double other = length(normal, j);
+            if (other == 0) return;
+            const double w = -other * kernel.gradient(math::sqrt(r2)), d[3] = {dx, dy, dz};
+            double along = 0, turn = 0;
+            for (int k = 0; k < 3; ++k) {
+                along += n[k] * d[k];
+                turn += (normal(j, k) / other - n[k]) * d[k];
+            }
+            turned += w * turn;
+            across += w * (r2 - along * along);
+        });
+        if (across > 0) curvature(i) = (Kernel::dimensions - 1) * turned / across;
+    }
+};
+
+template <class Kernel>
+struct SmoothCurvatureLoop {
+    Kernel kernel;
+    Pairs pairs;
+    Array3 normal;
+    Array<double> from, to;
+
+    KOKKOS_INLINE_FUNCTION void operator()(int i) const {
+        to(i) = 0;
+        const double size = length(normal, i);
+        if (size == 0) return;
+        double weights = size * kernel.value(0.0), sum = weights * from(i);
+        pairs.each(i, [&](int j, double, double, double, double r2) {
+            const double w = kernel.value(math::sqrt(r2)) * length(normal, j);
+            weights += w;
+            sum += w * from(j);
+        });
+        to(i) = sum / weights;
+    }
+};
+
+// From curvatures at a depth below the surface to those of the surface; `depth` over D - 1 [m].
+void raise(const Array<double>& curvature, int count, double depth) {
+    Kokkos::parallel_for("treacle::raise_curvature", count,
+                         KOKKOS_LAMBDA(int i) { curvature(i) /= 1 + math::max(-0.5, depth * curvature(i)); });
+}
+} // namespace
+
+SurfaceCurvature::SurfaceCurvature(LiquidParticles& liquid, const SphOptions& options, const Constants& constants) {
+    normal_[0] = liquid.store.add<Array3>("surface_normal", "1/m", FieldRole::work);
+    normal_[1] = liquid.store.add<Array3>("smooth_surface_normal", "1/m", FieldRole::work);
+    curvature_[0] = liquid.store.add<Array<double>>("curvature", "1/m", FieldRole::work);
+    curvature_[1] = liquid.store.add<Array<double>>("smooth_curvature", "1/m", FieldRole::work);
+    const auto flat = measure_flat_surface({options.kernel, constants.dimensions, constants.support, constants.spacing},
+                                           normal_passes);
+    rise_ = flat.rise;
+    depth_ = flat.depth;
+}
+
+const Array3& SurfaceCurvature::normal(const LiquidParticles& liquid) const {
+    return liquid.store.get<Array3>(normal_[last_normal_]);
+}
+
+const Array<double>& SurfaceCurvature::curvature(const LiquidParticles& liquid) const {
+    return liquid.store.get<Array<double>>(curvature_[last_curvature_]);
+}
+
+void SurfaceCurvature::measure(const StepParts& parts) {
+    const auto& [options, c, comm, liquid, solid, neighbours, halo, cells, driven] = parts;
+    const auto fluid = gather_fluid(c, liquid, solid, neighbours);
+    const auto& around = fluid.liquid;
+    with_kernel(options.kernel, c.dimensions, c.support, [&](const auto& kernel) {
+        using Kernel = std::decay_t<decltype(kernel)>;
+        last_normal_ = last_curvature_ = 0;
+        Kokkos::parallel_for("treacle::surface_normals", fluid.count, NormalLoop<Kernel>{kernel, fluid, normal(liquid)});
+        halo.gather(liquid.store, {normal_[0]});
+        for (int pass = 1; pass <= normal_passes; ++pass) {
+            const auto from = normal(liquid);
+            last_normal_ = 1 - last_normal_;
+            const double least = pass < normal_passes ? 0 : least_normal / c.support;
+            Kokkos::parallel_for("treacle::smooth_normals", fluid.count,
+                                 SmoothNormalLoop<Kernel>{kernel, around, from, normal(liquid), least});
+            halo.gather(liquid.store, {normal_[last_normal_]});
+        }
+        Kokkos::parallel_for("treacle::curvature", fluid.count,
+                             CurvatureLoop<Kernel>{kernel, around, normal(liquid), curvature(liquid)});
+        for (int pass = 0; pass < curvature_passes; ++pass) {
+            halo.gather(liquid.store, {curvature_[last_curvature_]});
+            const auto from = curvature(liquid);
+            last_curvature_ = 1 - last_curvature_;
+            Kokkos::parallel_for("treacle::smooth_curvature", fluid.count,
+                                 SmoothCurvatureLoop<Kernel>{kernel, around, normal(liquid), from, curvature(liquid)});
+        }
+    });
+    raise(curvature(liquid), fluid.count, depth_ / (c.dimensions - 1));
+}
+
+} // namespace treacle::sph

@@ -1,0 +1,81 @@
+#include "sph/surface_tension/surface_lattice.hpp"
+
+#include <cmath>
+#include <vector>
+
+namespace treacle::sph {
+
+namespace {
+// Sums over a layer of the lattice at a distance of `apart` layers.
+struct Layer {
+    double value = 0;    // sum W [1/m^D]
+    double gradient = 0; // sum of the component of grad W towards it [1/m^(D+1)]
+};
+
+std::vector<Layer> layers_of(const SurfaceSetup& setup) {
+    const int reach = static_cast<int>(std::ceil(setup.support / setup.spacing));
+    const int depth = setup.dimensions == 3 ? reach : 0;
+    std::vector<Layer> out(static_cast<std::size_t>(reach) + 1);
+    with_kernel(setup.kind, setup.dimensions, setup.support, [&](const auto& kernel) {
+        for (int apart = 0; apart <= reach; ++apart) {
+            auto& layer = out[static_cast<std::size_t>(apart)];
+            for (int i = -reach; i <= reach; ++i) {
+                for (int k = -depth; k <= depth; ++k) {
+                    const double r = setup.spacing * std::sqrt(double(apart * apart + i * i + k * k));
+                    if (r >= setup.support) continue;
+                    layer.value += kernel.value(r);
+                    if (apart > 0) layer.gradient -= kernel.gradient(r) * apart * setup.spacing;
+                }
+            }
+        }
+    });
+    return out;
+}
+} // namespace
+
+FlatSurface measure_flat_surface(const SurfaceSetup& setup, int passes) {
+    const auto layers = layers_of(setup);
+    const auto reach = static_cast<int>(layers.size()) - 1;
+    const auto at = [&](int apart) -> const Layer& { return layers[static_cast<std::size_t>(std::abs(apart))]; };
+    const int count = (passes + 2) * reach;
+    double sum = 0;
+    for (int k = -reach; k <= reach; ++k) sum += at(k).value;
+    std::vector<double> normal(static_cast<std::size_t>(count), 0.0);
+    for (int k = 0; k < reach; ++k) { // the layers below that have none above to balance them
+        for (int apart = k + 1; apart <= reach; ++apart) normal[static_cast<std::size_t>(k)] += at(apart).gradient / sum;
+    }
+    for (int pass = 0; pass < passes; ++pass) {
+        const auto from = normal;
+        for (int k = 0; k < count; ++k) {
+            double weights = 0, total = 0;
+            for (int l = std::max(0, k - reach); l <= std::min(count - 1, k + reach); ++l) {
+                weights += at(k - l).value;
+                total += at(k - l).value * from[static_cast<std::size_t>(l)];
+            }
+            normal[static_cast<std::size_t>(k)] = total / weights;
+        }
+    }
+    FlatSurface out;
+    for (int k = 0; k < count; ++k) {
+        const double n = normal[static_cast<std::size_t>(k)] * setup.spacing;
+        out.rise += n;
+        out.depth += n * (k + 0.5) * setup.spacing;
+    }
+    out.depth /= out.rise;
+    return out;
+}
+
+double cohesion_energy(const SurfaceSetup& setup) {
+    constexpr int points = 2000; // of the midpoint rule: 1e-6
+    const bool plane = setup.dimensions == 2;
+    double moment = 0;
+    with_kernel(setup.kind, setup.dimensions, setup.support, [&](const auto& kernel) {
+        for (int k = 0; k < points; ++k) {
+            const double r = (k + 0.5) / points * setup.support;
+            moment += std::pow(r, plane ? 4 : 5) * kernel.value(r);
+        }
+    });
+    return (plane ? 1.0 / 3 : math::pi / 8) * moment * setup.support / points;
+}
+
+} // namespace treacle::sph

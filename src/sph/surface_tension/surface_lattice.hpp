@@ -1,0 +1,26 @@
+#pragma once
+#include "sph/model/options.hpp"
+
+namespace treacle::sph {
+
+// A half space of the lattice, its first layer half a spacing below the surface.
+struct SurfaceSetup {
+    KernelKind kind;
+    int dimensions;
+    double support; // [m]
+    double spacing; // [m]
+};
+
+// What the curvature model sees of it after `passes` smoothings (surface_curvature.hpp).
+struct FlatSurface {
+    double rise = 0;  // sum over the layers of |N| d: the part of the colour's step that lies in the liquid
+    double depth = 0; // mean depth of the layers below the surface, weighted by |N| [m]
+};
+FlatSurface measure_flat_surface(const SurfaceSetup& setup, int passes);
+
+// Surface energy of pairs that attract each other by W(r) r, each of unit strength, for a unit number of particles per
+// volume: half the work over the area that takes two half spaces apart [m^2 per unit of strength]; pi/8 of the integral
+// of r^5 W in space, 1/3 of that of r^4 W in the plane.
+double cohesion_energy(const SurfaceSetup& setup);
+
+} // namespace treacle::sph

@@ -1,0 +1,127 @@
+#pragma once
+#include "sph/viscosity/multigrid/velocity_cells.hpp"
+#include "sph/viscosity/operator/viscous_operator.hpp"
+
+// Between the levels of velocity cells, and between particles and the finest.
+namespace treacle::sph {
+
+// Of the cycle, beside the particles' own blocks, which see a part of what it does as well.
+inline constexpr float cycle_share = 0.8f;
+
+constexpr int power_of_3(int d) { return d == 0 ? 1 : 3 * power_of_3(d - 1); }
+
+// r of a level from that of the finer one: each of its nodes counts on the first rank that has it.
+template <int D>
+struct Restrict {
+    Array<int> children;
+    Array<float> first, fine, coarse;
+
+    KOKKOS_INLINE_FUNCTION void operator()(int v) const {
+        constexpr int family = power_of_3(D);
+        Four sum = 0.0f;
+        for (int c = 0; c < family; ++c) {
+            const int child = children(family * v + c);
+            if (child < 0) continue;
+            float weight = first(child);
+            for (int rest = c, k = 0; k < D; ++k, rest /= 3) weight *= rest % 3 == 1 ? 1.0f : 0.5f;
+            sum.add(Four(weight), Four::load(fine.data() + 4 * std::int64_t(child)));
+        }
+        sum.store(coarse.data() + 4 * std::int64_t(v));
+    }
+};
+
+// d = what the parents' z are at this level's nodes; z += d.
+template <int D>
+struct Prolong {
+    Array<int> parents;
+    Array<float> weight, coarse, d, z;
+
+    KOKKOS_INLINE_FUNCTION void operator()(int v) const {
+        const std::int64_t at = 4 * std::int64_t(v);
+        Four sum = 0.0f;
+        for (int c = 0; c < corners<D>; ++c) {
+            const int parent = parents(corners<D> * v + c);
+            if (parent >= 0) sum = sum + Four::load(coarse.data() + 4 * std::int64_t(parent));
+        }
+        sum = Four(weight(v)) * sum;
+        sum.store(d.data() + at);
+        (sum + Four::load(z.data() + at)).store(z.data() + at);
+    }
+};
+
+// The particles of each cell, one cell after the other, with the shares that its corners have in their velocities.
+struct Members {
+    Array<int> begin{"treacle::velocity_begin", 0}, particle{"treacle::velocity_particles", 0};
+    Array<float> share{"treacle::velocity_shares", 0}; // [particles][corners]
+};
+
+// Of a place in a cell, from 0 to 1 along each axis.
+template <int D>
+void corner_shares(const double at[3], float share[corners<D>]) {
+    share[0] = 1;
+    for (int k = 0; k < D; ++k) {
+        for (int a = 0; a < 1 << k; ++a) {
+            share[a + (1 << k)] = share[a] * static_cast<float>(at[k]);
+            share[a] *= static_cast<float>(1 - at[k]);
+        }
+    }
+}
+
+// Forces on the corners of each cell that stand for those on its particles.
+template <int D>
+struct ParticleForces {
+    Members members;
+    Array3 r;
+    Array<float> force;
+
+    KOKKOS_INLINE_FUNCTION void operator()(int e) const {
+        Four sum[corners<D>];
+        for (int a = 0; a < corners<D>; ++a) sum[a] = 0.0f;
+        for (int m = members.begin(e); m < members.begin(e + 1); ++m) {
+            const float* share = members.share.data() + corners<D> * std::int64_t(m);
+            const int i = members.particle(m);
+            const Four on = Four::of(static_cast<float>(r(i, 0)), static_cast<float>(r(i, 1)), static_cast<float>(r(i, 2)));
+            for (int a = 0; a < corners<D>; ++a) sum[a].add(Four(share[a]), on);
+        }
+        float* to = force.data() + 4 * corners<D> * std::int64_t(e);
+        for (int a = 0; a < corners<D>; ++a) sum[a].store(to + 4 * a);
+    }
+};
+
+// z = B r + what the corners' velocities are at each particle; r.z.
+template <int D>
+struct ParticleVelocities {
+    Members members;
+    Array<int> corner;
+    Array<float> u;
+    ViscousOperator::Blocks block;
+    Array3 r, z;
+
+    KOKKOS_INLINE_FUNCTION void operator()(int e, double& sum) const {
+        Four around[corners<D>];
+        double product = 0;
+        for (int a = 0; a < corners<D>; ++a) around[a] = Four::load(u.data() + 4 * std::int64_t(corner(corners<D> * e + a)));
+        for (int m = members.begin(e); m < members.begin(e + 1); ++m) {
+            const float* share = members.share.data() + corners<D> * std::int64_t(m);
+            const int i = members.particle(m);
+            Four even = 0.0f, odd = 0.0f; // two, since each addition waits for the one before
+            for (int a = 0; a < corners<D>; a += 2) {
+                even.add(Four(share[a]), around[a]);
+                odd.add(Four(share[a + 1]), around[a + 1]);
+            }
+            float mean[4];
+            (Four(cycle_share) * (even + odd)).store(mean);
+            const double from[3] = {r(i, 0), r(i, 1), r(i, 2)};
+            double to[3];
+            read_symmetric(block, i).times(from, to);
+            for (int k = 0; k < 3; ++k) {
+                to[k] += static_cast<double>(mean[k]);
+                z(i, k) = to[k];
+                product += from[k] * to[k];
+            }
+        }
+        sum += product;
+    }
+};
+
+} // namespace treacle::sph

@@ -1,0 +1,172 @@
+#pragma once
+#include "sph/model/pair_softening.hpp"
+#include "sph/viscosity/operator/viscous_operator.hpp"
+
+// What the loops of the viscous operator share.
+namespace treacle::sph {
+
+KOKKOS_INLINE_FUNCTION bool by_gradients(ViscosityForm form) {
+    return form == ViscosityForm::corrected || form == ViscosityForm::adjoint || form == ViscosityForm::printed;
+}
+
+// Copies the velocities of a field, ghosts included, and volumes over the lattice's, to where the loops read them.
+void pack_motion(LiquidParticles& liquid, int u_field, const Constants& constants);
+
+// Particles that sum over their neighbours one after the other, and then make of their sums what they are for: a long chain of
+// operations each, of which the processor then has several going at once.
+inline constexpr int rows_at_once = lanes > 1 ? 8 : 1;
+constexpr int row_blocks(int rows) { return (rows + rows_at_once - 1) / rows_at_once; }
+
+template <class Sums, class Sum, class Finish>
+KOKKOS_INLINE_FUNCTION void each_row(int block, int count, const Sum& sum, const Finish& finish) {
+    const int first = rows_at_once * block, last = math::min(first + rows_at_once, count);
+    Sums sums[rows_at_once];
+    for (int i = first; i < last; ++i) sums[i - first] = sum(i);
+    for (int i = first; i < last; ++i) finish(i, sums[i - first]);
+}
+
+// What every loop reads; `place` has the shares dt/m V mu, `motion` the velocities.
+template <class Kernel>
+struct ViscousLoop {
+    Kernel kernel;
+    Fluid fluid;
+    ViscousWalls walls;
+    Array<float> weights; // V0 |W'|/r of each pair in the list [1/m2]
+    // Of the forms with gradients, over the solids that grip: w reach x and, in the last place, w reach^2. That is all that
+    // solids at rest put into a product, none of which goes through them again then.
+    Array4 wall_sums;
+
+    // visit(w, j, dx, dy, dz, r2) for the liquid particles around i.
+    template <class Visit>
+    KOKKOS_INLINE_FUNCTION void each_pair(int i, const Visit& visit) const {
+        std::int64_t k = fluid.liquid.offset(i);
+        fluid.liquid.each(i, [&](int j, double dx, double dy, double dz, double r2) {
+            visit(static_cast<double>(weights(k++)), j, dx, dy, dz, r2);
+        });
+    }
+    // The list and its weights are read once a product, faster than the processor foresees by itself: asks for those of the row
+    // after the next.
+    KOKKOS_INLINE_FUNCTION void read_ahead(int i) const {
+        constexpr int row_ahead = 64, line = 16; // in entries
+        const std::int64_t last = fluid.liquid.offset(i + 1);
+        for (int ahead = row_ahead; ahead < row_ahead + 3 * line; ahead += line) {
+            prefetch(fluid.liquid.index.data() + last + ahead);
+            prefetch(weights.data() + last + ahead);
+        }
+    }
+    // visit(sums, k) for the list's entries around i, even and odd ones apart, since each addition waits for the one before.
+    template <class Sums, class Visit>
+    KOKKOS_INLINE_FUNCTION void each_entry(int i, Sums& even, Sums& odd, const Visit& visit) const {
+        read_ahead(i);
+        const std::int64_t last = fluid.liquid.offset(i + 1);
+        std::int64_t k = fluid.liquid.offset(i);
+        for (; k + 1 < last; k += 2) {
+            visit(even, k);
+            visit(odd, k + 1);
+        }
+        if (k < last) visit(even, k);
+    }
+    KOKKOS_INLINE_FUNCTION double weight(double volumes, double r2) const {
+        return -volumes * kernel.gradient(math::sqrt(r2));
+    }
+    // visit(s, w, dx, dy, dz, contact) for the solid particles that grip, with V_s |W'|/r [1/m2].
+    template <class Visit>
+    KOKKOS_INLINE_FUNCTION void each_wall(int i, const Visit& visit) const {
+        walls.pairs.each(i, [&](int s, double dx, double dy, double dz, double r2) {
+            if (!walls.grips(s)) return;
+            visit(s, weight(walls.grip * walls.volume(s), r2), dx, dy, dz, walls.touch(s, dx, dy, dz));
+        });
+    }
+    template <class Grip>
+    KOKKOS_INLINE_FUNCTION void add_walls(int i, const Grip& grip, const double u[3], double sum[3]) const {
+        each_wall(i, [&](int, double w, double dx, double dy, double dz, const auto& contact) {
+            const double x[3] = {dx, dy, dz};
+            double force[3];
+            grip(i, w, x, u, contact, force);
+            for (int k = 0; k < 3; ++k) sum[k] += force[k];
+        });
+    }
+    // Of the forms with gradients: to N, the sum of w (u_i - u_j) x^T, and to C u.
+    KOKKOS_INLINE_FUNCTION void add_wall_gradients(int i, const double u[3], double n[3][3]) const {
+        if (walls.pairs.count(i) == 0) return;
+        if (walls.resting) {
+            for (int k = 0; k < 3; ++k) {
+                for (int l = 0; l < 3; ++l) n[k][l] += u[k] * wall_sums(i, l);
+            }
+            return;
+        }
+        each_wall(i, [&](int, double w, double dx, double dy, double dz, const auto& contact) {
+            const double x[3] = {dx, dy, dz};
+            for (int k = 0; k < 3; ++k) {
+                const double difference = w * contact.reach * (u[k] - contact.velocity[k]);
+                for (int l = 0; l < 3; ++l) n[k][l] += difference * x[l];
+            }
+        });
+    }
+    template <class Grip>
+    KOKKOS_INLINE_FUNCTION void add_wall_stresses(int i, const Grip& grip, const double u[3], double sum[3]) const {
+        if (walls.pairs.count(i) == 0) return;
+        if (walls.resting) grip.add(i, wall_sums, u, sum);
+        else add_walls(i, grip, u, sum);
+    }
+    KOKKOS_INLINE_FUNCTION void read_velocity(int i, double u[3]) const {
+        for (int k = 0; k < 3; ++k) u[k] = fluid.motion(i, k);
+    }
+};
+
+// Columns l of Q_i, as the products in double and in single precision leave them.
+struct Stresses {
+    Array3 column[3];
+    KOKKOS_INLINE_FUNCTION double operator()(int i, int k, int l) const { return column[l](i, k); }
+};
+struct TileStresses {
+    Array16 tiles;
+    KOKKOS_INLINE_FUNCTION double operator()(int i, int k, int l) const { return tiles(i, 4 * l + k); }
+};
+
+// What one solid particle adds to a row of C u, or all of them at rest.
+template <class Stress>
+struct StressGrip {
+    Stress stress;
+    Array<double> share;
+    double damping;
+
+    template <class Contact>
+    KOKKOS_INLINE_FUNCTION void operator()(int i, double w, const double x[3], const double u[3],
+                                           const Contact& contact, double out[3]) const {
+        for (int k = 0; k < 3; ++k) {
+            const double pull = stress(i, k, 0) * x[0] + stress(i, k, 1) * x[1] + stress(i, k, 2) * x[2];
+            const double slide = damping * share(i) * contact.reach * (u[k] - contact.velocity[k]);
+            out[k] = w * contact.reach * (pull + slide);
+        }
+    }
+    KOKKOS_INLINE_FUNCTION void add(int i, const Array4& sums, const double u[3], double out[3]) const {
+        for (int k = 0; k < 3; ++k) {
+            for (int l = 0; l < 3; ++l) out[k] += stress(i, k, l) * sums(i, l);
+            out[k] += damping * share(i) * sums(i, 3) * u[k];
+        }
+    }
+};
+struct PairGrip {
+    Array<double> share;
+    double soft, line; // see pair_softening(); D + 2 for the pairwise form, 0 for the Laplacian
+
+    template <class Contact>
+    KOKKOS_INLINE_FUNCTION void operator()(int i, double w, const double x[3], const double u[3],
+                                           const Contact& contact, double out[3]) const {
+        const double r2 = x[0] * x[0] + x[1] * x[1] + x[2] * x[2];
+        const double c = 2 * share(i) * w * contact.reach / (r2 + soft);
+        double along = 0;
+        for (int k = 0; k < 3; ++k) along += (u[k] - contact.velocity[k]) * x[k];
+        for (int k = 0; k < 3; ++k) {
+            out[k] = c * (line > 0 ? line * along * x[k] : r2 * (u[k] - contact.velocity[k]));
+        }
+    }
+};
+
+inline PairGrip pair_grip(const ViscousParts& parts, const Array<double>& share) {
+    const double line = parts.options.viscosity.form == ViscosityForm::pairwise ? parts.constants.dimensions + 2 : 0;
+    return {share, pair_softening(parts.constants.support), line};
+}
+
+} // namespace treacle::sph

@@ -1,0 +1,386 @@
+#include "sph/viscosity/operator/viscous_matrix.hpp"
+
+#include "sph/model/rigid_motion.hpp"
+#include "sph/model/symmetric.hpp"
+#include "sph/viscosity/operator/viscous_loops.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+
+namespace treacle::sph {
+
+namespace {
+using Block = std::array<double, 9>;
+
+double inner(const Vec3& a, const Vec3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+Vec3 apply(const Symmetric& a, const Vec3& x) {
+    Vec3 out;
+    a.times(x.data(), out.data());
+    return out;
+}
+void add_identity(double c, Block& to) {
+    for (std::size_t k = 0; k < 3; ++k) to[4 * k] += c;
+}
+
+// One particle in the sums of another one's stress: the force on it is Q e, and the gradient has u n^T of it.
+struct Member {
+    int particle;      // local number, ghosts included
+    Vec3 force;        // e
+    Vec3 pulled, seen; // B^+ e, B^+ n
+};
+
+// What a row takes from one rank.
+struct Contribution {
+    int row, column; // global numbers
+    Block values;
+};
+
+// The blocks of one row as they are found (Algorithm 8's storage of particle i).
+class RowStorage {
+public:
+    explicit RowStorage(int particles) : slot_(static_cast<std::size_t>(particles), -1) {}
+
+    Block& at(int particle) {
+        int& slot = slot_[static_cast<std::size_t>(particle)];
+        if (slot < 0) {
+            slot = static_cast<int>(particles_.size());
+            particles_.push_back(particle);
+            values_.push_back({});
+        }
+        return values_[static_cast<std::size_t>(slot)];
+    }
+    // Hands out (particle, block) and forgets them.
+    template <class Visit>
+    void take(const Visit& visit) {
+        for (std::size_t k = 0; k < particles_.size(); ++k) {
+            visit(particles_[k], values_[k]);
+            slot_[static_cast<std::size_t>(particles_[k])] = -1;
+        }
+        particles_.clear();
+        values_.clear();
+    }
+
+private:
+    std::vector<int> slot_, particles_;
+    std::vector<Block> values_;
+};
+} // namespace
+
+// On the host.
+struct ViscousMatrix::Assembly {
+    const ViscousParts& parts;
+    const ViscousOperator& of;
+    ViscosityForm form;
+    Pairs liquid;
+    ViscousWalls walls;
+    Array<int>::HostMirror row;
+    Array<double>::HostMirror share, volume;
+    Array6::HostMirror correction;
+    Array<float>::HostMirror weights;
+    int owned, total;
+    int first; // global number of this rank's first row
+    std::vector<std::size_t> offsets;
+    std::vector<Member> members;                           // of the stress of each owned particle
+    std::vector<std::vector<std::pair<int, int>>> seen_by; // (whose stress, which member) of each particle
+    std::vector<Contribution> contributions;               // to rows from elsewhere
+
+    template <class Visit>
+    void each_pair(int i, const Visit& visit) const {
+        std::int64_t k = liquid.offset(i);
+        liquid.each(i, [&](int j, double dx, double dy, double dz, double) {
+            visit(static_cast<double>(weights(k++)), j, dx, dy, dz);
+        });
+    }
+
+    template <class Kernel>
+    void find_members(const Kernel& kernel);
+    template <class Kernel>
+    void add_pairs(const Kernel& kernel, int i, RowStorage& storage) const;
+    void add_stresses(int i, RowStorage& storage) const;
+    template <class Kernel>
+    solve::BlockRows rows(const Kernel& kernel);
+    void send(const Comm& comm);
+    void append(std::vector<Contribution>& found, solve::BlockRows& out) const;
+};
+
+template <class Kernel>
+void ViscousMatrix::Assembly::find_members(const Kernel& kernel) {
+    const double rest = parts.constants.rest_volume;
+    offsets.assign(1, 0);
+    members.clear();
+    seen_by.assign(static_cast<std::size_t>(total), {});
+    for (int i = 0; i < owned; ++i) {
+        const Symmetric fit = read_symmetric(correction, i);
+        Vec3 force{0, 0, 0}, slope{0, 0, 0};
+        const auto enter = [&](int particle, const Vec3& e, const Vec3& n) {
+            auto& place = seen_by[static_cast<std::size_t>(particle)];
+            place.emplace_back(i, static_cast<int>(members.size() - offsets.back()));
+            members.push_back({particle, e, apply(fit, e), apply(fit, n)});
+        };
+        each_pair(i, [&](double w, int j, double dx, double dy, double dz) {
+            const double share_of = form == ViscosityForm::printed ? volume(j) / rest : 1;
+            const Vec3 e{w * dx, w * dy, w * dz};
+            Vec3 to_other, slope_of_other;
+            for (std::size_t k = 0; k < 3; ++k) {
+                force[k] += e[k];
+                slope[k] += share_of * e[k];
+                to_other[k] = -e[k];
+                slope_of_other[k] = -share_of * e[k];
+            }
+            enter(j, to_other, slope_of_other);
+        });
+        walls.pairs.each(i, [&](int s, double dx, double dy, double dz, double r2) {
+            if (!walls.grips(s)) return;
+            const double w = -walls.grip * walls.volume(s) * kernel.gradient(std::sqrt(r2)) *
+                             walls.touch(s, dx, dy, dz).reach;
+            const Vec3 x{dx, dy, dz};
+            for (std::size_t k = 0; k < 3; ++k) {
+                force[k] += w * x[k];
+                slope[k] += w * x[k];
+            }
+        });
+        enter(i, force, slope);
+        offsets.push_back(members.size());
+    }
+}
+
+// What acts between two particles without a stress: the forms by pairs, and the damping of checkerboards.
+template <class Kernel>
+void ViscousMatrix::Assembly::add_pairs(const Kernel& kernel, int i, RowStorage& storage) const {
+    const auto& constants = parts.constants;
+    const double soft = pair_softening(constants.support);
+    const auto pair = [&](double shares, double w, const Vec3& x) {
+        Block out{};
+        const double r2 = inner(x, x);
+        if (by_gradients(form)) {
+            add_identity(of.damping() * shares * w, out);
+        } else if (form == ViscosityForm::laplacian) {
+            add_identity(shares * w * r2 / (r2 + soft), out);
+        } else {
+            const double c = (constants.dimensions + 2) * shares * w / (r2 + soft);
+            for (std::size_t k = 0; k < 9; ++k) out[k] = c * x[k / 3] * x[k % 3];
+        }
+        return out;
+    };
+    const auto add = [](const Block& from, double sign, Block& to) {
+        for (std::size_t k = 0; k < 9; ++k) to[k] += sign * from[k];
+    };
+    add_identity(relative_density(constants, parts.liquid)(i), storage.at(i));
+    each_pair(i, [&](double w, int j, double dx, double dy, double dz) {
+        const Block one = pair(share(i) + share(j), w, {dx, dy, dz});
+        add(one, 1, storage.at(i));
+        add(one, -1, storage.at(j));
+    });
+    walls.pairs.each(i, [&](int s, double dx, double dy, double dz, double r2) {
+        if (!walls.grips(s)) return;
+        const double w = -walls.grip * walls.volume(s) * kernel.gradient(std::sqrt(r2));
+        const double reach = walls.touch(s, dx, dy, dz).reach;
+        const bool squared = by_gradients(form);
+        add(pair((squared ? 1 : 2) * share(i), w * reach * (squared ? reach : 1), {dx, dy, dz}), 1,
+            storage.at(i));
+    });
+}
+
+// Q_j e_i of all stresses of this rank that act on i: c [(g.b) P + g b^T - kappa g.e 1] u, g = B^+ n_k, b =
+// B^+ e_i.
+void ViscousMatrix::Assembly::add_stresses(int i, RowStorage& storage) const {
+    for (const auto& [j, which] : seen_by[static_cast<std::size_t>(i)]) {
+        const auto begin = offsets[static_cast<std::size_t>(j)],
+                   end = offsets[static_cast<std::size_t>(j) + 1];
+        const Member& at = members[begin + static_cast<std::size_t>(which)];
+        const Symmetric p = range_of(read_symmetric(correction, j));
+        const Block projector{p.xx, p.xy, p.xz, p.xy, p.yy, p.yz, p.xz, p.yz, p.zz};
+        const double c = share(j), damping = 0.5 * of.damping();
+        for (auto k = begin; k < end; ++k) {
+            const Member& other = members[k];
+            Block& to = storage.at(other.particle);
+            const double both = c * inner(other.seen, at.pulled);
+            for (std::size_t l = 0; l < 9; ++l) {
+                to[l] += both * projector[l] + c * (other.seen[l / 3] * at.pulled[l % 3]);
+            }
+            // Both ways, so that the entry across the diagonal is the same number.
+            if (damping > 0)
+                add_identity(-damping * c * (inner(other.seen, at.force) + inner(at.pulled, other.force)),
+                             to);
+        }
+    }
+}
+
+void ViscousMatrix::Assembly::send(const Comm& comm) {
+    const auto firsts = comm.all_gather(std::int64_t(first));
+    std::vector<Message> outgoing(static_cast<std::size_t>(comm.size()));
+    for (std::size_t rank = 0; rank < outgoing.size(); ++rank) outgoing[rank].rank = static_cast<int>(rank);
+    std::vector<Contribution> kept;
+    for (const auto& one : contributions) {
+        const auto owner =
+            std::upper_bound(firsts.begin(), firsts.end(), std::int64_t(one.row)) - firsts.begin() - 1;
+        if (static_cast<int>(owner) == comm.rank()) { // of a periodic image
+            kept.push_back(one);
+            continue;
+        }
+        auto& bytes = outgoing[static_cast<std::size_t>(owner)].bytes;
+        const auto* start = reinterpret_cast<const char*>(&one);
+        bytes.insert(bytes.end(), start, start + sizeof one);
+    }
+    std::erase_if(outgoing, [](const Message& message) { return message.bytes.empty(); });
+    for (const auto& message : exchange_sparse(comm, outgoing)) {
+        const auto count = message.bytes.size() / sizeof(Contribution);
+        const auto before = kept.size();
+        kept.resize(before + count);
+        std::memcpy(static_cast<void*>(&kept[before]), message.bytes.data(), message.bytes.size());
+    }
+    std::stable_sort(kept.begin(), kept.end(),
+                     [](const Contribution& a, const Contribution& b) { return a.row < b.row; });
+    contributions = std::move(kept);
+}
+
+// A row by rising columns, those that were found several times summed.
+void ViscousMatrix::Assembly::append(std::vector<Contribution>& found, solve::BlockRows& out) const {
+    std::stable_sort(found.begin(), found.end(),
+                     [](const Contribution& a, const Contribution& b) { return a.column < b.column; });
+    for (std::size_t k = 0; k < found.size(); ++k) {
+        if (k > 0 && found[k].column == found[k - 1].column) {
+            for (std::size_t l = 0; l < 9; ++l) out.values[out.values.size() - 9 + l] += found[k].values[l];
+            continue;
+        }
+        out.columns.push_back(found[k].column);
+        out.values.insert(out.values.end(), found[k].values.begin(), found[k].values.end());
+    }
+    out.offsets.push_back(static_cast<solve::Index>(out.columns.size()));
+}
+
+template <class Kernel>
+solve::BlockRows ViscousMatrix::Assembly::rows(const Kernel& kernel) {
+    if (by_gradients(form)) find_members(kernel);
+    RowStorage storage(total);
+    if (by_gradients(form)) {
+        for (int i = owned; i < total; ++i) {
+            add_stresses(i, storage);
+            storage.take([&](int particle, const Block& values) {
+                contributions.push_back({row(i), row(particle), values});
+            });
+        }
+    }
+    send(parts.comm);
+    solve::BlockRows out;
+    out.size = 3;
+    out.first = first;
+    std::vector<Contribution> found;
+    auto next = contributions.begin();
+    for (int i = 0; i < owned; ++i) {
+        add_pairs(kernel, i, storage);
+        if (by_gradients(form)) add_stresses(i, storage);
+        found.clear();
+        storage.take([&](int particle, const Block& values) {
+            found.push_back({row(i), row(particle), values});
+        });
+        for (; next != contributions.end() && next->row == row(i); ++next) found.push_back(*next);
+        append(found, out);
+    }
+    return out;
+}
+
+namespace {
+solve::KrylovOptions krylov_options(const ViscosityOptions& options) {
+    solve::KrylovOptions out;
+    out.max_iterations = options.max_iterations;
+    if (options.solver == ViscositySolver::bicgstab) out.method = solve::Method::bicgstab;
+    if (options.preconditioner == ViscosityPreconditioner::gamg)
+        out.preconditioner = solve::Preconditioner::gamg;
+    if (options.preconditioner == ViscosityPreconditioner::boomeramg)
+        out.preconditioner = solve::Preconditioner::boomeramg;
+    return out;
+}
+
+bool takes_the_matrix(const ViscosityOptions& options) {
+    return options.preconditioner == ViscosityPreconditioner::gamg ||
+           options.preconditioner == ViscosityPreconditioner::boomeramg;
+}
+
+void to_array(std::span<const double> from, const Array3& to) {
+    const auto host = Kokkos::create_mirror_view(to);
+    for (std::size_t k = 0; k < from.size(); ++k) host(k / 3, k % 3) = from[k];
+    Kokkos::deep_copy(to, host);
+}
+void from_array(const Array3& from, std::span<double> to) {
+    const auto host = on_host(from);
+    for (std::size_t k = 0; k < to.size(); ++k) to[k] = host(k / 3, k % 3);
+}
+
+// Translations and rotations, which strain nothing.
+std::vector<std::vector<double>> rigid_motions(const ParticleStore& store, int dimensions) {
+    const auto x = on_host(store.position());
+    const auto n = static_cast<std::size_t>(store.owned());
+    std::vector<std::vector<double>> out(6, std::vector<double>(3 * n, 0.0));
+    for (std::size_t i = 0; i < n; ++i) {
+        const Vec3 at{x(i, 0), x(i, 1), x(i, 2)};
+        for (int k = 0; k < 6; ++k) {
+            const auto u = rigid_motion(k, at);
+            std::copy(u.begin(), u.end(), out[static_cast<std::size_t>(k)].begin() + std::ptrdiff_t(3 * i));
+        }
+    }
+    if (dimensions == 2) out = {out[0], out[1], out[5]};
+    return out;
+}
+} // namespace
+
+ViscousMatrix::ViscousMatrix(const Comm& comm, LiquidParticles& liquid, const ViscosityOptions& options)
+    : comm_(comm), row_field_(liquid.store.add<Array<int>>("viscous_row", "", FieldRole::work)),
+      options_(krylov_options(options)) {}
+
+void ViscousMatrix::assemble(const ViscousParts& parts, const ViscousOperator& of) {
+    const auto& store = parts.liquid.store;
+    const auto numbers = store.get<Array<int>>(row_field_);
+    const int first = static_cast<int>(comm_.exclusive_sum(std::int64_t(store.owned())));
+    Kokkos::parallel_for(
+        "treacle::viscous_rows", store.owned(), KOKKOS_LAMBDA(int i) { numbers(i) = first + i; });
+    parts.halo.gather(store, {row_field_});
+    Assembly assembly{parts,
+                      of,
+                      parts.options.viscosity.form,
+                      pairs(parts.neighbours.liquid, store, store),
+                      of.walls(parts, ViscousOperator::Walls::resting),
+                      on_host(numbers),
+                      on_host(of.share(parts.liquid)),
+                      on_host(parts.liquid.volume()),
+                      on_host(of.correction()),
+                      on_host(of.weights()),
+                      store.owned(),
+                      store.total(),
+                      first,
+                      {},
+                      {},
+                      {},
+                      {}};
+    with_kernel(parts.options.kernel, parts.constants.dimensions, parts.constants.support,
+                [&](const auto& kernel) { matrix_.build(comm_, assembly.rows(kernel)); });
+    auto& matrix = *matrix_.matrix();
+    if (parts.options.viscosity.form == ViscosityForm::printed) matrix.set_unsymmetric();
+    if (takes_the_matrix(parts.options.viscosity))
+        matrix.set_blocks(3, rigid_motions(store, parts.constants.dimensions));
+}
+
+solve::SolveReport ViscousMatrix::solve(const LiquidParticles& liquid, const Array3& r, double largest,
+                                        const Preconditioner& own, const Array3& change) {
+    const auto n = 3 * static_cast<std::size_t>(liquid.store.owned());
+    right_hand_side_.resize(n);
+    solution_.assign(n, 0.0);
+    from_array(r, right_hand_side_);
+    if (own) {
+        options_.user.apply = [&](std::span<const double> from, std::span<double> to) {
+            to_array(from, r);
+            own(r, change);
+            from_array(change, to);
+        };
+    }
+    solve::KrylovSolver solver(comm_, "viscosity", options_);
+    auto report = solver.solve(*matrix_.matrix(), right_hand_side_, solution_,
+                               solve::ConvergenceTest::residual(0, largest));
+    to_array(solution_, change);
+    options_.user = {};
+    return report;
+}
+
+} // namespace treacle::sph

@@ -1,0 +1,364 @@
+#include "sph/viscosity/operator/viscous_operator.hpp"
+
+#include "kokkos/quad.hpp"
+#include "sph/viscosity/operator/viscous_loops.hpp"
+#include "sph/viscosity/operator/viscous_prepare.hpp"
+
+namespace treacle::sph {
+
+namespace {
+// Particles are not taken to be nearer to a surface than that many spacings.
+constexpr double least_height = 0.25;
+
+// Velocity gradients G_i = N_i B_i^+, and of them Q_i = dt/m V (2 mu S_i B_i^+ - kappa mu G_i).
+template <class Kernel>
+struct StressLoop : ViscousLoop<Kernel> {
+    using Base = ViscousLoop<Kernel>;
+    double damping;
+    bool by_volumes; // of the neighbours, as the printed form has it
+    Array<double> share;
+    Array6 correction;
+    Array3 stress[3]; // columns
+    bool rated;
+    Array<double> rate;
+
+    KOKKOS_INLINE_FUNCTION void operator()(int block) const {
+        each_row<Columns>(block, Base::fluid.count, [&](int i) { return sum_pairs(i); },
+                          [&](int i, const Columns& pairs) { finish(i, pairs); });
+    }
+
+private:
+    struct Columns {
+        Quad column[3];
+    };
+    KOKKOS_INLINE_FUNCTION void finish(int i, const Columns& pairs) const {
+        double n[3][3];
+        for (int l = 0; l < 3; ++l) {
+            double column[4];
+            pairs.column[l].store(column);
+            for (int k = 0; k < 3; ++k) n[k][l] = column[k];
+        }
+        double u[3];
+        Base::read_velocity(i, u);
+        Base::add_wall_gradients(i, u, n);
+        const Symmetric fit = read_symmetric(correction, i), spanned = range_of(fit);
+        double g[3][3];
+        for (int k = 0; k < 3; ++k) fit.times(n[k], g[k]);
+        double s[3][3];
+        strain(spanned, g, s);
+        const double c = share(i);
+        for (int k = 0; k < 3; ++k) {
+            double q[3];
+            fit.times(s[k], q);
+            for (int l = 0; l < 3; ++l) {
+                stress[l](i, k) = c * (2 * q[l] - damping * g[k][l]);
+            }
+        }
+        if (rated) rate(i) = math::sqrt(2 * contract(s));
+    }
+    KOKKOS_INLINE_FUNCTION static double contract(const double s[3][3]) {
+        double sum = 0;
+        for (int k = 0; k < 3; ++k) {
+            for (int l = 0; l < 3; ++l) sum += s[k][l] * s[k][l];
+        }
+        return sum;
+    }
+    KOKKOS_INLINE_FUNCTION Columns sum_pairs(int i) const {
+        const double *place = Base::fluid.place.data(), *motion = Base::fluid.motion.data();
+        const Quad x = Quad::load(place + 4 * std::int64_t(i)), u = Quad::load(motion + 4 * std::int64_t(i));
+        Quad even[3] = {0.0, 0.0, 0.0}, odd[3] = {0.0, 0.0, 0.0};
+        Base::each_entry(i, even, odd, [&](Quad columns[3], std::int64_t k) {
+            const double* other = motion + 4 * std::int64_t(Base::fluid.liquid.index(k));
+            const double w = by_volumes ? Base::weights(k) * other[3] : Base::weights(k);
+            const Quad along = Quad(w) * (x - Quad::load(place + 4 * std::int64_t(Base::fluid.liquid.index(k))));
+            const Quad apart = u - Quad::load(other);
+            columns[0].add(along.all<0>(), apart);
+            columns[1].add(along.all<1>(), apart);
+            columns[2].add(along.all<2>(), apart);
+        });
+        return {{even[0] + odd[0], even[1] + odd[1], even[2] + odd[2]}};
+    }
+    // The symmetric part of G within the span, in which a rotation has none.
+    KOKKOS_INLINE_FUNCTION static void strain(const Symmetric& spanned, const double g[3][3], double s[3][3]) {
+        double half[3][3]; // G is 0 across the span on the right already: only the left side is cut
+        for (int l = 0; l < 3; ++l) {
+            const double column[3] = {g[0][l], g[1][l], g[2][l]};
+            double cut[3];
+            spanned.times(column, cut);
+            for (int k = 0; k < 3; ++k) half[k][l] = cut[k];
+        }
+        for (int k = 0; k < 3; ++k) {
+            for (int l = 0; l < 3; ++l) s[k][l] = 0.5 * (half[k][l] + half[l][k]);
+        }
+    }
+};
+
+// C u of the forms with gradients.
+template <class Kernel>
+struct StressForceLoop : ViscousLoop<Kernel> {
+    using Base = ViscousLoop<Kernel>;
+    double damping;
+    RelativeDensity relative;
+    Array<double> share;
+    Array3 stress[3];
+    Array3 product;
+
+    KOKKOS_INLINE_FUNCTION void operator()(int block) const {
+        each_row<Quad>(block, Base::fluid.count, [&](int i) { return sum_pairs(i); }, [&](int i, const Quad& pairs) { finish(i, pairs); });
+    }
+
+private:
+    KOKKOS_INLINE_FUNCTION void finish(int i, const Quad& pairs) const {
+        double u[3], f[4];
+        Base::read_velocity(i, u);
+        pairs.store(f);
+        Base::add_wall_stresses(i, StressGrip<Stresses>{{stress[0], stress[1], stress[2]}, share, damping}, u, f);
+        const double inertia = relative(i);
+        for (int k = 0; k < 3; ++k) product(i, k) = inertia * u[k] + f[k];
+    }
+    // The fourth ones of `place` are the shares dt/m V mu, of which `damping` acts on differences of velocities.
+    KOKKOS_INLINE_FUNCTION Quad sum_pairs(int i) const {
+        const double *place = Base::fluid.place.data(), *motion = Base::fluid.motion.data();
+        const auto read = [](const double* rows, int row) { return Quad::load(rows + 4 * std::int64_t(row)); };
+        const Quad x = read(place, i), u = read(motion, i);
+        const Quad twice = 2 * Base::fluid.place(i, 3), factor = damping;
+        const Quad own[3] = {Quad::load(stress[0], i), Quad::load(stress[1], i), Quad::load(stress[2], i)};
+        struct Sums {
+            Quad pull[3] = {0.0, 0.0, 0.0}, slide = 0.0, spread = 0.0;
+        } even, odd;
+        Base::each_entry(i, even, odd, [&](Sums& sums, std::int64_t k) {
+            const int j = Base::fluid.liquid.index(k);
+            const Quad w = static_cast<double>(Base::weights(k)), apart = x - read(place, j);
+            const Quad along = w * apart;
+            sums.spread.add(w, apart);
+            sums.pull[0].add(along.all<0>(), Quad::load(stress[0], j));
+            sums.pull[1].add(along.all<1>(), Quad::load(stress[1], j));
+            sums.pull[2].add(along.all<2>(), Quad::load(stress[2], j));
+            sums.slide.add(w * twice - along.all<3>(), u - read(motion, j));
+        });
+        const Quad spread = even.spread + odd.spread;
+        Quad sum = factor * (even.slide + odd.slide);
+        for (int l = 0; l < 3; ++l) sum = sum + even.pull[l] + odd.pull[l];
+        sum.add(spread.all<0>(), own[0]);
+        sum.add(spread.all<1>(), own[1]);
+        sum.add(spread.all<2>(), own[2]);
+        return sum;
+    }
+};
+
+// C u of the forms by pairs: along the line between two particles, or the Laplacian of each component.
+template <class Kernel>
+struct PairForceLoop : ViscousLoop<Kernel> {
+    using Base = ViscousLoop<Kernel>;
+    RelativeDensity relative;
+    PairGrip grip;
+    Array3 product;
+
+    KOKKOS_INLINE_FUNCTION void operator()(int i) const {
+        double u[3];
+        Base::read_velocity(i, u);
+        const double soft = grip.soft, line = grip.line, own = grip.share(i);
+        const Row row = Base::fluid.row(i);
+        const std::int64_t first = Base::fluid.liquid.offset(i);
+        Lanes fx = 0.0, fy = 0.0, fz = 0.0;
+        for (int k = 0; k < row.count; k += lanes) {
+            const auto d = row.near(k);
+            const auto v = Base::fluid.motions(row, k);
+            const Lanes w = row.within(k, load_lanes(&Base::weights(first + k)));
+            const Lanes c = w * (own + d.number) * treacle::inverse(d.r2 + soft);
+            const Lanes ax = u[0] - v.x, ay = u[1] - v.y, az = u[2] - v.z;
+            if (line > 0) {
+                const Lanes pull = line * c * (ax * d.x + ay * d.y + az * d.z);
+                fx = fx + pull * d.x;
+                fy = fy + pull * d.y;
+                fz = fz + pull * d.z;
+            } else {
+                fx = fx + c * d.r2 * ax;
+                fy = fy + c * d.r2 * ay;
+                fz = fz + c * d.r2 * az;
+            }
+        }
+        double f[3] = {sum_lanes(fx), sum_lanes(fy), sum_lanes(fz)};
+        Base::add_walls(i, grip, u, f);
+        const double inertia = relative(i);
+        for (int k = 0; k < 3; ++k) product(i, k) = inertia * u[k] + f[k];
+    }
+};
+
+double write_own_shares(const Array<double>& viscosity, double scale, int n, const Array<double>& share) {
+    double most = 0;
+    Kokkos::parallel_reduce("treacle::own_viscous_shares", n, KOKKOS_LAMBDA(int i, double& largest) {
+        share(i) = scale * viscosity(i);
+        largest = math::max(largest, share(i));
+    }, Kokkos::Max<double>(most));
+    return n > 0 ? most : 0;
+}
+
+template <class Liquids>
+double write_shares(const Liquids& liquids, double scale, int n, const Array<double>& share) {
+    double most = 0;
+    Kokkos::parallel_reduce("treacle::viscous_shares", n, KOKKOS_LAMBDA(int i, double& largest) {
+        share(i) = scale * liquids.viscosity(i);
+        largest = math::max(largest, share(i));
+    }, Kokkos::Max<double>(most));
+    return n > 0 ? most : 0;
+}
+
+// m/rho in place of the lattice's V on both sides (equations 4.5 and 4.6).
+void scale_by_volumes(const Array<double>& volume, double rest_volume, int n, const Array<double>& share) {
+    Kokkos::parallel_for("treacle::viscous_volumes", n, KOKKOS_LAMBDA(int i) {
+        const double ratio = volume(i) / rest_volume;
+        share(i) *= ratio * ratio;
+    });
+}
+
+// Whether no solid moves at all.
+bool at_rest(const Array<double>& motion) {
+    int moving = 0;
+    Kokkos::parallel_reduce("treacle::moving_solids", motion.extent(0), KOKKOS_LAMBDA(std::size_t k, int& count) {
+        count += motion(k) != 0 ? 1 : 0;
+    }, moving);
+    return moving == 0;
+}
+
+} // namespace
+
+void pack_motion(LiquidParticles& liquid, int u_field, const Constants& constants) {
+    const int n = liquid.store.total();
+    reserve(liquid.motion, static_cast<std::size_t>(n));
+    const auto to = liquid.motion;
+    const auto u = liquid.store.get<Array3>(u_field);
+    const auto volume = liquid.volume();
+    const double rest_volume = constants.rest_volume;
+    Kokkos::parallel_for("treacle::viscous_motion", n, KOKKOS_LAMBDA(int i) {
+        for (int k = 0; k < 3; ++k) to(i, k) = u(i, k);
+        to(i, 3) = volume(i) / rest_volume;
+    });
+}
+
+ViscousOperator::ViscousOperator(LiquidParticles& liquid, const std::vector<double>& slip_lengths) : slip_(slip_lengths) {
+    const char* names[3] = {"viscous_stress_x", "viscous_stress_y", "viscous_stress_z"};
+    for (int k = 0; k < 3; ++k) stress_[k] = liquid.store.add<Array3>(names[k], "m2/s", FieldRole::work);
+    share_ = liquid.store.add<Array<double>>("viscous_share", "m2", FieldRole::work);
+}
+
+ViscousWalls ViscousOperator::walls(const ViscousParts& parts, Walls which) const {
+    return {pairs(parts.neighbours.solid, parts.liquid.store, parts.solid.store),
+            parts.solid.volume(),
+            parts.solid.body(),
+            parts.solid.normal(),
+            parts.friction,
+            parts.motion,
+            parts.points,
+            parts.constants.wall_grip,
+            parts.constants.wall_depth,
+            least_height * parts.constants.spacing,
+            which == Walls::resting || at_rest(parts.motion)};
+}
+
+double ViscousOperator::prepare(const ViscousParts& parts, double dt) {
+    dt_ = dt;
+    const auto& constants = parts.constants;
+    const auto& viscosity = parts.options.viscosity;
+    auto& liquid = parts.liquid;
+    const int n = liquid.store.owned();
+    damping_ = viscosity.form == ViscosityForm::corrected ? viscosity.checkerboard_damping : 0;
+    const auto share = liquid.store.get<Array<double>>(share_);
+    const double scale = dt / constants.mass * constants.rest_volume;
+    double most = 0;
+    if (parts.forces.by_particle) {
+        most = write_own_shares(liquid.viscosity(), scale, n, share);
+    } else {
+        with_liquids(constants.mixture, liquid.liquid(), parts.forces.viscosity,
+                     [&](const auto& liquids) { most = write_shares(liquids, scale, n, share); });
+    }
+    most = parts.comm.max(most);
+    largest_share_ = most;
+    if (most == 0) return 0;
+    tiles_are_placed_ = false;
+    if (viscosity.form == ViscosityForm::printed) scale_by_volumes(liquid.volume(), constants.rest_volume, n, share);
+    if (slip_.any()) slip_.prepare(parts, parts.points, share);
+    parts.halo.gather(liquid.store, {share_});
+    if (!parts.forces.rheology.empty()) reserve(rate_, static_cast<std::size_t>(n));
+    reserve(correction_, static_cast<std::size_t>(n));
+    reserve(block_, static_cast<std::size_t>(n));
+    for (auto* array : {&ground_, &smeared_share_}) reserve(*array, static_cast<std::size_t>(n));
+    if (by_gradients(viscosity.form)) reserve(wall_sums_, static_cast<std::size_t>(n));
+    const auto inlet = liquid.has_inlets() ? liquid.inlet() : Array<int>();
+    write_places(liquid, share);
+    const auto fluid = gather_fluid(constants, liquid, parts.solid, parts.neighbours);
+    // Rows are read several entries at a time, beyond their ends.
+    reserve(weights_, static_cast<std::size_t>(parts.neighbours.liquid.size + NeighbourList::spare));
+    with_kernel(parts.options.kernel, constants.dimensions, constants.support, [&](const auto& kernel) {
+        using Kernel = std::decay_t<decltype(kernel)>;
+        const ViscousLoop<Kernel> base{kernel, fluid, walls(parts, Walls::resting), weights_, wall_sums_};
+        Kokkos::parallel_for("treacle::viscous_prepare", n,
+                             PrepareLoop<Kernel>{base, viscosity.form, constants.rest_volume, damping_,
+                                                 relative_density(constants, liquid), share, slip_.any(), slip_.drag(),
+                                                 liquid.has_inlets(), inlet, correction_, block_, ground_, smeared_share_});
+    });
+    return most;
+}
+
+void ViscousOperator::multiply(const ViscousParts& parts, int u_field, Walls which, const Array3& product) {
+    auto& liquid = parts.liquid;
+    const auto& constants = parts.constants;
+    const ViscosityForm form = parts.options.viscosity.form;
+    const auto share = liquid.store.get<Array<double>>(share_);
+    parts.halo.gather(liquid.store, {u_field});
+    pack_motion(liquid, u_field, constants);
+    const auto fluid = gather_fluid(constants, liquid, parts.solid, parts.neighbours);
+    const auto relative = relative_density(constants, liquid);
+    with_kernel(parts.options.kernel, constants.dimensions, constants.support, [&](const auto& kernel) {
+        using Kernel = std::decay_t<decltype(kernel)>;
+        const ViscousLoop<Kernel> base{kernel, fluid, walls(parts, which), weights_, wall_sums_};
+        if (!by_gradients(form)) {
+            Kokkos::parallel_for("treacle::viscous_pairs", fluid.count,
+                                 PairForceLoop<Kernel>{base, relative, pair_grip(parts, share), product});
+            return;
+        }
+        const auto& store = liquid.store;
+        const Array3 rows[3] = {store.get<Array3>(stress_[0]), store.get<Array3>(stress_[1]), store.get<Array3>(stress_[2])};
+        Kokkos::parallel_for("treacle::viscous_stress", row_blocks(fluid.count),
+                             StressLoop<Kernel>{base, damping_, form == ViscosityForm::printed, share, correction_,
+                                                {rows[0], rows[1], rows[2]}, !parts.forces.rheology.empty(), rate_});
+        parts.halo.gather(store, {stress_[0], stress_[1], stress_[2]});
+        Kokkos::parallel_for("treacle::viscous_forces", row_blocks(fluid.count),
+                             StressForceLoop<Kernel>{base, damping_, relative, share, {rows[0], rows[1], rows[2]}, product});
+    });
+    add_slip(parts, which, product);
+}
+
+void ViscousOperator::add_slip(const ViscousParts& parts, Walls which, const Array3& product) const {
+    if (!slip_.any()) return;
+    if (which == Walls::resting) slip_.add(parts, product);
+    else slip_.add(parts, parts.motion, product);
+}
+
+void ViscousOperator::precondition(const LiquidParticles& liquid, const Array3& r, const Array3& z) const {
+    const auto block = block_;
+    Kokkos::parallel_for("treacle::viscous_precondition", liquid.store.owned(), KOKKOS_LAMBDA(int i) {
+        const double from[3] = {r(i, 0), r(i, 1), r(i, 2)};
+        double to[3];
+        read_symmetric(block, i).times(from, to);
+        for (int k = 0; k < 3; ++k) z(i, k) = to[k];
+    });
+}
+
+void ViscousOperator::thin(const ViscousParts& parts, const Array<flow::FlowCurve>& curves) const {
+    const auto rate = rate_, viscosity = parts.liquid.viscosity();
+    const auto liquid = parts.liquid.liquid();
+    Kokkos::parallel_for("treacle::thin_by_shear", parts.liquid.store.owned(), KOKKOS_LAMBDA(int i) {
+        const flow::FlowCurve& curve = curves(liquid(i));
+        if (curve.law != scene::ShearLaw::newtonian) viscosity(i) = curve(rate(i));
+    });
+}
+
+std::size_t ViscousOperator::bytes() const {
+    const std::size_t doubles = correction_.span() + rate_.span() + wall_sums_.span();
+    const std::size_t floats = weights_.span() + block_.span() + ground_.span() + smeared_share_.span() + tiles_.span() +
+                               rows_.span() + fits_.span();
+    return sizeof(double) * doubles + sizeof(float) * floats + slip_.bytes();
+}
+
+} // namespace treacle::sph

@@ -1,0 +1,85 @@
+#pragma once
+#include "kokkos/tile.hpp"
+#include "sph/model/symmetric.hpp"
+#include "sph/viscosity/operator/viscous_walls.hpp"
+#include "sph/viscosity/operator/wall_slip.hpp"
+
+namespace treacle::sph {
+
+// C u = u - dt/m f(u) on the owned particles, f being the viscous force (dissertation, chapter 4) in the form that
+// `viscosity.form` names: matrix-free, and but for the printed form symmetric and positive definite (README, "Implicit
+// viscosity"). Of several liquids the first term has the relative density as a factor.
+class ViscousOperator {
+public:
+    // Declares the fields that are exchanged. Slip lengths as in ForceOptions.
+    explicit ViscousOperator(LiquidParticles& liquid, const std::vector<double>& slip_lengths = {});
+
+    // Collective: viscosities, gradient corrections and diagonal blocks for the present places and a step of dt [s].
+    // Returns the largest dt/m V mu of all ranks [m2]; 0: C is the identity.
+    double prepare(const ViscousParts& parts, double dt);
+
+    // Whether the solids move as `motion` says, or rest.
+    enum class Walls { moving, resting };
+    // Collective: product = C u of the owned particles. Gathers the ghosts' u.
+    void multiply(const ViscousParts& parts, int u_field, Walls walls, const Array3& product);
+
+    // The same in single precision but for u itself: C u + O(1e-6) C u, in a third of the time. Of the symmetric
+    // forms with gradients (`has_tiles`).
+    void multiply_nearly(const ViscousParts& parts, int u_field, Walls walls, const Array3& product);
+    static bool has_tiles(ViscosityForm form) { return form == ViscosityForm::corrected || form == ViscosityForm::adjoint; }
+
+    // z = D^-1 r with the diagonal blocks, nearly.
+    void precondition(const LiquidParticles& liquid, const Array3& r, const Array3& z) const;
+
+    // This rank's share of the force and torque on each solid [N], [N m]. After a multiply with moving walls, whose u
+    // it is for.
+    BodyLoads loads(const ViscousParts& parts) const;
+    // And of how the liquid would hold each solid if nothing else moved, times dt/m: 36 numbers each, roughly.
+    std::vector<double> stiffness(const ViscousParts& parts) const;
+
+    // Viscosities of the particles at the shear rates of the last multiply; forms with gradients only.
+    void thin(const ViscousParts& parts, const Array<flow::FlowCurve>& curves) const;
+
+    // After prepare(): B_i^+ of the owned particles, whose elements are those of sph::Symmetric; dt/m V mu of owned and ghost
+    // particles [m2]; and the solids.
+    const Array6& correction() const { return correction_; }
+    const Array<float>& weights() const { return weights_; } // V0 |W'|/r of each pair in the list [1/m2]
+    double damping() const { return damping_; }
+    double largest_share() const { return largest_share_; } // of all ranks [m2]
+    const Array<double>& share(const LiquidParticles& liquid) const { return liquid.store.get<Array<double>>(share_); }
+    ViscousWalls walls(const ViscousParts& parts, Walls which) const;
+    const WallSlip& slip() const { return slip_; }
+    // Of the owned particles: what holds them but their neighbours, the mass and the solids, roughly; that of the diagonal block
+    // where an inlet prescribes the velocity.
+    const Array<float>& ground() const { return ground_; }
+    // Half of their own share and half of the mean of their neighbours', whose stresses hold them as well: where viscosities jump, a
+    // thin liquid follows a thick one as far as the support reaches.
+    const Array<float>& smeared_share() const { return smeared_share_; }
+    using Blocks = Kokkos::View<float* [6], Memory>;
+    const Blocks& block() const { return block_; } // inverses of the diagonal blocks, nearly
+
+    std::size_t bytes() const;
+
+private:
+    void write_tiles(LiquidParticles& liquid, const Array<double>& share, int dimensions);
+    void exchange_tiles(const ViscousParts& parts, Walls which);
+    void add_slip(const ViscousParts& parts, Walls which, const Array3& product) const;
+
+    double dt_ = 0;
+    double largest_share_ = 0;
+    double damping_ = 0;             // of checkerboards, 0 for forms without gradients
+    int stress_[3] = {-1, -1, -1};   // fields: columns of Q_i [m2/s]
+    WallSlip slip_;
+    Array<double> rate_{"treacle::shear_rate", 0}; // of owned particles [1/s], where a viscosity depends on it
+    int share_ = -1;                 // field: dt/m V mu [m2]
+    Array<float> weights_{"treacle::viscous_weights", 0};
+    Array4 wall_sums_{"treacle::viscous_wall_sums", 0}; // see ViscousLoop
+    Array6 correction_{"treacle::gradient_correction", 0}; // B_i^+
+    Array<float> ground_{"treacle::viscous_ground", 0}, smeared_share_{"treacle::smeared_viscous_share", 0};
+    Blocks block_{"treacle::viscous_block", 0};
+    Array16 tiles_{"treacle::viscous_tiles", 0}; // see viscous_tiles.cpp
+    Array8 rows_{"treacle::viscous_rows", 0}, fits_{"treacle::viscous_fits", 0};
+    bool tiles_are_placed_ = false; // since prepare()
+};
+
+} // namespace treacle::sph

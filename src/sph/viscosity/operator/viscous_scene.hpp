@@ -1,0 +1,20 @@
+#pragma once
+#include "sph/forces/forces.hpp"
+#include "sph/model/step_parts.hpp"
+
+namespace treacle::sph {
+
+// What a step has for the viscous solve.
+struct ViscousScene : StepParts {
+    const ForceOptions& forces;
+    Halo* solid_halo = nullptr; // needed where solids slip
+};
+
+// And how its solids move.
+struct ViscousParts : ViscousScene {
+    const LoadPoints& points;
+    const Array<double>& friction; // of each solid, see ViscousWalls
+    const Array<double>& motion;
+};
+
+} // namespace treacle::sph

@@ -1,0 +1,51 @@
+#pragma once
+#include "base/text/file.hpp"
+#include "study/model/run_record.hpp"
+
+namespace treacle::study {
+
+// The folder of a request: runs/0007.
+std::string request_folder(std::int64_t number);
+
+// Files of a request's folder, by which `treacle forward` is told what to run and tells what came of it:
+//   params.yaml   the study, the scene's name, the values and the key
+//   params.in     the same values in Dakota's format of parameters files
+//   run/          the run's own folder
+//   result.json   the figures; its presence says that the run is done, or stopped early at a bound of its objective
+//   results.out   the figures in Dakota's format of results files: "0.31 front"
+//   FAIL          or why there are none
+// Each is written to a temporary name and renamed.
+struct ForwardRequest {
+    std::filesystem::path study; // absolute
+    RunRequest run;
+    std::vector<std::string> parameters; // their names
+    std::vector<std::string> overrides;  // of the study
+    double cut = no_cut;                 // the run may stop early once its objective is above
+};
+// The request of a study's run.
+ForwardRequest request_of(const Study& study, const RunRequest& run);
+
+void write_request(const std::filesystem::path& folder, const ForwardRequest& request, Durability durability = Durability::synced);
+// From params.yaml. Throws InputError.
+ForwardRequest read_request(const std::filesystem::path& folder);
+
+struct ForwardResult {
+    std::int64_t number = 0;
+    std::string key;
+    std::vector<Figure> figures;
+    double seconds = 0;    // of the clock
+    double peak_bytes = 0; // of memory, all ranks together
+    std::optional<double> bound = {}; // that its objective is at least, where it stopped early: then without figures
+};
+void write_result(const std::filesystem::path& folder, const ForwardResult& result);
+void write_failure(const std::filesystem::path& folder, const std::string& reason);
+
+// The result of the run of this key; nothing when there is none, or one of another key. Throws InputError for one that
+// cannot be read.
+std::optional<ForwardResult> read_result(const std::filesystem::path& folder, const std::string& key);
+std::string read_failure(const std::filesystem::path& folder); // empty: none
+
+// What a result says of its run's outcome: status, reason, bound, figures.
+void take_result(const ForwardResult& result, RunOutcome& outcome);
+
+} // namespace treacle::study

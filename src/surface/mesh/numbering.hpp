@@ -1,0 +1,22 @@
+#pragma once
+#include "surface/mesh/components.hpp"
+
+namespace treacle::surface {
+
+struct VertexValues {
+    Array<double> normal, velocity; // [vertices * 3]
+    Array<double> pressure;         // [vertices]
+    Array<int> liquid;              // [vertices]
+    Array<double> scalar;           // [scalars][vertices]
+    int scalars = 0;
+};
+
+// Collective: the kept triangles of this rank and their vertices, numbered over all ranks: each rank's own vertices follow
+// those of the ranks before it; the numbers of others' vertices are asked of their owners.
+void number_mesh(const Comm& comm, const HostPatch& patch, const std::vector<char>& kept, const VertexOwners& owners,
+                 const VertexValues& values, Mesh& mesh);
+
+// Of this rank's triangles [m2], in 2D of its segments [m].
+double area_of(const Mesh& mesh);
+
+} // namespace treacle::surface

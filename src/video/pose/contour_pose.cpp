@@ -1,0 +1,220 @@
+#include "video/pose/contour_pose.hpp"
+
+#include "base/text/error.hpp"
+#include "base/text/text.hpp"
+#include "video/camera/camera_matrix.hpp"
+#include "video/picture/vector.hpp"
+#include "video/pose/contour_noise.hpp"
+#include "video/pose/pose_algebra.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace treacle::video {
+
+namespace {
+
+constexpr int rounds = 22, last_rounds = 3; // the last ones with correlated errors
+constexpr double coarse_correlation = 25;    // [points] of the rounds before
+constexpr double narrowest = 4;   // [pixels] of the search, or five deviations
+constexpr double tukey = 4.685;   // deviations beyond which a point has no weight
+constexpr double floor_noise = 0.1; // [pixels] of outlines of masks
+
+// Where the solid's outline lies along the normal of a point of the silhouette's outline.
+struct Match {
+    double displacement = 0; // [pixels] outward
+    Vec3 foot{0, 0, 0};      // [m] the point of the solid that is seen there
+    std::size_t point = 0;   // of the contour
+};
+
+// Follows the normal from where rays hit the solid to where they pass it. The distance at which a ray passes, over that
+// of a pixel, tells how far outside of the outline it is: two or three steps meet it.
+bool find_outline(const scene::CameraModel& camera, const SeenSolid& solid, const ContourPoint& point, double search, Match& match) {
+    const double focal = 0.5 * (camera.lens().fx + camera.lens().fy);
+    const auto look = [&](double s) {
+        const auto ray = ray_of(camera, {point.pixel[0] + s * point.normal[0], point.pixel[1] + s * point.normal[1]});
+        const auto passing = pass(solid, ray.origin, ray.direction);
+        return std::pair(passing, ray.origin + passing.at * ray.direction);
+    };
+    double inside = -search, outside = search;
+    auto [at, place] = look(0);
+    if (at.hits) inside = 0;
+    else outside = 0;
+    // The end of the bracket that is not known is stepped to in growing steps.
+    for (double step = std::min(2.0, search); at.hits ? outside == search : inside == -search; step *= 2) {
+        const double s = at.hits ? std::min(inside + step, search) : std::max(outside - step, -search);
+        const auto next = look(s);
+        if (next.first.hits == at.hits) {
+            if (std::abs(s) >= search) return false;
+            (at.hits ? inside : outside) = s;
+            continue;
+        }
+        (at.hits ? outside : inside) = s;
+        break;
+    }
+    for (int round = 0; round < 40 && outside - inside > 0.002; ++round) {
+        std::tie(at, place) = look(outside);
+        const double pixels = at.least * focal / std::max(camera.to_camera(place)[2], 1e-6);
+        const double guess = outside - std::max(pixels - 0.0005, 0.0005);
+        const double s = guess > inside && round % 4 != 3 ? guess : 0.5 * (inside + outside);
+        (look(s).first.hits ? inside : outside) = s;
+    }
+    std::tie(at, place) = look(outside);
+    match.displacement = 0.5 * (inside + outside);
+    match.foot = place;
+    return true;
+}
+
+std::vector<Match> match_outlines(const scene::CameraModel& camera, const SeenSolid& solid, const std::vector<ContourPoint>& contour,
+                                  double search, std::size_t stride) {
+    std::vector<Match> out;
+    for (std::size_t i = 0; i < contour.size(); i += stride) {
+        Match match;
+        match.point = i;
+        if (find_outline(camera, solid, contour[i], search, match) && camera.to_camera(match.foot)[2] > scene::CameraModel::near_plane)
+            out.push_back(match);
+    }
+    return out;
+}
+
+double median(std::vector<double> values) {
+    if (values.empty()) return 0;
+    const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
+    std::nth_element(values.begin(), middle, values.end());
+    return *middle;
+}
+
+// Robust deviation about zero.
+double spread_of(const std::vector<Match>& matches) {
+    std::vector<double> sizes;
+    for (const auto& match : matches) sizes.push_back(std::abs(match.displacement));
+    return std::max(floor_noise, 1.4826 * median(sizes));
+}
+
+double weight_of(double displacement, double deviation) {
+    const double u = displacement / (tukey * deviation);
+    return std::abs(u) < 1 ? (1 - u * u) * (1 - u * u) : 0;
+}
+
+struct Normal {
+    PoseMatrix information = PoseMatrix::zeros();
+    PoseVector gradient = PoseVector::all(0);
+    cv::Matx<double, 6, 12> across = cv::Matx<double, 6, 12>::zeros();
+    double weights = 0, mean = 0;
+};
+
+// Equations of sum w (d + n . J x)^2.
+Normal equations(const scene::CameraModel& camera, const std::vector<ContourPoint>& contour, const std::vector<Match>& matches,
+                 double deviation, bool with_lens) {
+    Normal out;
+    for (const auto& match : matches) {
+        const double w = weight_of(match.displacement, deviation);
+        if (w == 0) continue;
+        const auto& n = contour[match.point].normal;
+        const cv::Matx<double, 1, 2> normal(n[0], n[1]);
+        const cv::Matx<double, 1, 6> row = normal * pixel_jacobian(camera, match.foot);
+        out.information += w * row.t() * row;
+        for (int i = 0; i < 6; ++i) out.gradient[i] -= w * match.displacement * row(i);
+        if (with_lens) out.across += w * row.t() * (normal * lens_jacobian(camera, match.foot));
+        out.weights += w;
+        out.mean += w * match.displacement;
+    }
+    out.mean /= std::max(out.weights, 1e-300);
+    return out;
+}
+
+// The equations of the points that fit, for the estimate with correlated errors.
+std::vector<OutlineEquation> fitting_equations(const scene::CameraModel& camera, const std::vector<ContourPoint>& contour,
+                                               const std::vector<Match>& matches, double deviation) {
+    std::vector<OutlineEquation> out;
+    for (const auto& match : matches) {
+        if (std::abs(match.displacement) > 4 * deviation) continue;
+        const auto& point = contour[match.point];
+        out.push_back({match.displacement, cv::Matx<double, 1, 2>(point.normal[0], point.normal[1]) * pixel_jacobian(camera, match.foot), point.pixel, point.normal});
+    }
+    return out;
+}
+
+PoseMatrix prior_of(const CameraRecord& start, const ContourPoseOptions& options) {
+    if (start.pose_covariance) return inverse(matrix_of(*start.pose_covariance));
+    PoseMatrix prior = PoseMatrix::zeros();
+    for (int i = 0; i < 6; ++i) prior(i, i) = 1 / std::pow(i < 3 ? options.angle : options.shift, 2);
+    return prior;
+}
+
+// Change that leads from one pose to another one, to first order in the translation.
+PoseVector change_between(const scene::CameraPose& from, const scene::CameraPose& to) {
+    const Vec3 w = scene::rotation_vector(scene::product(to.rotation, scene::transposed(from.rotation)));
+    const Vec3 t = to.translation - from.translation;
+    return {w[0], w[1], w[2], t[0], t[1], t[2]};
+}
+
+} // namespace
+
+ContourPose refine_on_contour(const CameraRecord& given, const SeenSolid& solid, const Silhouette& silhouette, const ContourPoseOptions& options) {
+    const auto start = for_pictures(given, silhouette.mask.width, silhouette.mask.height, silhouette.name);
+    if (!start.pose) (void)start.model(); // says that it has none
+    const auto contour = find_contour(silhouette.mask);
+    const PoseMatrix prior = prior_of(start, options);
+    ContourPose out;
+    auto& pose = out.estimate.pose = *start.pose;
+    out.overlap_before = overlap(look_at(unchecked_camera(start.lens, pose), {solid}).mask(), silhouette.mask);
+    double search = options.search, deviation = search;
+    std::vector<Match> matches;
+    Normal normal;
+    OutlineFit fit;
+    for (int round = 0; round < rounds; ++round) {
+        const auto camera = unchecked_camera(start.lens, pose);
+        // Far from the end a part of the outline will do.
+        const bool fine = round + last_rounds >= rounds;
+        matches = match_outlines(camera, solid, contour, search, fine ? 1 : std::max<std::size_t>(1, contour.size() / 150));
+        if (matches.size() < 20)
+            throw InputError({silhouette.name, "the outline of " + solid.name + " lies nowhere near that of the silhouette",
+                              "the pose is too far off, or the frame shows something else", "look at the overlay; give a better pose by points"});
+        deviation = spread_of(matches);
+        const PoseVector to_start = change_between(pose, *start.pose);
+        if (fine) {
+            fit = fit_outline(fitting_equations(camera, contour, matches, deviation), prior, to_start);
+            normal = equations(camera, contour, matches, deviation, start.covariance.has_value());
+            if (round + 1 < rounds) pose = changed(pose, fit.change);
+        } else {
+            normal = equations(camera, contour, matches, deviation, false);
+            const double variance = deviation * deviation * coarse_correlation;
+            const cv::Matx<double, 6, 1> step =
+                inverse((1 / variance) * normal.information + prior) * ((1 / variance) * normal.gradient + PoseVector((prior * to_start).val));
+            pose = changed(pose, PoseVector(step.val));
+        }
+        search = std::min(std::max({0.75 * search, narrowest, 5 * deviation}), options.search);
+    }
+    PoseMatrix covariance = fit.covariance;
+    if (start.covariance) {
+        const cv::Matx<double, 6, 12> by_lens = inverse(normal.information) * normal.across;
+        covariance += by_lens * cv::Matx<double, 12, 12>(start.covariance->values.data()) * by_lens.t();
+    }
+    out.estimate.covariance = covariance_of(covariance);
+    std::size_t fitting = 0;
+    double squares = 0, weights = 0;
+    for (const auto& match : matches) {
+        const double w = weight_of(match.displacement, deviation);
+        fitting += w > 0;
+        squares += w * match.displacement * match.displacement;
+        weights += w;
+    }
+    out.estimate.noise = std::max(fit.deviation, 0.0);
+    out.estimate.rms = std::sqrt(squares / std::max(weights, 1e-300));
+    out.mean = normal.mean;
+    out.correlation = fit.correlation;
+    out.pieces = fit.pieces;
+    out.points = contour.size();
+    out.fitting = double(fitting) / double(contour.size());
+    out.overlap_after = overlap(look_at(unchecked_camera(start.lens, pose), {solid}).mask(), silhouette.mask);
+    if (out.fitting < 0.2)
+        throw InputError({silhouette.name, "only " + format_number(std::round(100 * out.fitting)) + " % of the silhouette's outline meets that of " + solid.name,
+                          "the pose is too far off, or the frame shows something else", "look at the overlay; give a better pose by points"});
+    if (out.fitting < 0.6)
+        out.estimate.warnings.push_back("only " + format_number(std::round(100 * out.fitting)) + " % of the silhouette's outline is that of " + solid.name +
+                                        ": the rest may have moved, or is hidden");
+    return out;
+}
+
+} // namespace treacle::video

@@ -1,0 +1,32 @@
+#pragma once
+#include "video/camera/camera_file.hpp"
+#include "video/drawing/view.hpp"
+#include "video/picture/image.hpp"
+#include "video/pose/solid_view.hpp"
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace treacle::video {
+
+enum class OverlayKind { liquid, body };
+
+struct SceneOverlay {
+    std::vector<SeenSolid> solids;
+    std::vector<OverlayKind> kinds; // of each solid
+    DomainBox domain;
+    std::optional<Mask> silhouette; // its outline is drawn too
+    std::string caption;
+};
+
+// A frame with the scene drawn over it as the camera sees it: the solids tinted and with bright outlines, liquids blue,
+// bodies orange; the edges of the domain grey; the axes at the scene's origin red, green, blue; a silhouette's outline
+// white. InputError for a frame of another size than the camera's pictures.
+Image draw_overlay(const CameraRecord& camera, const std::filesystem::path& frame, const SceneOverlay& overlay);
+
+// The board as it was found in a picture, with its axes from the first point.
+Image draw_board_axes(const std::filesystem::path& picture, const Board& board, const BoardView& view);
+
+} // namespace treacle::video
