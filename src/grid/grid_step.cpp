@@ -6,7 +6,6 @@
 #include "scene/shapes/vector_math.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 
 namespace treacle::grid {
@@ -15,17 +14,11 @@ namespace {
 constexpr double least_depth = 0.05; // widths, of the centre of a cell with a drop or a sheet thinner than it
 constexpr double longest_growth = 1.5; // of a step over the one before it
 constexpr int layers = 3;  // of halo: what linear interpolation and a step of CFL 3 reach
-
-double load_imbalance(const Comm& comm, int particles) {
-    const auto most = comm.max(static_cast<std::int64_t>(particles));
-    const auto all = comm.sum(static_cast<std::int64_t>(particles));
-    return all > 0 ? double(most) * comm.size() / double(all) : 1.0;
-}
 } // namespace
 
 GridStep::GridStep(const Comm& comm, const GridSetup& setup)
     : comm_(comm), setup_(setup), grid_(make_mac_grid(setup.domain)), bodies_(setup.rigid),
-      decomposition_(comm, grid_.cells), source_(make_layer_source(setup.inflow, grid_)),
+      decomposition_(comm, grid_.cells), load_balance_(setup.options.rebalance_above), source_(make_layer_source(setup.inflow, grid_)),
       outlets_(flow::make_outlets(setup.inflow.outlets, grid_.dimensions)), solids_(grid_, setup.domain),
       slip_(grid_, setup.domain, setup.slip), resting_(grid_, setup.domain, setup.rigid.bodies.size()),
       gripping_(grid_, setup.domain, setup.rigid.bodies.size()), rheology_(setup.rheology), tensions_(setup.surface_tension),
@@ -59,47 +52,27 @@ void GridStep::restore_history(std::span<const double> state) {
 }
 
 void GridStep::restore(std::span<const std::int64_t> state) {
-    imbalance_after_cut_ = std::bit_cast<double>(state[0]);
-    decomposition_.restore(state.subspan(1));
+    load_balance_.restore(state, decomposition_);
     halo_.connect(decomposition_);
     place_particles();
 }
 
-std::vector<std::int64_t> GridStep::decomposition_state() const {
-    auto out = decomposition_.state();
-    out.insert(out.begin(), std::bit_cast<std::int64_t>(imbalance_after_cut_));
-    return out;
-}
+std::vector<std::int64_t> GridStep::decomposition_state() const { return load_balance_.state(decomposition_); }
 
 // By particles; cells' own cost follows them.
 void GridStep::recut() {
     if (comm_.size() > 1) {
-        std::vector<int> cells;
-        std::vector<double> weights;
-        const auto x = on_host(particles_.position());
-        for (int i = 0; i < particles_.store.owned(); ++i) {
-            int c[3];
-            grid_.cells.locate(x(i, 0), x(i, 1), x(i, 2), c);
-            if (!weights.empty() && std::equal(c, c + 3, cells.end() - 3)) {
-                weights.back() += 1;
-                continue;
-            }
-            cells.insert(cells.end(), c, c + 3);
-            weights.push_back(1);
-        }
-        decomposition_.recut(cells, weights);
+        load_balance_.add(particles_.store, grid_.cells);
+        load_balance_.cut(decomposition_);
     }
     halo_.connect(decomposition_);
 }
 
 void GridStep::rebalance() {
-    if (comm_.size() == 1) return;
-    const double imbalance = load_imbalance(comm_, particles_.store.owned());
-    // The best cut along cells may itself be uneven: cut again only when it has become worse than that.
-    if (imbalance < setup_.options.rebalance_above || imbalance < 1.05 * imbalance_after_cut_) return;
+    if (!load_balance_.is_due(comm_, particles_.store.owned())) return;
     recut();
     place_particles();
-    imbalance_after_cut_ = load_imbalance(comm_, particles_.store.owned());
+    load_balance_.note_cut(comm_, particles_.store.owned());
 }
 
 // Arrays over the block around the particles, and the solids in it.

@@ -23,6 +23,7 @@
 #include "grid/viscosity/viscosity.hpp"
 #include "grid/viscosity/wall_momentum.hpp"
 #include "mpi/halo.hpp"
+#include "mpi/load_balance.hpp"
 #include "mpi/migration.hpp"
 
 #include <array>
@@ -172,6 +173,7 @@ private:
     Array<double> particle_mass_{"treacle::particle_mass", 0}; // [liquids]
     rigid::RigidBodies bodies_;
     Decomposition decomposition_;
+    LoadBalance load_balance_;
     Migration migration_;
     CellSort sort_;
     Halo halo_;
@@ -214,7 +216,6 @@ private:
     EndMotion end_motion_;
     MomentumBalance balance_;
     std::int64_t steps_ = 0;
-    double imbalance_after_cut_ = 1;
     double before_ = 0, dt_ = 0; // [s] length of the last step, 0: there was none; of this one
     double crowding_ = 0; // largest density error that the last correction of places left
 };

@@ -2,12 +2,12 @@
 
 #include "base/text/error.hpp"
 #include "sph/forces/density.hpp"
+#include "sph/forces/motion.hpp"
 #include "sph/forces/skin_friction.hpp"
 #include "sph/forces/wall_contact.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 
 namespace treacle::sph {
 
@@ -23,11 +23,9 @@ bool viscosity_by_operator(const IsphSetup& setup) {
 } // namespace
 
 IsphStep::IsphStep(const Comm& comm, const IsphSetup& setup)
-    : comm_(comm), setup_(setup), decomposition_(comm, setup.grid), iisph_(setup.forces.gravity),
+    : comm_(comm), setup_(setup), decomposition_(comm, setup.grid), load_balance_(setup.options.rebalance_above),
       bodies_(setup.rigid, setup.solid_scale, setup.first_body, setup.bodies, setup.domain, setup.sides),
-      hierarchy_(make_hierarchy(comm, setup.options, setup.constants, setup.domain, setup.grid)),
-      solver_(comm, "pressure", krylov_options(setup.options, setup.constants.dimensions, hierarchy_.get())),
-      complementarity_(comm, solver_.options()) {
+      pressure_(comm, setup.options, setup.constants, setup.domain, setup.grid, setup.forces.gravity) {
     explicit_forces_ = setup.forces;
     if (viscosity_by_operator(setup)) {
         const auto& forces = setup.forces;
@@ -39,22 +37,19 @@ IsphStep::IsphStep(const Comm& comm, const IsphSetup& setup)
     }
     outlets_ = flow::make_outlets(setup.inflow.outlets, setup.domain.dimensions);
     if (!setup.inflow.inlets.empty()) inflow_.emplace(setup.inflow, setup.constants, setup.domain, liquid_);
-    if (setup.options.pressure.solver != PressureSolver::dfsph) return;
-    divergence_field_ = liquid_.store.add<Array<double>>("divergence_pressure", "Pa", FieldRole::state);
+    pressure_.add_fields(liquid_);
 }
 
 StepParts IsphStep::parts() {
     return {setup_.options, setup_.constants, comm_, liquid_, solid_, neighbours_, halo_, cells_, inflow_ || solid_speed() > 0};
 }
 
-ComplementarityParts IsphStep::complementarity_parts() {
-    return {setup_.options, setup_.constants, comm_, liquid_, neighbours_, halo_, anchoring_};
+PressureParts IsphStep::pressure_parts() {
+    return {parts(), solid_, solid_halo_, setup_.grid, solid_cells_, bodies_, inflow_ ? &*inflow_ : nullptr, timers_};
 }
 
 void IsphStep::start(SolidVolumes volumes) {
-    if (divergence_field_ >= 0 && volumes == SolidVolumes::compute) {
-        Kokkos::deep_copy(liquid_.store.get<Array<double>>(divergence_field_), 0.0);
-    }
+    pressure_.start(liquid_, volumes == SolidVolumes::keep ? LastPressures::known : LastPressures::none);
     if (viscosity_ && volumes == SolidVolumes::compute) viscosity_->start(liquid_);
     recut();
     if (inflow_ && volumes == SolidVolumes::compute) {
@@ -63,7 +58,6 @@ void IsphStep::start(SolidVolumes volumes) {
     }
     place_liquid();
     place_solids();
-    last_pressures_ = volumes == SolidVolumes::keep ? LastPressures::known : LastPressures::none;
     if (volumes == SolidVolumes::keep) return;
     bodies_.mark_start(solid_);
     bodies_.set_velocities(solid_);
@@ -74,59 +68,20 @@ void IsphStep::start(SolidVolumes volumes) {
 }
 
 void IsphStep::restore(std::span<const std::int64_t> state) {
-    std::memcpy(&imbalance_after_cut_, state.data(), sizeof imbalance_after_cut_);
-    decomposition_.restore(state.subspan(1));
+    load_balance_.restore(state, decomposition_);
     halo_.connect(decomposition_);
     solid_halo_.connect(decomposition_);
     place_liquid();
     place_solids();
 }
 
-std::vector<std::int64_t> IsphStep::decomposition_state() const {
-    auto out = decomposition_.state();
-    std::int64_t bits = 0;
-    std::memcpy(&bits, &imbalance_after_cut_, sizeof bits);
-    out.insert(out.begin(), bits);
-    return out;
-}
-
-namespace {
-// The cells of a store's particles with their weights. Liquid lies in the grid; a solid may reach beyond it and then
-// counts for the nearest cell, whose rank owns it.
-void append_weights(const ParticleStore& store, const CellGrid& grid, double weight, std::vector<int>& cells,
-                    std::vector<double>& weights) {
-    const auto x = on_host(store.position());
-    int last[3] = {-1, -1, -1};
-    for (int i = 0; i < store.owned(); ++i) {
-        int c[3];
-        grid.locate(x(i, 0), x(i, 1), x(i, 2), c);
-        for (int k = 0; k < 3; ++k) c[k] = std::clamp(c[k], 0, grid.count[k] - 1);
-        if (i > 0 && c[0] == last[0] && c[1] == last[1] && c[2] == last[2]) {
-            weights.back() += weight; // sorted particles share their cell with the one before
-            continue;
-        }
-        for (int k = 0; k < 3; ++k) {
-            last[k] = c[k];
-            cells.push_back(c[k]);
-        }
-        weights.push_back(weight);
-    }
-}
-
-double load_imbalance(const Comm& comm, int particles) {
-    const auto most = comm.max(static_cast<std::int64_t>(particles));
-    const auto all = comm.sum(static_cast<std::int64_t>(particles));
-    return all > 0 ? double(most) * comm.size() / double(all) : 1.0;
-}
-} // namespace
+std::vector<std::int64_t> IsphStep::decomposition_state() const { return load_balance_.state(decomposition_); }
 
 void IsphStep::recut() {
     if (comm_.size() > 1) {
-        std::vector<int> cells;
-        std::vector<double> weights;
-        append_weights(liquid_.store, setup_.grid, 1.0, cells, weights);
-        append_weights(solid_.store, setup_.grid, solid_weight, cells, weights);
-        decomposition_.recut(cells, weights);
+        load_balance_.add(liquid_.store, setup_.grid);
+        load_balance_.add(solid_.store, setup_.grid, solid_weight);
+        load_balance_.cut(decomposition_);
     }
     halo_.connect(decomposition_);
     solid_halo_.connect(decomposition_);
@@ -134,19 +89,16 @@ void IsphStep::recut() {
 
 // With the particles at their owners, so that a cut does not depend on whether a frame was written before.
 void IsphStep::rebalance() {
-    if (comm_.size() == 1) return;
-    const double imbalance = load_imbalance(comm_, liquid_.store.owned());
-    // The best cut along cells may itself be uneven: cut again only when it has become worse than that.
-    if (imbalance < setup_.options.rebalance_above || imbalance < 1.05 * imbalance_after_cut_) return;
+    if (!load_balance_.is_due(comm_, liquid_.store.owned())) return;
     recut();
     place_liquid();
     place_solids();
-    imbalance_after_cut_ = load_imbalance(comm_, liquid_.store.owned());
+    load_balance_.note_cut(comm_, liquid_.store.owned());
 }
 
 void IsphStep::place_liquid() {
     auto window = migration_.to_owner(liquid_.store, decomposition_).cells;
-    if (solids_unknown()) window = decomposition_.box(); // solids look for liquid of other ranks as well
+    if (solids_unknown(setup_.options)) window = decomposition_.box(); // solids look for liquid of other ranks as well
     sort_.sort(liquid_.store, setup_.grid, window, cells_);
     halo_.rebuild(liquid_.store, cells_);
 }
@@ -164,14 +116,6 @@ void IsphStep::find_neighbours() {
     const double support = setup_.constants.support;
     neighbours_.liquid.build(liquid_.store, liquid_.store, setup_.grid, cells_, support);
     neighbours_.solid.build(liquid_.store, solid_.store, setup_.grid, solid_cells_, support);
-    if (!solids_unknown()) return;
-    solid_rows_.liquid.build(solid_.store, liquid_.store, setup_.grid, cells_, support);
-    solid_rows_.solid.build(solid_.store, solid_.store, setup_.grid, solid_cells_, support);
-}
-
-bool IsphStep::solids_unknown() const {
-    const auto& pressure = setup_.options.pressure;
-    return pressure.solver == PressureSolver::isph && pressure.solid_term == SolidTerm::unknowns;
 }
 
 void IsphStep::update_density(StepReport& report) {
@@ -191,69 +135,6 @@ void IsphStep::refresh() {
     compute_density(setup_.options, setup_.constants, liquid_, solid_, neighbours_);
     Kokkos::deep_copy(liquid_.role(), static_cast<int>(Role::poisson));
 }
-
-namespace {
-bool bounded(const SphOptions& options) { return options.pressure.dirichlet == DirichletRule::complementarity; }
-
-// Adds the work of another solve of the same step.
-void add_work(const solve::SolveReport& other, solve::SolveReport& to) {
-    to.iterations += other.iterations;
-    to.products += other.products;
-    to.iteration_seconds += other.iteration_seconds;
-}
-
-[[noreturn]] void fail(const solve::SolveReport& report, std::int64_t unknowns, const std::string& instead) {
-    throw SimulationError({"pressure solve", report.reason,
-                           "after " + std::to_string(report.iterations) + " iterations on " +
-                               std::to_string(unknowns) + " unknowns",
-                           "take a smaller time step, or " + instead});
-}
-} // namespace
-
-void IsphStep::solve_pressure(solve::Matrix& matrix, const PressureSystem::HostSystem& host, double dt,
-                              StepReport& report) {
-    const auto rows = static_cast<std::size_t>(system_.rows());
-    const auto& options = setup_.options.pressure;
-    auto test = solve::ConvergenceTest::residual(options.residual);
-    if (options.stop == StoppingRule::density_error) {
-        // Mean compression that the residual leaves: r dt^2 is what the predicted density still exceeds rho0 by.
-        const double unknowns = bounded(setup_.options) ? double(comm_.sum(report.roles.poisson))
-                                                        : double(system_.global_rows());
-        const double scale = dt * dt / (setup_.constants.rest_density * std::max(1.0, unknowns));
-        test = solve::ConvergenceTest::measure(
-            [scale](std::span<const double> residual) {
-                double sum = 0;
-                for (const double r : residual) sum += std::max(0.0, r);
-                return sum * scale;
-            },
-            options.density_tolerance(), options.residual_tolerance());
-    }
-    if (hierarchy_) hierarchy_->refer_to(liquid_, solid_);
-    if (bounded(setup_.options)) {
-        report.pressure = complementarity_.solve(complementarity_parts(), matrix, host, test, report.anchored);
-        report.misclassified = comm_.sum(complementarity_.misclassified());
-    } else {
-        report.pressure =
-            solver_.solve(matrix, {host.right_hand_side.data(), rows}, {host.solution.data(), rows}, test);
-    }
-    system_.take_solution(host);
-    if (!report.pressure.converged()) {
-        fail(report.pressure, system_.global_rows(), "another method.pressure.preconditioner");
-    }
-}
-
-void IsphStep::correct_pressures(solve::Matrix& matrix, double dt, StepReport& report) {
-    const auto step = parts();
-    const auto corrected = correction_.correct({step, matrix, solver_}, iisph_, dt);
-    add_work(corrected, report.pressure);
-    report.pressure.error_measure = corrected.error_measure;
-}
-
-namespace {
-bool implicit_bodies(const SphOptions& options, const Bodies& bodies) {
-    return bodies.any_dynamic() && options.pressure.body_coupling == BodyCoupling::implicit;
-}
-} // namespace
 
 // (S4), for the liquid.
 void IsphStep::accelerate(StepReport& report, double dt) {
@@ -306,85 +187,6 @@ void IsphStep::accelerate_bodies(StepReport& report, double dt) {
     push_by_viscosity(report.viscous_loads, dt);
 }
 
-void IsphStep::assemble_system() {
-    if (solids_unknown()) {
-        system_.assemble_joint(setup_.options, setup_.constants, comm_,
-                               {liquid_, solid_, neighbours_, solid_rows_, halo_, solid_halo_});
-    } else {
-        system_.assemble(setup_.options, setup_.constants, comm_, liquid_, neighbours_, halo_);
-    }
-}
-
-void IsphStep::find_pressures(StepReport& report, double dt) {
-    const auto& options = setup_.options;
-    const auto& constants = setup_.constants;
-    const bool answering = implicit_bodies(options, bodies_);
-    {
-        const auto phase = timers_.scope("predict");
-        if (answering) {
-            response_.build(options, constants, liquid_, solid_, neighbours_, bodies_);
-            response_.apply_to_pressure(comm_, liquid_);
-        }
-        report.roles = predict(options, constants, liquid_, solid_, neighbours_, last_pressures_, dt,
-                               answering ? Answer::bodies : Answer::none); // (S5), (S6)
-        last_pressures_ = LastPressures::known;
-        if (inflow_) {
-            inflow_->close(liquid_);
-            report.roles = count_roles(liquid_);
-        }
-        halo_.gather(liquid_.store, {liquid_.role_field()});
-        if (solids_unknown()) {
-            report.roles.poisson += solid_rows_.predict(options, constants, liquid_, solid_, neighbours_, solid_halo_);
-        }
-        report.anchored = bounded(options) ? complementarity_.anchor(complementarity_parts())
-                                           : anchoring_.anchor(options, constants, comm_, liquid_, neighbours_, halo_);
-    }
-    PressureSystem::HostSystem host;
-    {
-        const auto phase = timers_.scope("assemble");
-        assemble_system();
-        host = system_.to_host();
-    }
-    {
-        solve::Matrix matrix(comm_, system_.blocks(host));
-        if (answering) matrix.set_addition(response_.addition(comm_, liquid_, system_));
-        if (matrix_observer_) matrix_observer_(matrix);
-        const auto phase = timers_.scope("solve");
-        solve_pressure(matrix, host, dt, report); // (S7)
-        system_.store_pressure(liquid_);
-        if (bounded(options)) report.roles = count_roles(liquid_);
-        if (solids_unknown()) system_.store_solid_pressure(solid_);
-        if (options.pressure.corrections > 0) correct_pressures(matrix, dt, report); // (S7c)
-    }
-}
-
-void IsphStep::find_pressures_by_iisph(StepReport& report, double dt) {
-    const auto phase = timers_.scope("solve");
-    const auto first = report.pressure; // of DFSPH
-    const bool answering = implicit_bodies(setup_.options, bodies_);
-    if (answering) response_.build(setup_.options, setup_.constants, liquid_, solid_, neighbours_, bodies_);
-    iisph_.give_way(answering ? &response_ : nullptr);
-    report.pressure = iisph_.solve(parts(), dt, report.roles);
-    iisph_.give_way(nullptr); // a shift of places does not move them
-    add_work(first, report.pressure);
-    last_pressures_ = LastPressures::known;
-    if (report.pressure.converged()) return;
-    fail(report.pressure, comm_.sum(static_cast<std::int64_t>(liquid_.store.owned())), "method.pressure.solver: isph");
-}
-
-// (I2) Where the velocities leave liquid that is compressed, the particles move on by more than their velocities.
-void IsphStep::shift_positions(const StepParts& parts, StepReport& report, double dt) {
-    const auto phase = timers_.scope("solve");
-    halo_.gather(liquid_.store, {liquid_.velocity_field()});
-    const auto shifted = iisph_.shift(parts, dt);
-    if (setup_.options.pressure.wall_contact == WallContact::stop) {
-        stop_shift_at_walls(parts, {bodies_.load_points(), dt}, liquid_.acceleration());
-    }
-    add_work(shifted, report.pressure);
-    if (shifted.converged()) return;
-    fail(shifted, comm_.sum(static_cast<std::int64_t>(liquid_.store.owned())), "method.pressure.recovery: velocities");
-}
-
 // (I2) Moves what stands too close apart, at rest, until the mean compression is below that of the rule; at most so many times.
 void IsphStep::spread(int times) {
     constexpr double close_compression = 0.05; // of liquid half a spacing off corners of solids: 0.04
@@ -400,24 +202,10 @@ void IsphStep::spread(int times) {
         const double count = comm_.sum(double(liquid_.store.owned()));
         if (k == 0 && comm_.max(report.max_compression) <= close_compression) return;
         if (comm_.sum(report.mean_compression) <= setup_.options.pressure.density_tolerance() * count) return;
-        iisph_.prepare_pairs(loose);
-        shift_positions(loose, report, dt);
+        pressure_.prepare_shift(loose);
+        pressure_.shift(loose, bodies_.load_points(), report, dt);
         move_particles(setup_.domain, liquid_, dt, Use::yes);
     }
-}
-
-// The divergence-free solve of DFSPH: of the last step, at the places that it led to.
-void IsphStep::remove_divergence(StepReport& report, double dt) {
-    const auto phase = timers_.scope("solve");
-    const auto& last = liquid_.store.get<Array<double>>(divergence_field_);
-    report.pressure = iisph_.solve_divergence(parts(), dt, last);
-    if (!report.pressure.converged()) {
-        const auto particles = comm_.sum(static_cast<std::int64_t>(liquid_.store.owned()));
-        fail(report.pressure, particles, "method.pressure.solver: isph");
-    }
-    report.loads = apply_pressure(setup_.options, setup_.constants, liquid_, solid_, neighbours_,
-                                  bodies_.load_points(), dt);
-    halo_.gather(liquid_.store, {liquid_.velocity_field()});
 }
 
 // (S8)
@@ -479,7 +267,7 @@ StepReport IsphStep::advance(double dt) {
         const auto phase = timers_.scope("density");
         update_density(report); // (S1)-(S3)
     }
-    if (setup_.options.pressure.solver == PressureSolver::dfsph) remove_divergence(report, dt);
+    pressure_.remove_divergence(pressure_parts(), report, dt);
     {
         const auto phase = timers_.scope("forces");
         accelerate(report, dt); // (S4)
@@ -489,16 +277,15 @@ StepReport IsphStep::advance(double dt) {
         const auto phase = timers_.scope("forces");
         accelerate_bodies(report, dt);
     }
-    if (setup_.options.pressure.solver == PressureSolver::isph) {
-        find_pressures(report, dt); // (S5)-(S7)
-    } else {
-        find_pressures_by_iisph(report, dt); // (I)
-    }
+    pressure_.solve(pressure_parts(), report, dt); // (S5)-(S7) or (I)
     {
         const auto phase = timers_.scope("pressure force");
         push_by_pressure(report, dt);
     }
-    if (setup_.options.pressure.recovers_places()) shift_positions(parts(), report, dt);
+    if (setup_.options.pressure.recovers_places()) {
+        const auto phase = timers_.scope("solve");
+        pressure_.shift(parts(), bodies_.load_points(), report, dt); // (I2)
+    }
     {
         const auto phase = timers_.scope("move");
         move(report, dt);
@@ -567,7 +354,7 @@ double IsphStep::stable_step(double cfl) const {
 
 std::size_t IsphStep::bytes() const {
     return liquid_.bytes() + solid_.store.bytes() + neighbours_.liquid.bytes() + neighbours_.solid.bytes() +
-           system_.bytes() + iisph_.bytes() + correction_.bytes() + (viscosity_ ? viscosity_->bytes() : 0) + (hierarchy_ ? hierarchy_->bytes() : 0);
+           pressure_.bytes() + (viscosity_ ? viscosity_->bytes() : 0);
 }
 
 } // namespace treacle::sph

@@ -1,23 +1,15 @@
 #pragma once
 #include "base/timers.hpp"
+#include "mpi/load_balance.hpp"
 #include "mpi/migration.hpp"
-#include "solve/krylov/krylov.hpp"
 #include "sph/forces/forces.hpp"
 #include "sph/forces/inflow.hpp"
-#include "sph/forces/motion.hpp"
-#include "sph/iisph/density_correction.hpp"
-#include "sph/iisph/iisph.hpp"
-#include "sph/pressure/body_response.hpp"
-#include "sph/pressure/complementarity.hpp"
-#include "sph/pressure/prediction.hpp"
-#include "sph/pressure/pressure_hierarchy.hpp"
-#include "sph/pressure/pressure_system.hpp"
 #include "sph/solids/bodies.hpp"
+#include "sph/step_pressure.hpp"
+#include "sph/step_report.hpp"
 #include "sph/surface_tension/surface_tension.hpp"
 #include "sph/viscosity/implicit_viscosity.hpp"
 
-#include <functional>
-#include <memory>
 #include <optional>
 
 namespace treacle::sph {
@@ -38,23 +30,6 @@ struct IsphSetup {
     int first_body = 0;       // number, among the solids that carry loads, of the first of these bodies
 };
 
-struct StepReport {
-    double dt = 0;                     // [s]
-    solve::SolveReport pressure;
-    solve::SolveReport viscosity;      // of the implicit one
-    RoleCounts roles;                  // over all ranks
-    std::int64_t stopped = 0;          // particles stopped at the surface of a solid, over all ranks
-    std::int64_t anchored = 0;         // Poisson particles made Dirichlet for solvability
-    std::int64_t misclassified = 0;    // that (S6) gave another role than the exact solution, over all ranks
-    double mean_compression = 0;       // of the density at the start of the step, share of rho0
-    double max_compression = 0;
-    double imbalance = 1;              // largest over mean number of particles per rank
-    BodyLoads loads;                   // [body][6] by pressure, summed over ranks [N], [N m]
-    BodyLoads viscous_loads;           // by viscosity, physical and artificial
-    std::vector<LostParticle> lost;    // of this rank, but for what flowed out
-    std::array<std::int64_t, loss_causes> lost_by_cause{}; // over all ranks
-};
-
 // Hybrid incompressible SPH (dissertation, Algorithms 1 and 2), collective over the decomposition's ranks.
 class IsphStep {
 public:
@@ -70,7 +45,7 @@ public:
     const Decomposition& decomposition() const { return decomposition_; }
     PhaseTimers& timers() { return timers_; }
     const PhaseTimers& timers() const { return timers_; }
-    const PressureSystem& system() const { return system_; }
+    const PressureSystem& system() const { return pressure_.system(); }
     const Neighbourhood& neighbours() const { return neighbours_; }
 
     // Collective: to be called when particles have been put into the stores, on whatever rank. Cuts the domain,
@@ -103,10 +78,8 @@ public:
     // With several liquids Mixture::step_share of the first of these.
     double stable_step(double cfl) const;
 
-    // Called with the pressure matrix of every step before its solve, outside of all phases: for measurements. IISPH
-    // has none.
-    using MatrixObserver = std::function<void(solve::Matrix&)>;
-    void observe_matrix(MatrixObserver observer) { matrix_observer_ = std::move(observer); }
+    // StepPressure::observe_matrix, for measurements.
+    void observe_matrix(StepPressure::MatrixObserver observer) { pressure_.observe_matrix(std::move(observer)); }
 
     // Bytes that this rank's particles, lists and matrix take.
     std::size_t bytes() const;
@@ -117,58 +90,38 @@ private:
     void place_liquid();
     void place_solids();
     void find_neighbours();
-    bool solids_unknown() const;
-    void assemble_system();
     void update_density(StepReport& report);
     void accelerate(StepReport& report, double dt);
     void apply_viscosity(StepReport& report, double dt);
     bool give_way() const;
     void push_by_viscosity(BodyLoads& loads, double dt);
     void accelerate_bodies(StepReport& report, double dt);
-    void correct_pressures(solve::Matrix& matrix, double dt, StepReport& report);
-    void find_pressures(StepReport& report, double dt);
-    void find_pressures_by_iisph(StepReport& report, double dt);
-    void shift_positions(const StepParts& parts, StepReport& report, double dt);
-    void remove_divergence(StepReport& report, double dt);
     void push_by_pressure(StepReport& report, double dt);
     void move(StepReport& report, double dt);
-    void solve_pressure(solve::Matrix& matrix, const PressureSystem::HostSystem& host, double dt,
-                        StepReport& report);
-    StepParts parts();
-    double solid_speed() const; // bound of the speeds of bodies that move and of the domain's sides [m/s]; the same on all ranks
-    ComplementarityParts complementarity_parts();
     void collect(StepReport& report);
+    StepParts parts();
+    PressureParts pressure_parts();
+    double solid_speed() const; // bound of the speeds of bodies that move and of the domain's sides [m/s]; the same on all ranks
 
     Comm comm_;
     IsphSetup setup_;
     LiquidParticles liquid_;
     SolidParticles solid_;
     Decomposition decomposition_;
+    LoadBalance load_balance_;
     Migration migration_;
     CellSort sort_;
     Halo halo_, solid_halo_;
     CellList cells_, solid_cells_;
     Neighbourhood neighbours_;
-    Anchoring anchoring_;
-    PressureSystem system_;
-    SolidRows solid_rows_; // of solids as unknowns
-    Iisph iisph_; // or the operator of the corrections
-    DensityCorrection correction_;
     ForceOptions explicit_forces_; // without the viscosity when that is implicit
     std::optional<ImplicitViscosity> viscosity_;
     std::optional<SurfaceTension> surface_tension_;
     std::optional<Inflow> inflow_;
     flow::Outlets outlets_;
-    int divergence_field_ = -1; // of the liquid, with DFSPH: the pressures of the last divergence-free solve [Pa]
     Bodies bodies_;
-    BodyResponse response_;
-    std::unique_ptr<PressureHierarchy> hierarchy_; // of the multilevel preconditioners
-    solve::KrylovSolver solver_;
-    Complementarity complementarity_; // with `dirichlet: complementarity` in its place
-    MatrixObserver matrix_observer_;
+    StepPressure pressure_;
     PhaseTimers timers_;
-    double imbalance_after_cut_ = 1;
-    LastPressures last_pressures_ = LastPressures::known;
 };
 
 } // namespace treacle::sph

@@ -1,7 +1,7 @@
 #pragma once
 #include "solve/krylov/krylov.hpp"
 #include "sph/forces/motion.hpp"
-#include "sph/model/load_points.hpp"
+#include "sph/forces/forces.hpp"
 #include "sph/pressure/prediction.hpp"
 
 #include <array>
