@@ -17,7 +17,7 @@
 #include "grid/transport/face_fields.hpp"
 #include "grid/transport/synchronise.hpp"
 #include "grid/unified/stokes.hpp"
-#include "grid/viscosity/rheology.hpp"
+#include "grid/rheology/rheology.hpp"
 #include "grid/viscosity/slip_geometry.hpp"
 #include "grid/viscosity/step_strains.hpp"
 #include "grid/viscosity/viscosity.hpp"

@@ -2,7 +2,7 @@
 #include "app/render/scene_surface.hpp"
 #include "identify/compare/comparison.hpp"
 #include "identify/experiment/study_file.hpp"
-#include "video/drawing/film_raster.hpp"
+#include "video/film/film_raster.hpp"
 
 #include <string>
 #include <vector>

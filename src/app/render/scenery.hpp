@@ -2,7 +2,7 @@
 #include "app/input/input.hpp"
 #include "scene/camera/camera_model.hpp"
 #include "surface/field/solids.hpp"
-#include "video/drawing/film_raster.hpp"
+#include "video/film/film_raster.hpp"
 
 namespace treacle::app {
 

@@ -3,8 +3,8 @@
 #include "base/text/error.hpp"
 #include "mpi/comm.hpp"
 #include "video/clip/clip_writer.hpp"
-#include "video/drawing/film_look.hpp"
-#include "video/drawing/film_raster.hpp"
+#include "video/film/film_look.hpp"
+#include "video/film/film_raster.hpp"
 
 #include <filesystem>
 #include <string>

@@ -2,7 +2,7 @@
 #include "identify/experiment/observation.hpp"
 #include "identify/experiment/views.hpp"
 #include "scene/camera/camera_model.hpp"
-#include "video/drawing/film_raster.hpp"
+#include "video/film/film_raster.hpp"
 
 namespace treacle::identify {
 

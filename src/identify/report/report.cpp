@@ -1,5 +1,6 @@
 #include "identify/report/report.hpp"
 
+#include "identify/report/report_charts.hpp"
 #include "base/text/file.hpp"
 #include "base/text/text.hpp"
 #include "identify/answer/profile.hpp"
@@ -30,69 +31,12 @@ double misfit_of(const Estimate& estimate, std::size_t experiment) {
 
 bool only(const StudyFile& file, ExperimentKind kind) { return std::ranges::all_of(file.experiments, [&](const auto& one) { return one.kind == kind; }); }
 
-// The dissertation's objective of an experiment.
-std::string mismatch_title(const Experiment& one) {
-    if (one.kind == ExperimentKind::contours) return "E (6.9) of " + one.name;
-    if (one.kind == ExperimentKind::occupancy) return "E (6.9) of how often pixels are liquid in " + one.name;
-    return one.kind == ExperimentKind::piv ? "E (E.1) of " + one.name + " [m2/s2]" : "mean square of " + one.name;
-}
-
 std::string percent(double share) { return digits(100 * share, 2) + " %"; }
 
 std::string row(const std::vector<std::string>& cells, const char* tag = "td") {
     std::string out = "<tr>";
     for (const auto& cell : cells) out += std::string("<") + tag + ">" + cell + "</" + tag + ">";
     return out + "</tr>\n";
-}
-
-// Of the search's objective, or of the mismatch of an experiment.
-study::Chart objective_chart(const StudyFile& file, const Identification& identification, std::optional<std::size_t> experiment) {
-    const auto& parameter = file.study.parameters.front();
-    study::Chart chart;
-    chart.title = experiment ? mismatch_title(file.experiments[*experiment]) : "Objective";
-    chart.x = {parameter.column(), parameter.scale == study::Scale::log ? study::AxisScale::log : study::AxisScale::linear};
-    chart.y = {experiment ? "E" : "objective", study::AxisScale::log};
-    study::ChartSeries dots;
-    for (const auto& trial : identification.trials) {
-        if (trial.purpose != "search" && trial.purpose != "around the answer") continue; // of another spacing or measured value
-        dots.x.push_back(trial.values.front());
-        dots.y.push_back(!experiment ? trial.objective : trial.mismatches.empty() ? std::nan("") : trial.mismatches[*experiment]);
-    }
-    chart.series.push_back(dots);
-    return chart;
-}
-
-study::Chart misfit_chart(const StudyFile& file, const Estimate& estimate, std::size_t experiment) {
-    study::Chart chart;
-    chart.title = "Left over by frame: " + file.experiments[experiment].name;
-    chart.x.label = "time [s]";
-    chart.y.label = std::string("root mean square [") + misfit_unit(file.experiments[experiment].kind) + "]";
-    study::ChartSeries line;
-    for (std::size_t i = 0; i < estimate.misfit.size(); ++i) {
-        if (estimate.misfit_of[i] != experiment) continue;
-        line.x.push_back(estimate.times[i]);
-        line.y.push_back(estimate.misfit[i]);
-    }
-    line.line = true;
-    chart.series.push_back(line);
-    return chart;
-}
-
-study::Chart convergence_chart(const StudyFile& file, const Identification& identification) {
-    study::Chart chart;
-    const auto& parameter = file.study.parameters.front();
-    chart.title = "Search";
-    chart.x.label = "trial";
-    chart.y = {parameter.column(), parameter.scale == study::Scale::log ? study::AxisScale::log : study::AxisScale::linear};
-    study::ChartSeries line;
-    for (std::size_t i = 0; i < identification.trials.size(); ++i) {
-        line.x.push_back(double(i + 1));
-        line.y.push_back(identification.trials[i].values.front());
-    }
-    auto dots = line;
-    line.line = true;
-    chart.series = {line, dots};
-    return chart;
 }
 
 // The parts of a variance by their names, the sum last.

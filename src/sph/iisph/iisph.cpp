@@ -1,24 +1,19 @@
 #include "sph/iisph/iisph.hpp"
 
 #include "base/text/clock.hpp"
-#include "kokkos/quad.hpp"
+#include "sph/iisph/iisph_loops.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <vector>
 
 namespace treacle::sph {
 
 namespace {
-// Weight of the Jacobi iteration, and share of the last pressures that it starts from (Ihmsen et al. 2014).
-constexpr double published_weight = 0.5;
+// Share of the last pressures that an iteration starts from (Ihmsen et al. 2014).
 constexpr double warm_start = 0.5;
 // Particles with fewer neighbours than that share of the lattice's need not be free of divergence: about the 20 of 30 that
 // SPlisHSPlasH asks for.
 constexpr double least_neighbours = 2.0 / 3;
-// Weight times largest eigenvalue on the lattice: disorder raises eigenvalues by a quarter, and 2 diverges.
-constexpr double stable_product = 1.5;
 // As published: without them a step may end before a pressure wave has started.
 constexpr int least_iterations = 2;
 // Liquid thinner than at rest by less than that many times `density_error` counts as full: compression and gaps that a solve leaves
@@ -30,175 +25,8 @@ constexpr double shift_softness = 0.1;
 // many spacings across, in inverse proportion in a wider one: what a lid or an inlet brings into one corner of the liquid is little
 // of the mean, and what is let in there does not turn the rest.
 constexpr double narrow = 6;
-// A solid bears liquid if its normal is nearer to the vertical than this sine away from the horizontal.
-constexpr double least_slope = 0.2;
 // Jacobi takes that many times the iterations of spectral gradients.
 constexpr int jacobi_patience = 20;
-
-// m grad W of the pairs, in single precision: a product reads 16 bytes a pair and is as long as these take to come.
-struct Gradients {
-    Array<float> x, y, z;
-
-    struct Near {
-        Lanes x, y, z;
-    };
-    // Gradients of the pairs from entry k of the list on; lanes beyond the end of the row hold others.
-    KOKKOS_INLINE_FUNCTION Near near(std::int64_t k) const {
-        return {load_lanes(x.data() + k), load_lanes(y.data() + k), load_lanes(z.data() + k)};
-    }
-};
-
-// g, the diagonal, which rows are watched, the gradients.
-template <class Kernel>
-struct PairLoop {
-    Kernel kernel;
-    Fluid fluid;
-    bool bearing; // only rows above solids are watched
-    double gravity[3];
-    RelativeDensity relative;
-    Gradients gradients;
-    Array<double> diagonal, watched;
-    Array3 own, force;
-
-    // True when solids, whose part of g is g - liquid, are below.
-    KOKKOS_INLINE_FUNCTION bool bears(const double g[3], const double liquid[3]) const {
-        double along = 0, square = 0, pull = 0;
-        for (int k = 0; k < 3; ++k) {
-            const double wall = g[k] - liquid[k];
-            along += gravity[k] * wall;
-            square += wall * wall;
-            pull += gravity[k] * gravity[k];
-        }
-        return along > 0 && along * along > least_slope * least_slope * square * pull;
-    }
-
-    KOKKOS_INLINE_FUNCTION void operator()(int i) const {
-        const Constants& c = fluid.constants;
-        const Row row = fluid.row(i);
-        const std::int64_t first = fluid.liquid.offset(i);
-        Lanes square = 0.0, gx = 0.0, gy = 0.0, gz = 0.0;
-        for (int k = 0; k < row.count; k += lanes) {
-            const auto d = row.near(k);
-            const auto along = distance(d.r2);
-            const Lanes gradient = row.within(k, c.mass * kernel.gradient(along.r, along.inverse));
-            const Lanes x = rounded(gradient * d.x), y = rounded(gradient * d.y), z = rounded(gradient * d.z);
-            store_floats(x, row.count - k, gradients.x.data() + first + k);
-            store_floats(y, row.count - k, gradients.y.data() + first + k);
-            store_floats(z, row.count - k, gradients.z.data() + first + k);
-            square = square + (x * x + y * y + z * z);
-            gx = gx + x;
-            gy = gy + y;
-            gz = gz + z;
-        }
-        const double liquid[3] = {sum_lanes(gx), sum_lanes(gy), sum_lanes(gz)};
-        double g[3] = {liquid[0], liquid[1], liquid[2]};
-        fluid.solid.each(i, [&](int s, double dx, double dy, double dz, double r2) {
-            const double gradient = c.rest_density * fluid.solid_volume(s) * kernel.gradient(math::sqrt(r2));
-            g[0] += gradient * dx;
-            g[1] += gradient * dy;
-            g[2] += gradient * dz;
-        });
-        for (int k = 0; k < 3; ++k) {
-            own(i, k) = g[k];
-            force(i, k) = liquid[k] + c.wall_push * (g[k] - liquid[k]);
-        }
-        watched(i) = !bearing || bears(g, liquid) ? 1 : 0;
-        diagonal(i) = (sum_lanes(square) + g[0] * g[0] + g[1] * g[1] + g[2] * g[2]) / relative(i);
-    }
-};
-
-template <class Kernel>
-struct SourceLoop {
-    Kernel kernel;
-    Fluid fluid;
-    double dt;
-    Iisph::Aim aim;
-    double needed; // neighbours
-    double slack;  // [kg/m3] of Aim::approach
-    RelativeDensity relative;
-    Gradients gradients;
-    Array<double> density, source, diagonal;
-
-    KOKKOS_INLINE_FUNCTION void operator()(int i) const {
-        const Constants& c = fluid.constants;
-        const auto &u = fluid.velocity, &v = fluid.solid_velocity;
-        const double ux = u(i, 0), uy = u(i, 1), uz = u(i, 2);
-        const Row row = fluid.row(i);
-        const std::int64_t first = fluid.liquid.offset(i);
-        Lanes divergence = 0.0;
-        for (int k = 0; k < row.count; k += lanes) {
-            const auto w = fluid.motions(row, k);
-            const auto g = gradients.near(first + k);
-            divergence = divergence + row.within(k, g.x * (ux - w.x) + g.y * (uy - w.y) + g.z * (uz - w.z));
-        }
-        double change = sum_lanes(divergence);
-        fluid.solid.each(i, [&](int s, double dx, double dy, double dz, double r2) {
-            const double gradient = c.rest_density * fluid.solid_volume(s) * kernel.gradient(math::sqrt(r2));
-            const double share = fluid.carries(s) ? 1 : 0;
-            change += gradient * ((ux - share * v(s, 0)) * dx + (uy - share * v(s, 1)) * dy + (uz - share * v(s, 2)) * dz);
-        });
-        if (aim != Iisph::Aim::divergence) {
-            const double excess = density(i) / relative(i) - c.rest_density;
-            source(i) = ((aim == Iisph::Aim::approach ? math::min(excess + slack, 0.0) : excess) + dt * change) / (dt * dt); // (2.4)
-        } else {
-            source(i) = change / dt;
-            if (row.count + fluid.solid.count(i) < needed) diagonal(i) = 0;
-        }
-    }
-};
-
-// q -> a, of the owned and ghost particles' `load`.
-struct AccelerationLoop {
-    Fluid fluid;
-    RelativeDensity relative;
-    Array<int> inlet; // of each particle, or empty
-    Gradients gradients;
-    Array3 force, acceleration;
-
-    KOKKOS_INLINE_FUNCTION void operator()(int i) const {
-        const Row row = fluid.row(i);
-        const std::int64_t first = fluid.liquid.offset(i);
-        Lanes fx = 0.0, fy = 0.0, fz = 0.0;
-        for (int k = 0; k < row.count; k += lanes) {
-            const Lanes q = row.within(k, gather_lanes(fluid.load.data(), load_ints(row.index + k)));
-            const auto g = gradients.near(first + k);
-            fx = fx + q * g.x;
-            fy = fy + q * g.y;
-            fz = fz + q * g.z;
-        }
-        const double q = fluid.load(i);
-        const double sum[3] = {sum_lanes(fx), sum_lanes(fy), sum_lanes(fz)};
-        const bool prescribed = inlet.size() > 0 && inlet(i) > 0;
-        const double inverse_density = prescribed ? 0 : 1 / relative(i);
-        for (int k = 0; k < 3; ++k) {
-            const double a = inverse_density * (-q * force(i, k) - sum[k]);
-            acceleration(i, k) = a;
-            fluid.motion(i, k) = a;
-        }
-    }
-};
-
-// a -> A q; a_j is `motion`.
-struct DensityChangeLoop {
-    Fluid fluid;
-    Gradients gradients;
-    Array3 own;
-    Array<double> product;
-
-    KOKKOS_INLINE_FUNCTION void operator()(int i) const {
-        const Row row = fluid.row(i);
-        const std::int64_t first = fluid.liquid.offset(i);
-        Lanes sum = 0.0;
-        for (int k = 0; k < row.count; k += lanes) {
-            const auto a = fluid.motions(row, k);
-            const auto g = gradients.near(first + k);
-            sum = sum + row.within(k, a.x * g.x + a.y * g.y + a.z * g.z);
-        }
-        double out = sum_lanes(sum);
-        for (int k = 0; k < 3; ++k) out -= fluid.motion(i, k) * own(i, k);
-        product(i) = out;
-    }
-};
 
 void write_loads(LiquidParticles& liquid, const Array<double>& q) {
     const auto load = liquid.load();
@@ -325,65 +153,7 @@ BoundedGoal divergence_goal(const SphOptions& options, const Constants& constant
     return {met, 1, jacobi_patience * options.pressure.max_iterations};
 }
 
-int lattice_neighbours(const Constants& constants) {
-    const int reach = static_cast<int>(constants.support / constants.spacing);
-    const int third = constants.dimensions == 3 ? reach : 0;
-    int count = -1; // itself
-    for (int z = -third; z <= third; ++z) {
-        for (int y = -reach; y <= reach; ++y) {
-            for (int x = -reach; x <= reach; ++x) {
-                count += constants.spacing * std::sqrt(double(x * x + y * y + z * z)) < constants.support ? 1 : 0;
-            }
-        }
-    }
-    return count;
-}
-
-// Largest eigenvalue of A scaled by its diagonal in an endless lattice: for wave numbers k,
-// |sum_j grad W_j sin(k.x_j)|^2 / sum_j |grad W_j|^2.
-template <class Kernel>
-double lattice_eigenvalue(const Kernel& kernel, const Constants& constants) {
-    constexpr int waves = 12;
-    const double d = constants.spacing;
-    const int reach = static_cast<int>(constants.support / d);
-    const int third = Kernel::dimensions == 3 ? 1 : 0;
-    std::vector<std::array<double, 6>> around; // place over spacing, gradient
-    double square = 0;
-    for (int z = -reach * third; z <= reach * third; ++z) {
-        for (int y = -reach; y <= reach; ++y) {
-            for (int x = -reach; x <= reach; ++x) {
-                const double r = d * std::sqrt(double(x * x + y * y + z * z));
-                if (r == 0 || r >= constants.support) continue;
-                const double g = kernel.gradient(r) * d;
-                around.push_back({double(x), double(y), double(z), g * x, g * y, g * z});
-                square += g * g * (x * x + y * y + z * z);
-            }
-        }
-    }
-    double largest = 0;
-    for (int kz = 0; kz <= waves * third; ++kz) {
-        for (int ky = 0; ky <= waves; ++ky) {
-            for (int kx = 0; kx <= waves; ++kx) {
-                double sum[3] = {0, 0, 0};
-                for (const auto& j : around) {
-                    const double wave = std::sin(math::pi / waves * (kx * j[0] + ky * j[1] + kz * j[2]));
-                    for (std::size_t c = 0; c < 3; ++c) sum[c] += wave * j[3 + c];
-                }
-                largest = std::max(largest, (sum[0] * sum[0] + sum[1] * sum[1] + sum[2] * sum[2]) / square);
-            }
-        }
-    }
-    return largest;
-}
 } // namespace
-
-double iisph_weight(const SphOptions& options, const Constants& constants) {
-    if (options.pressure.jacobi_weight > 0) return options.pressure.jacobi_weight;
-    double largest = 0;
-    with_kernel(options.kernel, constants.dimensions, constants.support,
-                [&](const auto& kernel) { largest = lattice_eigenvalue(kernel, constants); });
-    return std::min(published_weight, stable_product / largest);
-}
 
 void Iisph::prepare(const StepParts& parts, double dt, Aim aim) {
     prepare_pairs(parts);

@@ -80,6 +80,9 @@ private:
     double weight_ = 0; // of Jacobi; 0: not known yet
 };
 
+// Number of neighbours within the support on the lattice of rest.
+int lattice_neighbours(const Constants& constants);
+
 // omega: the option's, or 0.5 where an endless lattice lets it converge with a margin for disorder, or less.
 double iisph_weight(const SphOptions& options, const Constants& constants);
 

@@ -1,5 +1,6 @@
 #include "video/drawing/rasteriser.hpp"
 
+#include "video/drawing/palette.hpp"
 #include "base/text/error.hpp"
 #include "base/text/text.hpp"
 #include "video/drawing/liquid_light.hpp"
@@ -18,38 +19,6 @@ namespace {
 constexpr int samples = LiquidView::samples; // per pixel along each side
 constexpr float plane_relief =
     0.45f; // share of the lamp in plane scenes, where value matters more than shape
-
-struct Palette {
-    Vec3f top, bottom, floor; // linear; the background runs from top to bottom
-    Rgb8 ink;
-    Vec3f lines;
-};
-
-Palette palette_of(Background background) {
-    if (background == Background::dark)
-        return {to_linear({38, 42, 50}),
-                to_linear({20, 22, 27}),
-                to_linear({58, 62, 70}),
-                {226, 229, 234},
-                to_linear({120, 128, 140})};
-    return {to_linear({255, 255, 255}),
-            to_linear({246, 247, 249}),
-            to_linear({238, 240, 243}),
-            {48, 52, 60},
-            to_linear({128, 134, 144})};
-}
-
-Rgb8 default_colour(LayerKind kind) {
-    switch (kind) {
-    case LayerKind::body:
-        return {154, 154, 152};
-    case LayerKind::wall:
-        return {214, 218, 224};
-    case LayerKind::liquid:
-        break;
-    }
-    return colour_of_liquid(0);
-}
 
 // A layer's balls as the camera sees them.
 struct PreparedLayer {

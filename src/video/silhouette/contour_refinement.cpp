@@ -1,6 +1,6 @@
 #include "video/silhouette/contour_refinement.hpp"
 
-#include "video/drawing/film_look.hpp"
+#include "video/film/film_look.hpp"
 #include "video/mask/pixels.hpp"
 
 #include <algorithm>

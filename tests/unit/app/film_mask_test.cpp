@@ -1,6 +1,6 @@
 #include "../surface/shapes.hpp"
 #include "surface/silhouette.hpp"
-#include "video/drawing/film_raster.hpp"
+#include "video/film/film_raster.hpp"
 
 #include <gtest/gtest.h>
 

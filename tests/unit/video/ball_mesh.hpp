@@ -1,5 +1,5 @@
 #pragma once
-#include "video/drawing/film_raster.hpp"
+#include "video/film/film_raster.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 #include "ball_mesh.hpp"
-#include "video/drawing/film_raster.hpp"
+#include "video/film/film_raster.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,6 +1,6 @@
 #pragma once
 #include "video/clip/clip_writer.hpp"
-#include "video/drawing/film_look.hpp"
+#include "video/film/film_look.hpp"
 #include "video/mask/mask.hpp"
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-#include "grid/viscosity/rheology.hpp"
+#include "grid/rheology/rheology.hpp"
 
 #include "grid/pressure/resting_solids.hpp"
 #include "grid/transport/apic.hpp"

@@ -1,4 +1,4 @@
-#include "video/drawing/film_look.hpp"
+#include "video/film/film_look.hpp"
 
 #include "video/mask/pixels.hpp"
 

@@ -1,4 +1,4 @@
-#include "video/drawing/film_raster.hpp"
+#include "video/film/film_raster.hpp"
 
 #include "scene/camera/triangle_raster.hpp"
 

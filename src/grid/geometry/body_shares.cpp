@@ -1,0 +1,104 @@
+#include "grid/geometry/fraction_parts.hpp"
+#include "kokkos/scan.hpp"
+
+namespace treacle::grid {
+
+namespace {
+// Shares of the solids in the cube around a face, at most `most` of them; what is beyond goes to the last.
+struct FewShares {
+    static constexpr int most = 8;
+    int body[most];
+    double share[most];
+    int count = 0;
+
+    KOKKOS_INLINE_FUNCTION void add(int which, double value) {
+        int k = 0;
+        while (k < count && body[k] != which) ++k;
+        if (k == most) k = most - 1;
+        if (k == count) {
+            body[count] = which;
+            share[count++] = 0;
+        }
+        share[k] += value;
+    }
+};
+
+// The parts of the cube around a face that are of bodies that move. A solid part belongs to the solids nearest to its
+// corners, by how deep those lie.
+KOKKOS_INLINE_FUNCTION void find_shares(const PartSum& parts, const Array<double>& solid, const Array<int>& number,
+                                        const Array<int>& moves, int axis, const int c[3], FewShares& out) {
+    const Places& places = parts.places;
+    const int used = places.nodes.used(), node = face_place(axis);
+    for (int p = 0; p < used; ++p) {
+        int q[3], f[3], own = 0;
+        for (int k = 0; k < 3; ++k) {
+            q[k] = c[k] - ((node >> k & 1) & ~(p >> k) & 1);
+            own |= ((p >> k ^ node >> k) & 1) << k;
+        }
+        for (int k = 0; k < 3; ++k) f[k] = 2 * q[k] + (own >> k & 1);
+        if (!places.up[2]) f[2] = 0;
+        const int row = parts.slot(places.nodes.window.index(q[0], q[1], q[2]));
+        const double volume = (1 - (row < 0 ? shares_of(row).fluid : parts.parts(24 * std::int64_t(row) + 3 * own))) / used;
+        if (volume <= 0) continue;
+        double total = 0;
+        for (int pass = 0; pass < 2; ++pass) {
+            for (int k = 0; k < 8; ++k) {
+                const int z = places.up[2] ? f[2] + (k >> 2) : 0;
+                const int at = places.nodes.index(f[0] + (k & 1), f[1] + (k >> 1 & 1), z);
+                const double depth = -solid(at);
+                if (depth <= 0) continue;
+                if (pass == 0) total += depth;
+                else if (number(at) >= 0 && moves(number(at))) out.add(number(at), volume * depth / total);
+            }
+        }
+    }
+}
+
+void count_shares(const PartSum& parts, const Array<double>& solid, const Array<int>& number, const Array<int>& moves,
+                  int axis, const Array<int>& first) {
+    const CellBox window = parts.places.nodes.window;
+    Kokkos::parallel_for("treacle::count_body_shares", static_cast<int>(window.size()), KOKKOS_LAMBDA(int i) {
+        int c[3];
+        window.cell(i, c);
+        FewShares found;
+        if (parts.places.has_places(c)) {
+            const int kind = parts.kind(c);
+            if (kind == cut_place || shares_of(kind).fluid == 0) find_shares(parts, solid, number, moves, axis, c, found);
+        }
+        first(i) = found.count;
+    });
+}
+
+void write_shares(const PartSum& parts, const Array<double>& solid, const Array<int>& number, const Array<int>& moves,
+                  int axis, const BodyShares& out) {
+    const CellBox window = parts.places.nodes.window;
+    Kokkos::parallel_for("treacle::write_body_shares", static_cast<int>(window.size()), KOKKOS_LAMBDA(int i) {
+        const int begin = out.first(i), end = out.first(i + 1);
+        if (begin == end) return;
+        int c[3];
+        window.cell(i, c);
+        FewShares found;
+        find_shares(parts, solid, number, moves, axis, c, found);
+        for (int k = begin; k < end; ++k) {
+            out.body(k) = found.body[k - begin];
+            out.share(k) = found.share[k - begin];
+        }
+    });
+}
+} // namespace
+
+void FractionBuilder::build_body_shares(const FineNodes& nodes, const Array<double>& solid, const Array<int>& number,
+                                        const Array<int>& moves, BodyShares shares[3]) const {
+    const auto n = static_cast<std::size_t>(nodes.window.size());
+    const PartSum parts{Places(nodes, {}), slot_, parts_};
+    for (int a = 0; a < nodes.dimensions; ++a) {
+        reserve(shares[a].first, n + 1);
+        count_shares(parts, solid, number, moves, a, shares[a].first);
+        const auto entries = static_cast<std::size_t>(counts_to_offsets(shares[a].first, static_cast<int>(n)));
+        reserve(shares[a].body, entries);
+        reserve(shares[a].share, entries);
+        write_shares(parts, solid, number, moves, a, shares[a]);
+    }
+}
+
+} // namespace treacle::grid
