@@ -47,8 +47,9 @@ class Row:
 class Table:
     """The rows of one issue, in the order in which they are declared."""
 
-    def __init__(self, name):
+    def __init__(self, name, built=True):
         self.name = name
+        self.built = built  # its rows need a build folder; those of others say so themselves
         self.rows = []
 
     def row(self, name, *, claim, asked):

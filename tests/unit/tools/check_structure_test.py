@@ -83,6 +83,10 @@ class CheckStructure(unittest.TestCase):
         word = "TO" + "DO"
         self.assert_found("inputs/a/README.md", f"{word}: later\n", f"{word}: do it or drop it")
 
+    def test_names_that_were_given_up_are_found_in_code(self):
+        self.assert_found("src/rigid/a.cpp", "void rub(Ledger& ledger);\n", "rub: write solve_friction")
+        self.assertEqual("", findings({"src/rigid/a.cpp": "// rub\nvoid scrub();\n"}))
+
     def test_documents_cite_files_that_are_there(self):
         self.assert_found("src/sph/README.md", "See `gone.cpp`.\n", "there is no gone.cpp")
         self.assert_found("src/sph/README.md", "See [it](gone.md#part).\n", "there is no gone.md")

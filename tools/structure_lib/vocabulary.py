@@ -1,0 +1,274 @@
+"""Home-made names that the field has terms for, and those of them that the tree still uses.
+
+A name is retired once nothing in the sources has it; from then on tools/check_structure refuses it. `IN_USE` are those that wait for that: a
+name that is renamed leaves that set.
+"""
+
+import re
+
+from . import sources
+
+# The name: the term, and the folder that the rule is for where the word is a good one elsewhere.
+RETIRED = {
+    "find_rates": ("compute_rates", ""),
+    "find_jumps": ("compute_jumps", ""),
+    "find_pressures": ("compute_pressures", ""),
+    "find_surface": ("update_geometry", ""),
+    "take_centres": ("sample_level_set_at_centres", ""),
+    "gripping_": ("no_slip_", ""),
+    "grips": ("no_slip", ""),
+    "StepParts": ("StepContext", ""),
+    "ViscousParts": ("ViscousContext", "src/sph"),
+    "ComplementarityParts": ("ComplementarityContext", ""),
+    "PressureScene": ("PressureContext", ""),
+    "StrainScene": ("StrainContext", ""),
+    "Departures": ("DeparturePoints", ""),
+    "gather_fluid": ("make_views", ""),
+    "gather_sum": ("sparse_dot", ""),
+    "Gathering": ("RankAgglomeration", ""),
+    "Images": ("MirrorParticles", "src/grid"),
+    "IntLanes": ("SimdInt", ""),
+    "Lanes": ("SimdDouble", ""),
+    "Quad": ("Double4", ""),
+    "Four": ("Float4", ""),
+    "Tile": ("Float4x4", ""),
+    "spread": ("broadcast_elements", "kokkos"),
+    "repeat": ("broadcast_row", "kokkos"),
+    "only_last": ("keep_last_row", ""),
+    "write_ints": ("compress_store", ""),
+    "write_lanes": ("compress_store", ""),
+    "bits_of": ("to_bitmask", ""),
+    "first_lanes": ("tail_mask", ""),
+    "recut": ("repartition", ""),
+    "rebalance_above": ("max_load_imbalance", ""),
+    "Slices": ("ExchangePlan", ""),
+    "spare": ("padding", "kokkos"),
+    "SharedRows": ("SharedNodeSum", ""),
+    "Voice": ("LogOutput", ""),
+    "KeyNumbers": ("KeyIndexMap", ""),
+    "standard": ("default_text", "src/base"),
+    "allow_plane_vectors": ("allow_2d_vectors", ""),
+    "FaceKind": ("BoundaryKind", ""),
+    "around_bodies": ("subtract_bodies", ""),
+    "lost_limit": ("max_lost_fraction", ""),
+    "infinite_viscosity": ("infinite_shear_viscosity", ""),
+    "least_shear_rate": ("min_shear_rate", ""),
+    "FlowCurve": ("ViscosityModel", ""),
+    "ShearLaw": ("ViscosityModelKind", ""),
+    "LayerSource": ("InletEmitter", ""),
+    "held_layers": ("buffer_layers", ""),
+    "make_plugs": ("make_inlet_bodies", ""),
+    "plug_layers": ("inlet_body_layers", ""),
+    "conveys": ("surface_velocity_only", ""),
+    "poured_particles": ("inflow_particles", ""),
+    "poured_viscosity": ("inflow_viscosity", ""),
+    "Settled": ("InsetPoint", ""),
+    "settle": ("project_to_inset", ""),
+    "EvenLayer": ("PoissonDiskLayer", ""),
+    "Revolved": ("SurfaceOfRevolution", ""),
+    "make_cut": ("make_cross_section", ""),
+    "TriangleTree": ("TriangleBvh", ""),
+    "thinnest": ("thickness_p01", ""),
+    "strike": ("apply_impulses", ""),
+    "open_ledger": ("begin_load_sums", ""),
+    "rub": ("solve_friction", ""),
+    "Mobility": ("ConstrainedInverseMass", ""),
+    "JointRow": ("ConstraintRow", ""),
+    "joint_gap": ("constraint_error", ""),
+    "Movable": ("SolverBody", ""),
+    "Probe": ("ContactSample", "src/rigid"),
+    "lever": ("length_scale", "src/rigid"),
+    "MadeRows": ("CoarseRows", ""),
+    "Felt": ("ModeEntries", ""),
+    "GridRule": ("Rediscretisation", ""),
+    "multilevel_grids": ("multilevel_rediscretised", ""),
+    "rows_per_rank": ("min_rows_per_rank", ""),
+    "secure_sweeps": ("l1_diagonal", ""),
+    "secured_": ("l1_diagonal_", ""),
+    "border_sweeps": ("interface_sweeps", ""),
+    "border_": ("interface_", ""),
+    "RigidBorder": ("BorderedBodies", ""),
+    "sweep_down": ("sweep_forward", ""),
+    "sweep_up": ("sweep_backward", ""),
+    "RigidLinks": ("RigidBodyProlongation", ""),
+    "Separation": ("split_disconnected", "src/solve"),
+    "small_box": ("small_aggregate_width", ""),
+    "dense_rows": ("max_coarse_size", ""),
+    "CellKey": ("MortonKey", ""),
+    "halvings": ("levels", ""),
+    "ComponentSplit": ("FieldSplitPreconditioner", ""),
+    "near_kernel": ("near_null_space", ""),
+    "set_addition": ("set_matrix_free_term", ""),
+    "shadows": ("shadow_space_dimension", "src/solve"),
+    "most_vain_cycles": ("max_stagnant_cycles", ""),
+    "far_down": ("deep_residual_drop", ""),
+    "worth_keeping": ("best_iterate_ratio", ""),
+    "spoiled": ("restart_threshold", ""),
+    "worthwhile": ("min_reduction", ""),
+    "BoundedGoal": ("StoppingTest", ""),
+    "face_wet": ("face_liquid_clipped", ""),
+    "cell_wet": ("cell_liquid_clipped", ""),
+    "least_wet": ("min_liquid_fraction", ""),
+    "wet_share": ("theta", ""),
+    "least_distance": ("min_theta", ""),
+    "least_opening": ("min_face_area_fraction", ""),
+    "least_gap": ("min_fluid_fraction", ""),
+    "normal_layer": ("no_penetration_layer", ""),
+    "solves_together": ("solve_monolithic", ""),
+    "continue_changes": ("extrapolate_increment", ""),
+    "Continued": ("Extrapolated", ""),
+    "continue_velocity": ("extrapolate_velocity", ""),
+    "turn_along_solids": ("enforce_wall_velocity", ""),
+    "WallGrip": ("WallCondition", ""),
+    "ViscousSpread": ("DiffusionNumber", ""),
+    "over_half_a_cell": ("diffusion_number", ""),
+    "FaceMarks": ("FaceValidity", ""),
+    "mark_solved": ("mark_valid_faces", ""),
+    "Contraction": ("DensityRelaxation", ""),
+    "contracts": ("relaxes_density", ""),
+    "slack": ("dead_band", "src/grid"),
+    "crowding_": ("max_density_error_", ""),
+    "tense": ("SurfaceTension::include", ""),
+    "relaxed": ("SurfaceTension::omit", "src/grid"),
+    "unbalanced": ("incompatible_fraction", ""),
+    "lifted": ("unpinned", ""),
+    "Anchoring": ("PressurePinning", ""),
+    "anchored": ("pinned", ""),
+    "to_surface": ("dirichlet_diagonal", ""),
+    "idle_face": ("inactive", ""),
+    "free_face": ("unknown", ""),
+    "held_face": ("prescribed", ""),
+    "cast_roles": ("classify_faces", ""),
+    "pulled_": ("stress_coupling_", ""),
+    "slipped_": ("slip_coupling_", ""),
+    "feels_": ("has_moving_bodies_", ""),
+    "lean": ("slip_interpolation_weight", ""),
+    "pressed": ("pressure_faces", "src/grid"),
+    "pushed": ("effective_area_fraction", "src/grid"),
+    "softness": ("cfm_epsilon", ""),
+    "compute_loads": ("compute_pressure_over_density2", ""),
+    "own_load": ("pressure_over_density2", ""),
+    "write_places": ("pack_positions", ""),
+    "write_motions": ("pack_velocities", ""),
+    "pack_motion": ("pack_velocity", ""),
+    "multiply_nearly": ("multiply_single_precision", ""),
+    "follow_directions": ("iterate_cg", ""),
+    "keep_change": ("store_increment", ""),
+    "ground": ("inertia_and_wall_diagonal", "src/sph"),
+    "smeared_share": ("smoothed_viscous_coefficient", ""),
+    "give_way": ("strongly_coupled", ""),
+    "Answer": ("BodyCoupling", "src/sph"),
+    "one_step_late": ("weak", ""),
+    "body_coupling": ("coupling", ""),
+    "BodyResponse": ("RigidCouplingTerm", ""),
+    "movers_": ("body_unknowns_", ""),
+    "wall_cover": ("wall_laplacian_factor", ""),
+    "wall_push": ("wall_pressure_factor", ""),
+    "wall_grip": ("wall_viscous_factor", ""),
+    "wall_wetting": ("wall_kernel_sum", ""),
+    "rest_gap": ("equilibrium_wall_distance", ""),
+    "solid_scale": ("boundary_volume_factor", ""),
+    "stirred": ("boundary_volume_factor", ""),
+    "measure_lattice": ("compute_lattice_sums", ""),
+    "measure_wall": ("compute_wall_sums", ""),
+    "Mixture": ("ImmiscibleLiquids", ""),
+    "laminar": ("pair_viscosity", ""),
+    "colliding": ("pair_artificial_viscosity", ""),
+    "conductance": ("inverse_density", ""),
+    "recovery": ("relaxation_time", "src/sph"),
+    "checkerboard_damping": ("hourglass_coefficient", ""),
+    "DensityCorrection": ("OrthominCorrection", ""),
+    "printed": ("as_published", "src/sph"),
+    "rheology_solves": ("max_picard_iterations", ""),
+    "rheology_residual": ("picard_residual", ""),
+    "LoadPoints": ("MomentReferencePoints", ""),
+    "JointParticles": ("CoupledParticles", ""),
+    "assemble_joint": ("assemble_with_solids", ""),
+    "turns_": ("conserves_torque_", ""),
+    "range_of": ("range_projector", "src/sph"),
+    "invert_above": ("truncated_pseudo_inverse", ""),
+    "least_spread": ("min_moment_eigenvalue", ""),
+    "butterflies": ("walsh_hadamard", ""),
+    "corner_shares": ("trilinear_weights", ""),
+    "hand_down": ("coarsen_masses", ""),
+    "mild": ("coarsening_limit", ""),
+    "Members": ("CellParticles", "src/sph"),
+    "end_together": ("run_collectively", ""),
+    "patience": ("timeout", ""),
+    "StepFigures": ("StepDiagnostics", ""),
+    "BenchFigures": ("BenchResults", ""),
+    "body_notes": ("body_warnings", ""),
+    "Plumb": ("HeightGauge", ""),
+    "clarity": ("attenuation_length", ""),
+    "Lamp": ("DirectionalLight", ""),
+    "melt": ("screen_space_surface", ""),
+}
+
+# Words of comments and documents: the term.
+PHRASES = {
+    "thin liquids": "low-viscosity liquids, or under-resolved films",
+    "stiff liquid": "high-viscosity liquid",
+    "out of order": "disordered",
+    "on the mean": "on average",
+    "in the plane": "in 2D",
+    "in space": "in 3D",
+    "plane scenes": "2D scenes",
+    "held particles": "buffer particles",
+    "cuts anew": "repartitions",
+    "correction of places": "position correction",
+    "closed parts": "enclosed liquid",
+    "Chabat": "Chabard",
+}
+
+# Still in the sources.
+IN_USE = set("""
+    Anchoring Answer BenchFigures BodyResponse BoundedGoal CellKey ComplementarityParts ComponentSplit Continued Contraction
+    DensityCorrection Departures EvenLayer FaceKind FaceMarks Felt FlowCurve Four Gathering GridRule Images IntLanes JointParticles
+    JointRow KeyNumbers Lamp Lanes LayerSource LoadPoints MadeRows Members Mixture Mobility Movable Plumb PressureScene Probe Quad
+    Revolved RigidBorder RigidLinks Separation Settled SharedRows ShearLaw Slices StepFigures StepParts StrainScene Tile TriangleTree
+    ViscousParts ViscousSpread Voice WallGrip allow_plane_vectors anchored around_bodies assemble_joint bits_of body_coupling
+    body_notes border_ border_sweeps butterflies cast_roles cell_wet checkerboard_damping clarity colliding compute_loads conductance
+    continue_changes continue_velocity contracts conveys corner_shares crowding_ dense_rows end_together face_wet far_down feels_
+    find_jumps find_rates find_surface first_lanes follow_directions free_face gather_fluid gather_sum give_way
+    gripping_ grips ground halvings hand_down held_face held_layers idle_face infinite_viscosity invert_above joint_gap keep_change
+    laminar lean least_distance least_gap least_opening least_shear_rate least_spread least_wet lever lifted lost_limit make_cut
+    make_plugs mark_solved measure_lattice measure_wall mild most_vain_cycles movers_ multilevel_grids multiply_nearly near_kernel
+    normal_layer one_step_late only_last open_ledger over_half_a_cell own_load pack_motion patience plug_layers poured_particles
+    poured_viscosity pressed printed pulled_ pushed range_of rebalance_above recovery recut relaxed repeat rest_gap rheology_residual
+    rheology_solves rows_per_rank secure_sweeps secured_ set_addition settle shadows slack slipped_ small_box smeared_share softness
+    solid_scale solves_together spare spoiled spread standard stirred strike sweep_down sweep_up take_centres tense thinnest
+    to_surface turn_along_solids turns_ unbalanced wall_cover wall_grip wall_push wall_wetting wet_share worth_keeping worthwhile
+    write_ints write_lanes write_motions write_places
+""".split())
+
+
+def pattern(names):
+    """Whole words; the longest first, so that no name hides in another."""
+    words = "|".join(re.escape(name) for name in sorted(names, key=len, reverse=True))
+    return re.compile(rf"(?<!\w)(?:{words})(?!\w)")
+
+
+def names_in(text, path, names):
+    """Pairs (line, name) of those of the names that code or a string of a source has; path is relative to the tree's root."""
+    found = pattern(names)
+    hits = ((number, hit[0]) for number, line in enumerate(sources.code(text).splitlines(), 1) for hit in found.finditer(line))
+    return [(number, name) for number, name in hits if path.startswith(RETIRED[name][1])]
+
+
+def uses(root, names):
+    """file:line: name of each use in the sources."""
+    found = []
+    for path in sources.sources(root):
+        where = path.relative_to(root).as_posix()
+        found += [f"{where}:{number}: {name}, {RETIRED[name][0]}" for number, name in names_in(path.read_text(), where, names)]
+    return found
+
+
+def phrases(root):
+    """file:line: phrase of each use in comments of the sources and in the documents beside them."""
+    words, found = pattern(PHRASES), []
+    for path in sources.sources(root) + sources.documents(root):
+        text = path.read_text()
+        lines = sources.comment_text(text) if path.suffix in sources.SUFFIXES else enumerate(text.splitlines(), 1)
+        found += [f"{path.relative_to(root)}:{number}: {hit[0]}, {PHRASES[hit[0]]}" for number, line in lines for hit in words.finditer(line)]
+    return found
