@@ -65,7 +65,7 @@ public:
 
     // Collective. Memory is kept from one matrix to the next. The matrix must outlive its use in apply.
     void set_up(Matrix& matrix, const MultilevelCells& cells);
-    // z = M r, collective.
+    // (ML4) z = M r, collective.
     void apply(std::span<const double> r, std::span<double> z);
 
     // Collective. The first one is the matrix itself.
