@@ -38,7 +38,7 @@ struct VolumeStiffness {
 };
 
 // How much pressure a flux into a cell makes against the viscosity alone, by the resistance of its faces' own stresses; and as
-// much again for the matrix to hold (README.md, U). Cells beside bodies that move have no such part, since the motion of the
+// much again for the matrix to hold (src/grid/theory.md, U). Cells beside bodies that move have no such part, since the motion of the
 // body belongs to their flux.
 class VolumeStresses {
 public:
