@@ -7,7 +7,7 @@ import shutil
 
 import numpy
 
-from .run import RunFolder, built, execute, read_frame, scratch
+from .run import RunFolder, built, execute, kept, read_frame
 from .table import Figure
 
 # A litre over a hole of 40 mm and a board, whose sides are far enough for what spreads in 100 frames at 30 Hz.
@@ -195,31 +195,51 @@ def identify(context, folder, *arguments, name="out"):
     return float(re.search(r"value: (\S+)", text).group(1)), low, high
 
 
-def recovered(context, viscosity):
+def once_each(folder, stages):
+    """Calls the stages, pairs of a name and what makes that path, but those that are done; a path of a stage that was stopped goes first."""
+    for name, make in stages:
+        done = folder / f"{name}.done"
+        if not done.exists():
+            shutil.rmtree(folder / name, ignore_errors=True)
+            make()
+            done.touch()
+
+
+def recovered(context, viscosity, folder):
     """(value, low, high, runs, seconds of all runs over those of a fine one, differences at the answer, differences of particles that lie elsewhere)."""
     container = Container(plane=True, frames=20, rate=25) if context.quick else Container()
     finest = container.spacing(container.cells[-1])
-    with scratch(context, f"container_{viscosity:g}") as folder:
-        write_scene(folder, container)
-        run_at(context, folder, "truth", container, viscosity, container.film_cells)
-        run_elsewhere(context, folder, "floor", container, viscosity, container.film_cells)
-        film(context, folder, container)
-        silhouettes(context, folder)
-        write_study(folder, container)
-        value, low, high = identify(context, folder)
-        ended = [line for line in map(json.loads, (folder / "out/journal.jsonl").read_text().splitlines()) if line.get("status") == "done"]
-        run_at(context, folder, "answer", container, value, container.cells[-1])
-        seconds = sum(line["seconds"] for line in ended) / max(line["seconds"] for line in ended)
-        found, floor = (differences(folder / "truth", folder / name, finest) for name in ("answer", "floor"))
-        for name in ("truth", "floor", "answer"):
-            shutil.rmtree(folder / name)
+    folder.mkdir(exist_ok=True)
+    write_scene(folder, container)
+    write_study(folder, container)
+    once_each(folder, [("truth", lambda: run_at(context, folder, "truth", container, viscosity, container.film_cells)),
+                       ("floor", lambda: run_elsewhere(context, folder, "floor", container, viscosity, container.film_cells)),
+                       ("film", lambda: film(context, folder, container)),
+                       ("masks", lambda: silhouettes(context, folder))])
+    value, low, high = identify(context, folder)
+    ended = [line for line in map(json.loads, (folder / "out/journal.jsonl").read_text().splitlines()) if line.get("status") == "done"]
+    once_each(folder, [("answer", lambda: run_at(context, folder, "answer", container, value, container.cells[-1]))])
+    seconds = sum(line["seconds"] for line in ended) / max(line["seconds"] for line in ended)
+    found, floor = (differences(folder / "truth", folder / name, finest) for name in ("answer", "floor"))
+    shutil.rmtree(folder)
     return value, low, high, len(ended), seconds, found, floor
+
+
+def all_recovered(context):
+    """The answers by viscosity; those that were there when a call was stopped are not sought again."""
+    found = {}
+    with kept(context, "container") as root:
+        for viscosity in [10] if context.quick else sorted(THEIRS):
+            known = root / f"{viscosity:g}.json"
+            if not known.exists():
+                known.write_text(json.dumps(recovered(context, viscosity, root / f"{viscosity:g}")))
+            found[viscosity] = json.loads(known.read_text())
+    return found
 
 
 def answers(context):
     """Of each viscosity, once for all rows."""
-    viscosities = [10] if context.quick else sorted(THEIRS)
-    return context.once("container", lambda: {one: recovered(context, one) for one in viscosities})
+    return context.once("container", lambda: all_recovered(context))
 
 
 def add_rows(table):

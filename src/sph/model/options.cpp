@@ -66,7 +66,7 @@ void PressureOptions::check_solver(Declaration& d) const {
     needs_isph("corrections", corrections != usual.corrections);
 }
 
-void PressureOptions::declare(Declaration& d) {
+void PressureOptions::declare_solver(Declaration& d) {
     d.choice("solver", solver,
              {{"iisph", PressureSolver::iisph},
               {"isph", PressureSolver::isph},
@@ -80,6 +80,9 @@ void PressureOptions::declare(Declaration& d) {
     d.number("jacobi_weight", jacobi_weight, unit::none, range_between(0, 1),
              "Weight of the Jacobi iteration of `iisph_jacobi` and `dfsph`, and of the first step of `iisph`; 0: "
              "the 0.5 published for IISPH, or less for kernels wide enough that it would diverge.");
+}
+
+void PressureOptions::declare_roles(Declaration& d) {
     d.choice("dirichlet", dirichlet,
              {{"predicted", DirichletRule::predicted},
               {"source", DirichletRule::source},
@@ -101,6 +104,9 @@ void PressureOptions::declare(Declaration& d) {
              "negative sources of unknowns are, so that none arises.");
     d.number("prediction", prediction, unit::none, range_between(0, 1),
              "Share of the last step's pressures that the prediction starts from (gamma of Eq. 2.6).");
+}
+
+void PressureOptions::declare_solids(Declaration& d) {
     d.choice("solid_term", solid_term,
              {{"none", SolidTerm::none},
               {"decomposed", SolidTerm::decomposed},
@@ -125,6 +131,9 @@ void PressureOptions::declare(Declaration& d) {
              {{"implicit", BodyCoupling::implicit}, {"explicit", BodyCoupling::one_step_late}},
              "Whether the pressures know that dynamic bodies give way to them, or these feel the pressures that stop "
              "the liquid at a body at rest; bodies not much denser than the liquid fly off then.");
+}
+
+void PressureOptions::declare_preconditioner(Declaration& d) {
     d.choice("preconditioner", preconditioner,
              {{"none", PressurePreconditioner::none},
               {"jacobi", PressurePreconditioner::jacobi},
@@ -153,6 +162,9 @@ void PressureOptions::declare(Declaration& d) {
              "solids count as cover there, and as neighbours with pressures of their own here",
              "take another of the two"});
     d.block("multilevel", multilevel, "The multilevel preconditioners.");
+}
+
+void PressureOptions::declare_stop(Declaration& d) {
     d.choice("stop", stop, {{"density_error", StoppingRule::density_error}, {"residual", StoppingRule::residual}},
              "Iterate until the mean compression, or until the relative residual, is small enough.");
     d.number("density_error", density_error, unit::none, range_at_least(0),
@@ -187,6 +199,9 @@ void PressureOptions::declare(Declaration& d) {
             {"cannot be with solid_term: unknowns", "the pressures of solids push nothing", "take another solid_term"});
     d.integer("max_iterations", max_iterations, range_at_least(1),
               "Iterations after which the run ends as failed; 20 times as many with `solver: iisph_jacobi` and `dfsph`.");
+}
+
+void PressureOptions::check_complementarity(Declaration& d) const {
     const bool exact = dirichlet == DirichletRule::complementarity;
     const bool cut = preconditioner != PressurePreconditioner::gamg &&
                      preconditioner != PressurePreconditioner::boomeramg &&
@@ -200,10 +215,19 @@ void PressureOptions::declare(Declaration& d) {
     d.check(!exact || cut, "preconditioner",
             {"cannot serve dirichlet: complementarity", "the set of unknowns changes within a solve",
              "choose multilevel, incomplete_cholesky, ssor, jacobi or none"});
+}
+
+void PressureOptions::declare(Declaration& d) {
+    declare_solver(d);
+    declare_roles(d);
+    declare_solids(d);
+    declare_preconditioner(d);
+    declare_stop(d);
+    check_complementarity(d);
     check_solver(d);
 }
 
-void ViscosityOptions::declare(Declaration& d) {
+void ViscosityOptions::declare_form(Declaration& d) {
     d.choice("integration", integration,
              {{"automatic", ViscosityIntegration::automatic},
               {"implicit", ViscosityIntegration::implicit},
@@ -229,6 +253,9 @@ void ViscosityOptions::declare(Declaration& d) {
     d.boolean("assembled", assembled,
               "Solve with the matrix, whose rows reach to the neighbours' neighbours (dissertation, Algorithm 8), and not "
               "with products that need none; up to 50 kB a particle.");
+}
+
+void ViscosityOptions::declare_solver(Declaration& d) {
     d.choice("solver", solver,
              {{"conjugate_gradients", ViscositySolver::conjugate_gradients}, {"bicgstab", ViscositySolver::bicgstab}},
              "Conjugate gradients need a symmetric matrix, and may fail on the printed form at high viscosities; "
@@ -255,6 +282,9 @@ void ViscosityOptions::declare(Declaration& d) {
              "ends by the residual in double precision all the same.");
     d.number("residual", residual, unit::none, range_above_to(0, 0.1), "Relative residual at which the solve ends.");
     d.integer("max_iterations", max_iterations, range_between(1, 1000000), "Iterations after which the solve has failed.");
+}
+
+void ViscosityOptions::declare_others(Declaration& d) {
     d.choice("body_coupling", body_coupling,
              {{"implicit", BodyCoupling::implicit}, {"explicit", BodyCoupling::one_step_late}},
              "Whether dynamic bodies move along in the viscous solve, or take the forces that the liquid would put on them "
@@ -272,6 +302,12 @@ void ViscosityOptions::declare(Declaration& d) {
              "Speed c of the artificial viscosity; 0: sqrt(g H) with the height H of the liquid at the start.");
     d.number("xsph", xsph, unit::none, range_between(0, 1),
              "Share of the neighbours' mean velocity that particles move with (XSPH).");
+}
+
+void ViscosityOptions::declare(Declaration& d) {
+    declare_form(d);
+    declare_solver(d);
+    declare_others(d);
 }
 
 void SurfaceTensionOptions::declare(Declaration& d) {

@@ -119,6 +119,12 @@ struct PressureOptions {
     void declare(Declaration& d);
 
 private:
+    void declare_solver(Declaration& d);
+    void declare_roles(Declaration& d);
+    void declare_solids(Declaration& d);
+    void declare_preconditioner(Declaration& d);
+    void declare_stop(Declaration& d);
+    void check_complementarity(Declaration& d) const;
     void check_solver(Declaration& d) const;
 };
 
@@ -142,6 +148,11 @@ struct ViscosityOptions {
     double xsph = 0;              // share of the neighbours' mean velocity that moves a particle
 
     void declare(Declaration& d);
+
+private:
+    void declare_form(Declaration& d);
+    void declare_solver(Declaration& d);
+    void declare_others(Declaration& d);
 };
 
 struct SurfaceTensionOptions {
