@@ -85,7 +85,7 @@ private:
     MatrixObserver matrix_observer_;
 };
 
-// Whether solid particles have pressures of their own as unknowns.
+// True when solid particles have pressures of their own as unknowns.
 bool solids_unknown(const SphOptions& options);
 
 } // namespace treacle::sph
