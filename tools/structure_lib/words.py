@@ -24,6 +24,19 @@ def without_a_noun(root):
     return len(found), [f"{place}: {text}" for place, text in found if OPENINGS.match(text)]
 
 
+def behind_code(root):
+    """Number of comments behind code, and how many of them begin so, with a small letter as a rule: "double dt; // of the step [s]"."""
+    count, found = 0, 0
+    for path in sources.sources(root):
+        text = path.read_text()
+        alone = {number for number, line in enumerate(text.splitlines(), 1) if sources.COMMENT.match(line)}
+        for number, comment in sources.comment_text(text):
+            if number not in alone:
+                count += 1
+                found += bool(OPENINGS.match(comment.lstrip("/ ").capitalize()))
+    return count, found
+
+
 def sample(root):
     """Comments for a person to read, the same for the same tree."""
     found = list(located_comments(root))
