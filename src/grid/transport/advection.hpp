@@ -40,7 +40,7 @@ struct Advection {
 };
 Departures advect(const Advection& how, const GridParticles& particles, double dt);
 
-// Slope of an interpolated distance: in a corner of three walls it is 0.58.
+// Least slope of an interpolated distance: in a corner of three walls it is 0.58.
 inline constexpr double least_slope = 0.5;
 
 // Pushes one place to at least `clearance` [m] from solids; returns whether it was moved.

@@ -37,8 +37,8 @@ struct ViscousScene {
     const Viscosities& viscosity;
     double density = 0; // [kg/m3]
     const SlipSolids* slip = nullptr;
-    // Faces where the pressure acts in the same solve: all that it pushes are unknowns. Those without liquid have the
-    // mass of the projection, and those that it does not push none, since nothing holds it against gravity.
+    // Faces of the pressure when it acts in the same solve: all faces that it pushes are unknowns. Those without liquid
+    // have the mass of the projection, and those that it does not push none, since nothing holds it against gravity.
     const PressureFaces* pressed = nullptr;
     const StepStrains* strains = nullptr; // in a step of particles along straight lines
     // [m] of cells' centres from the liquid's surface, where a pressure acts before or with the solve: it holds the liquid

@@ -6,8 +6,8 @@
 namespace treacle::grid {
 
 namespace {
-// Share of a pressure's flux, exact at 1/(2 eta) for a cell between equally viscous ones; the loop below has 4 d/((2 d
-// + 2) eta) of it in d dimensions.
+// The exact share of a pressure's flux is 1/(2 eta) in a cell between equally viscous ones; the loop below has
+// 4 d/((2 d + 2) eta) of it in d dimensions.
 double exact_share(int dimensions) { return 4.0 * dimensions / (2.0 * dimensions + 2); }
 
 // The inverse of the sum of area^2 / (resistance of the face's own stresses) of each cell with a pressure. Nothing beside faces
