@@ -148,7 +148,7 @@ void IsphStep::accelerate(StepReport& report, double dt) {
     if (inflow_) inflow_->hold(liquid_);
 }
 
-// (V)
+// (S4v)
 void IsphStep::apply_viscosity(StepReport& report, double dt) {
     const auto phase = timers_.scope("viscosity");
     if (give_way()) {
@@ -187,7 +187,7 @@ void IsphStep::accelerate_bodies(StepReport& report, double dt) {
     push_by_viscosity(report.viscous_loads, dt);
 }
 
-// (I2) Moves what stands too close apart, at rest, until the mean compression is below that of the rule; at most so many times.
+// (IS2) Moves what stands too close apart, at rest, until the mean compression is below that of the rule; at most so many times.
 void IsphStep::spread(int times) {
     constexpr double close_compression = 0.05; // of liquid half a spacing off corners of solids: 0.04
     constexpr double dt = 1e-9; // [s]; in which no velocity leads anywhere: places follow from places
@@ -277,14 +277,14 @@ StepReport IsphStep::advance(double dt) {
         const auto phase = timers_.scope("forces");
         accelerate_bodies(report, dt);
     }
-    pressure_.solve(pressure_parts(), report, dt); // (S5)-(S7) or (I)
+    pressure_.solve(pressure_parts(), report, dt); // (S5)-(S7) or (IS1)
     {
         const auto phase = timers_.scope("pressure force");
         push_by_pressure(report, dt);
     }
     if (setup_.options.pressure.recovers_places()) {
         const auto phase = timers_.scope("solve");
-        pressure_.shift(parts(), bodies_.load_points(), report, dt); // (I2)
+        pressure_.shift(parts(), bodies_.load_points(), report, dt); // (IS2)
     }
     {
         const auto phase = timers_.scope("move");

@@ -159,7 +159,7 @@ void StepPressure::find_by_system(const PressureParts& parts, StepReport& report
     if (options_.pressure.corrections > 0) correct(parts.step, matrix, report, dt);
 }
 
-// (I)
+// (IS1)
 void StepPressure::find_by_iisph(const PressureParts& parts, StepReport& report, double dt) {
     const auto phase = parts.timers.scope("solve");
     const auto& step = parts.step;

@@ -28,7 +28,7 @@ struct PressureParts {
     PhaseTimers& timers;
 };
 
-// The pressures of a step, by the solver of `method.pressure.solver`: the system (S5)-(S7), IISPH (I), or DFSPH. Solves that
+// The pressures of a step, by the solver of `method.pressure.solver`: the system (S5)-(S7), IISPH (IS1), or DFSPH. Solves that
 // fail throw SimulationError on every rank.
 class StepPressure {
 public:
@@ -40,12 +40,12 @@ public:
     // The particles have pressures of a last step, as from a checkpoint, or have none.
     void start(LiquidParticles& liquid, LastPressures last);
 
-    // (S5)-(S7) or (I): writes pressures and roles. Velocities and pressures of ghosts must be current. Collective.
+    // (S5)-(S7) or (IS1): writes pressures and roles. Velocities and pressures of ghosts must be current. Collective.
     void solve(const PressureParts& parts, StepReport& report, double dt);
     // The divergence-free solve of DFSPH: of the last step, at the places that it led to. Changes velocities and adds to the loads
     // of solids; nothing with other solvers. Collective.
     void remove_divergence(const PressureParts& parts, StepReport& report, double dt);
-    // (I2) Where the velocities leave liquid that is compressed, the particles move on by more than their velocities: writes the
+    // (IS2) Where the velocities leave liquid that is compressed, the particles move on by more than their velocities: writes the
     // difference to the acceleration field [m/s]. Collective.
     void shift(const StepParts& parts, const LoadPoints& load_points, StepReport& report, double dt);
     // For a shift() without a solve() before it.

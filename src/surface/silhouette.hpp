@@ -17,7 +17,7 @@ struct HidingTriangles {
     std::vector<std::array<int, 3>> triangles; // [m][3]
 };
 
-// The liquid as a camera sees it: a pixel is covered when its centre lies in a projected triangle, on an edge only when
+// (SI1) The liquid as a camera sees it: a pixel is covered when its centre lies in a projected triangle, on an edge only when
 // that is a top or left one, and no solid is nearer there. The same bits on any number of ranks.
 struct Silhouette {
     int width = 0, height = 0;
@@ -35,7 +35,7 @@ Silhouette draw_silhouette(const Comm& comm, const Mesh& mesh, const scene::Came
 // Pixels in one mask and not in the other. Both have the same size.
 std::int64_t mismatches(const Silhouette& a, const Silhouette& b);
 
-// Collective: signed distance [pixels] of pixel centres to the liquid's outline, positive in it, up to `band`; beyond it
+// (SI2) Collective: signed distance [pixels] of pixel centres to the liquid's outline, positive in it, up to `band`; beyond it
 // +-band. The outline is that of the mesh, not of the pixels: edges between a triangle that faces the camera and one that
 // does not, beside which there is no liquid. It changes smoothly where the mask jumps by whole pixels.
 std::vector<float> outline_distance(const Comm& comm, const Mesh& mesh, const scene::CameraModel& camera,

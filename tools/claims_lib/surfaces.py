@@ -29,7 +29,7 @@ RULES = {  # of figure 2.6, by their names there
     "ours": {"method.pressure.dirichlet": "predicted"},
     "ours (clamped)": {"method.pressure.dirichlet": "predicted", "method.pressure.clamping": "sources"},
 }
-# Of chapter 3: with Eq. 2.10 what limits the step of every rule is that term itself (src/sph/README.md).
+# Of chapter 3: with Eq. 2.10 what limits the step of every rule is that term itself (src/sph/theory.md).
 SOLID_TERM = "unified"
 # A run is stable when at most one particle in a thousand goes through a wall, its energy never rises by more than this share
 # of the first (single particles that are thrown out of corners do not count, a layer that is does), and the mean compression

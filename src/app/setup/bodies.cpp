@@ -11,7 +11,7 @@
 namespace treacle::app {
 
 namespace {
-// Densities, over the liquid's, below and above which a step is no longer sure to be calm (src/sph/README.md).
+// Densities, over the liquid's, below and above which a step is no longer sure to be calm (src/sph/measurements.md).
 constexpr double light = 0.05, heavy = 50;
 // Bodies may touch: overlaps below this share of the spacing do not count.
 constexpr double touching = 1e-3;

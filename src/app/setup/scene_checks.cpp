@@ -11,7 +11,7 @@
 namespace treacle::app {
 
 namespace {
-// Densities of liquids in one scene over each other, up to which they were tried (src/sph/README.md).
+// Densities of liquids in one scene over each other, up to which they were tried (src/sph/measurements.md).
 constexpr double sure_density_ratio = 10;
 
 constexpr double largest_grid_cfl = 3;

@@ -32,7 +32,7 @@ struct PressureReport {
     std::vector<double> loads; // on the bodies, 6 numbers each [N], [N m]
 };
 
-// The projection of velocities onto those without divergence (README.md). build() once a step, project() after every
+// The projection of velocities onto those without divergence (src/grid/theory.md). build() once a step, project() after every
 // change of the velocities.
 class Pressure {
 public:

@@ -9,7 +9,7 @@
 namespace treacle::grid {
 
 namespace {
-constexpr int passes = 3; // of (1 2 1)/4 along each axis, before the first curvature and again before the second; README
+constexpr int passes = 3; // of (1 2 1)/4 along each axis, before the first curvature and again before the second; src/grid/theory.md
 // [dx2] Variances along an axis: of a pass, and what the spread of particles and differences over a cell take besides, such
 // that drops of four and eight cells of radius oscillate about as much too slowly as too fast.
 constexpr double pass_variance = 0.5, other_variance = 0.75;

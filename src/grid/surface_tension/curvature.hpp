@@ -5,7 +5,7 @@
 
 namespace treacle::grid {
 
-// Curvatures of the liquid's surface at the centres of cells, from how much liquid each holds (README, "Curvatures").
+// Curvatures of the liquid's surface at the centres of cells, from how much liquid each holds (src/grid/theory.md, Surface tension).
 class Curvature {
 public:
     struct Scene {

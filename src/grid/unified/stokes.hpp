@@ -11,7 +11,7 @@
 namespace treacle::grid {
 
 struct StokesReport {
-    solve::SolveReport solve;  // its residual is the weighted one of both equations (README.md)
+    solve::SolveReport solve;  // its residual is the weighted one of both equations (src/grid/theory.md)
     std::int64_t unknowns = 0; // faces and pressures, over all ranks
     std::vector<double> loads, viscous_loads; // by the pressure of this solve, by viscosity; 6 numbers a body [N], [N m]
 };

@@ -8,7 +8,7 @@
 
 namespace treacle::grid {
 
-// At a ragged surface a face may have no stress but one, which also acts on other such faces. They can move against each
+// (V6) At a ragged surface a face may have no stress but one, which also acts on other such faces. They can move against each
 // other and strain nothing: a mechanism, which only its little mass holds. In
 //     z += sum over mechanisms v of v (v^T r) / (v^T M/dt v)
 // a preconditioner of the viscous system (viscosity.md) knows them; sweeps do not see what is stiff in each face and loose

@@ -10,7 +10,7 @@ bool prescribes(const Experiment& experiment);
 // viscosities then differ by less than resolutions do.
 void check_scatter_is_measured(const StudyFile& file);
 
-// Widens the interval to the values of the search's trials that are not worse than the best one by more than chance: by what a
+// (I4a) Widens the interval to the values of the search's trials that are not worse than the best one by more than chance: by what a
 // likelihood ratio of 90 % allows, and, where all experiments prescribe their flow, by what the objective differs between runs of
 // equal parameters and slightly different spacings. The interval of the local model misses them where the residuals hardly depend
 // on a parameter, and their derivatives are those of the numerical noise. Values are moved as the rungs have moved the answer.

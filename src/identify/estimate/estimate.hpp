@@ -51,7 +51,7 @@ struct VarianceParts {
     double total() const;
 };
 
-// Standard deviations to either side of a 90 % interval when a part of the variance is known with few degrees of freedom: a
+// (I5) Standard deviations to either side of a 90 % interval when a part of the variance is known with few degrees of freedom: a
 // t distribution's, with Welch's and Satterthwaite's degrees for the sum.
 double ninety_percent(const VarianceParts& parts, double freedom);
 
@@ -72,7 +72,7 @@ struct Estimate {
     Eigen::VectorXd point;      // [p]
     std::vector<VarianceParts> parts; // [p] of its variance
     Eigen::MatrixXd covariance; // [p][p] of pixels, views and ranges
-    std::vector<double> naive; // [p] standard deviation if points of the contour were independent and the view known: far too small, to compare with
+    std::vector<double> naive; // (I5b) [p] standard deviation if points of the contour were independent and the view known: far too small, to compare with
     std::vector<double> freedom; // [p] degrees of freedom of the part of the pixels: few where few blocks tell it
     std::vector<Eigen::VectorXd> view; // per experiment [view_count]: what the fit takes them for, less what was stated
     std::vector<double> noise;  // per experiment: standard deviation of a segment's residual in its unit, robust
@@ -88,7 +88,7 @@ struct Estimate {
     std::size_t runs = 0;       // that the local model is fitted to
 };
 
-// Gauss-Newton on signed residuals r(theta, v) = r + g (theta - theta_0) + J v: r and g of each segment by a
+// (I1) Gauss-Newton on signed residuals r(theta, v) = r + g (theta - theta_0) + J v: r and g of each segment by a
 // polynomial through the runs nearest to the best one, J of the view. Weights are even up to Huber's; the variance is that of
 // leaving out blocks of neighbouring segments and frames in turn (the jackknife of clusters, CR3 in Bell & McCaffrey 2002),
 // since residuals side by side are not independent; its degrees of freedom after Satterthwaite. Each experiment is scaled by its

@@ -14,7 +14,7 @@ struct LocalModel {
 // Through runs near the centre by weighted least squares (I2), quadratic where there is one parameter. Throws InputError where there are too few.
 LocalModel local_model(const std::vector<EvaluatedRun>& runs, const Layout& layout, const Vector& centre);
 
-// Takes the model to the resolution of other runs: what these show beyond it is a value and a slope, by least squares in which the slope is
+// (I5a) Takes the model to the resolution of other runs: what these show beyond it is a value and a slope, by least squares in which the slope is
 // expected to be none, over distances at which the numerical noise of runs hides it.
 void correct(LocalModel& model, const std::vector<EvaluatedRun>& runs, const Layout& layout, const Vector& centre);
 

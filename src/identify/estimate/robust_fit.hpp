@@ -3,7 +3,7 @@
 
 namespace treacle::identify {
 
-// The parameters of a linear model r + G x whose reweighted squares are least within the priors.
+// (I3) The parameters of a linear model r + G x whose reweighted squares are least within the priors.
 struct Fit {
     Vector x, left, weights;
     Matrix inverse; // of G^T W G + P

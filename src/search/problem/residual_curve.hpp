@@ -4,7 +4,7 @@
 
 namespace treacle::search {
 
-// Residuals along one axis, in units of their noise: each row a parabola through the three points nearest to the best one. The objective,
+// (L1a) Residuals along one axis, in units of their noise: each row a parabola through the three points nearest to the best one. The objective,
 // the mean of their losses (Huber 1964), is then known between runs far better than by a parabola through its own values, which
 // are those of squares far from the minimum and of absolute values further away.
 class ResidualCurve {

@@ -16,7 +16,7 @@ void sort_unique(CellSet& cells);
 
 enum class RowOrder { along_curve, red_black };
 
-// Puts the rows of each cell of 2^halvings cells into one aggregate; cells of `dropped` get none. Local.
+// (ML1) Puts the rows of each cell of 2^halvings cells into one aggregate; cells of `dropped` get none. Local.
 void aggregate(Level& level, int halvings, RowOrder order, const CellSet& dropped);
 
 // Finite differences on cells of one width.
@@ -51,9 +51,9 @@ private:
 // Makes coarse matrices. Keeps its work arrays.
 class Coarsener {
 public:
-    // Collective: P^T A P / divisor in one pass over the entries of the level, and the sums of the walls.
+    // (ML2) Collective: P^T A P / divisor in one pass over the entries of the level, and the sums of the walls.
     void make_galerkin(const Comm& comm, Level& level, double divisor, MadeRows& made);
-    // Collective: finite differences with 7 points on the aggregates of the matrix itself. Cells that the matrix does
+    // (ML5) Collective: finite differences with 7 points on the aggregates of the matrix itself. Cells that the matrix does
     // not couple are not coupled; walls count by their mean.
     void make_grid(const Comm& comm, Level& level, const GridRule& rule, MadeRows& made);
 

@@ -65,13 +65,13 @@ public:
     // Collective. Takes the rows, whose numbers start at first in the order of the ranks.
     void take(const Comm& comm, MadeRows& made, Index first, Index global_rows);
 
-    // Collective. Sweeps within the ranks' own rows reduce the error of any symmetric positive definite matrix only if
+    // (RM3) Collective. Sweeps within the ranks' own rows reduce the error of any symmetric positive definite matrix only if
     // 2 D' - D - A_off is positive definite too, D' being what they divide by and A_off the couplings of different ranks.
     // (D + sum |A_off|) / 2 is enough, rows scaled to a unit diagonal. D' = D / relaxation within a rank, and more beside
     // others, whose values a sweep does not see change: D / relaxation + 1.5 (1 - 1 / relaxation) sum |A_off|.
     void secure_sweeps(double relaxation = 1);
 
-    // z = (D' + L)^-1 r, t = r - A z: one pass over half of the matrix.
+    // (ML3) z = (D' + L)^-1 r, t = r - A z: one pass over half of the matrix.
     void sweep_down_from_zero(std::span<const double> r, std::span<double> z, std::span<double> t);
     // Sweeps from z. The values of other ranks are those before the sweep.
     void sweep_down(std::span<const double> r, std::span<double> z);

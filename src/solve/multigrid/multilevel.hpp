@@ -19,7 +19,7 @@ enum class Smoother {
 
 enum class Cycle {
     v, // each coarse level once
-    w, // each coarse level twice for each time of the one above; galerkin only, where it is positive (README.md)
+    w, // each coarse level twice for each time of the one above; galerkin only, where it is positive (src/solve/theory.md)
 };
 
 struct MultilevelOptions {
@@ -54,7 +54,7 @@ struct LevelSize {
 };
 
 // A multilevel preconditioner of a matrix whose rows lie in space: piecewise constant on cells, then on cells of 2 x
-// 2 x 2 cells, and so on; one cycle, symmetric and positive definite (README.md). Aggregates do not cross ranks;
+// 2 x 2 cells, and so on; one cycle, symmetric and positive definite (src/solve/theory.md). Aggregates do not cross ranks;
 // small levels move to fewer ranks, the last one is solved directly on rank 0.
 class Multilevel {
 public:
@@ -65,7 +65,7 @@ public:
 
     // Collective. Memory is kept from one matrix to the next. The matrix must outlive its use in apply.
     void set_up(Matrix& matrix, const MultilevelCells& cells);
-    // z = M r, collective.
+    // (ML4) z = M r, collective.
     void apply(std::span<const double> r, std::span<double> z);
 
     // Collective. The first one is the matrix itself.

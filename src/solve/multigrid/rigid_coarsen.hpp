@@ -31,7 +31,7 @@ private:
     std::vector<std::pair<Index, Index>> first_met_; // [aggregates] by which row or aggregate below, and the row it met
 };
 
-// From the motions of the aggregates of one level to what is below: the rows of the matrix, one component of a velocity
+// (RM1) From the motions of the aggregates of one level to what is below: the rows of the matrix, one component of a velocity
 // each, or the motions of the aggregates of the level before.
 struct RigidLinks {
     int dimensions = 3;
@@ -48,7 +48,7 @@ struct RigidLinks {
 // Makes Galerkin products. Keeps its work arrays.
 class RigidCoarsener {
 public:
-    // Collective: P^T A P / divisor of a level whose rows have their aggregates; `places` [rows or aggregates below][3]
+    // (RM2) Collective: P^T A P / divisor of a level whose rows have their aggregates; `places` [rows or aggregates below][3]
     // in widths. Fills links.arms and, of made, all but walls.
     void make(const Comm& comm, Level& level, std::span<const double> places, double divisor, RigidLinks& links,
               MadeRows& made);

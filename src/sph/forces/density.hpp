@@ -10,7 +10,7 @@ void compute_density(const SphOptions& options, const Constants& constants, Liqu
                      const SolidParticles& solid, const Neighbourhood& neighbours);
 
 // Constants::wall_packing. With `recovery: positions` liquid that has moved stands nearer to a wall than the lattice from which
-// its place comes, and would sink by a per cent of a tank ten spacings wide (README).
+// its place comes, and would sink by a per cent of a tank ten spacings wide (src/sph/theory.md).
 double wall_packing(const PressureOptions& options, int dimensions);
 
 // Volumes of solid particles, V_s = 1 / sum_s W over the solids themselves (Akinci et al. 2012). `list` holds

@@ -15,7 +15,7 @@ int held_layers(const Constants& constants);
 
 flow::Layers layers_of(const Constants& constants);
 
-// Liquid that flows in. Behind an opening lie layers of the lattice, a spacing apart, that move at its speed
+// (Q) Liquid that flows in. Behind an opening lie layers of the lattice, a spacing apart, that move at its speed
 // whatever acts on them; a particle that has passed it is free. Where a layer is follows from the time alone,
 // ids from its number and the place in it: the same on any number of ranks. Each rank makes the particles of
 // its own cells.

@@ -62,7 +62,7 @@ BoundedReport bounded_jacobi(const Comm& comm, const BoundedProblem& problem, do
 // Spectral projected gradients (Birgin, Martinez & Raydan 2000) scaled by the diagonal: q <- max(0, q - alpha (A q - b) / diagonal), one
 // product an iteration, alpha by turns the longer and the shorter one of Barzilai & Borwein (1988) (Dai & Fletcher 2005).
 // Not monotone: residuals may rise for an iteration or two. Conjugate gradients need a second product whenever the bound cuts
-// a step, which in liquids with a free surface is nearly always (README). Collective.
+// a step, which in liquids with a free surface is nearly always (src/sph/theory.md). Collective.
 class SpectralGradient {
 public:
     // first: alpha of the first iteration

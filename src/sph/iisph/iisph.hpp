@@ -46,7 +46,7 @@ public:
     // multiple. Writes pressure and role: Poisson where the pressure is positive, Dirichlet elsewhere.
     solve::SolveReport solve(const StepParts& parts, double dt, RoleCounts& roles);
 
-    // (I2) Collective: what the density would exceed rho0 by after a step dt with the velocities, ghosts' included, as a shift
+    // (IS2) Collective: what the density would exceed rho0 by after a step dt with the velocities, ghosts' included, as a shift
     // of places: writes -dt G q, A q - b >= 0, to the acceleration field [m/s]. Writes source, load, motion; pressures stay. The
     // particles must stand where they stood at solve() or prepare_pairs().
     solve::SolveReport shift(const StepParts& parts, double dt);

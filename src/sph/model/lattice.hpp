@@ -52,7 +52,8 @@ double wall_cover(const WallSetup& setup, const DensityOptions& density);
 double wall_push(const WallSetup& setup, const DensityOptions& density);
 
 // Factor on the V_s of such a wall in the viscous sums so that the first layer at that distance is in balance when the
-// stress is uniform and the wall at rest (README, "Implicit viscosity"). These have a support of their own [m].
+// stress is uniform and the wall at rest (src/sph/theory.md, Implicit viscosity). These have a support of their
+// own [m].
 double wall_grip(const WallSetup& setup, const DensityOptions& density, double viscous_support);
 
 } // namespace treacle::sph

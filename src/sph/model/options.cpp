@@ -281,7 +281,7 @@ void SurfaceTensionOptions::declare(Declaration& d) {
               {"curvature", SurfaceTensionModel::curvature}},
              "How `liquids.*.surface_tension` acts: not at all; by the curvature of the surface, as a force towards its "
              "inside; or by forces that draw particles together (Becker & Teschner 2007), which stiffen the liquid "
-             "(src/sph/README.md). Both limit the time step.");
+             "(src/sph/theory.md). Both limit the time step.");
 }
 
 void SphOptions::declare(Declaration& d) {

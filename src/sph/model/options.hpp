@@ -60,7 +60,7 @@ enum class MultilevelSmoother { gauss_seidel, jacobi };
 
 // Options of hybrid incompressible SPH (dissertation, chapter 2), as the block `method` of a scene gives them.
 struct DensityOptions {
-    DensityKind kind = DensityKind::smooth; // blended is the dissertation's (README)
+    DensityKind kind = DensityKind::smooth; // blended is the dissertation's (src/sph/measurements.md)
     double blend_from = 5; // alpha of Eq. 2.3: wall neighbours below which the smooth kernel rules alone
     double blend_to = 15;  // beta: from which the spiky kernel rules alone
 
@@ -87,13 +87,13 @@ struct MultilevelOptions {
 
 struct PressureOptions {
     PressureSolver solver = PressureSolver::iisph;
-    double jacobi_weight = 0;       // omega of IISPH and DFSPH; 0: the published 0.5, or less where that diverges (README)
+    double jacobi_weight = 0;       // omega of IISPH and DFSPH; 0: the published 0.5, or less where that diverges (src/sph/theory.md)
     DirichletRule dirichlet = DirichletRule::predicted;
-    double prediction = 1;          // gamma of Eq. 2.6; the dissertation's 0.5 is noisier (README)
+    double prediction = 1;          // gamma of Eq. 2.6; the dissertation's 0.5 is noisier (src/sph/measurements.md)
     double surface_density = 0.97;  // of the rest density, below which `density` and `predicted_density` see a surface
     Clamping clamping = Clamping::pressures;
     SolidTerm solid_term = SolidTerm::exact;
-    double amplification_limit = 2; // gamma of Eq. 3.3; the dissertation's 5 ejects lone particles (README)
+    double amplification_limit = 2; // gamma of Eq. 3.3; the dissertation's 5 ejects lone particles (src/sph/measurements.md)
     WallForce wall_force = WallForce::one_sided;
     WallContact wall_contact = WallContact::stop;
     BodyCoupling body_coupling = BodyCoupling::implicit;
@@ -104,7 +104,7 @@ struct PressureOptions {
     double density_error = 0;       // mean compression of the Poisson particles, share of the rest density; 0: density_tolerance()
     DensityRecovery recovery = DensityRecovery::automatic; // by what compressed liquid gets its density back
     double divergence_error = 1e-4; // of DFSPH: mean compression that the velocities would cause in a step
-    double largest_residual = 0;    // relative, that the density rule must reach as well (README); 0: residual_tolerance()
+    double largest_residual = 0;    // relative, that the density rule must reach as well (src/sph/theory.md); 0: residual_tolerance()
     double residual = 1e-6;         // relative, for the residual rule
     int corrections = 0;            // most of a step (density_correction.hpp)
     int max_iterations = 2000;
@@ -125,7 +125,7 @@ private:
 struct ViscosityOptions {
     ViscosityIntegration integration = ViscosityIntegration::automatic;
     ViscosityForm form = ViscosityForm::corrected;
-    double checkerboard_damping = 1;   // kappa of the corrected form (README)
+    double checkerboard_damping = 1;   // kappa of the corrected form (src/sph/theory.md)
     double support_ratio = 2.2;        // of the corrected form's sums, h / d
     bool assembled = false;            // the matrix with its second ring, in place of products without one
     ViscositySolver solver = ViscositySolver::conjugate_gradients;

@@ -19,7 +19,7 @@ struct ComplementarityParts {
 };
 
 // Pressures by 0 <= p, A p - b >= 0, one of the two zero: which particles keep zero pressure is part of the solution
-// (README). The roles of (S6) are the first set. Where the particles with pressure have a component that nothing
+// (src/sph/theory.md). The roles of (S6) are the first set. Where the particles with pressure have a component that nothing
 // anchors, there is no solution, or one far too large: its particle of least source is held at zero, as Anchoring
 // chooses it.
 class Complementarity {

@@ -118,7 +118,7 @@ struct PredictionLoop {
         return fluid.constants.wall_push * ratio * ratio * sum.wall_square() / liquids.density(i); // alpha_i of Eq. 3.2
     }
 
-    // Addition to the diagonal by neighbours at zero pressure in the place of those that lack (README).
+    // Addition to the diagonal by neighbours at zero pressure in the place of those that lack (src/sph/theory.md).
     KOKKOS_INLINE_FUNCTION double ghost_term(int i, const RowSums& sum) const {
         if (options.dirichlet != DirichletRule::ghosts) return 0;
         return math::max(0.0, fluid.constants.laplacian_diagonal - sum.cover) / liquids.density(i);

@@ -19,7 +19,7 @@ enum class LastPressures { none, known };
 // (body_response.hpp).
 // Reads ghost velocities u*, densities and pressures p^t. Writes role, source (right-hand side), diagonal
 // (sum_j a_ij + wall term), wall_term: what walls and ghosts add. With solids as unknowns the diagonal has their a_is
-// too, and wall_term waits for SolidRows. Other rules than Eq. 2.6 and clamped sources: README.
+// too, and wall_term waits for SolidRows. Other rules than Eq. 2.6 and clamped sources: src/sph/theory.md.
 // Returns this rank's counts.
 enum class Answer { none, bodies };
 RoleCounts predict(const SphOptions& options, const Constants& constants, LiquidParticles& liquid,

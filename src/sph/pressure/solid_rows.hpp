@@ -4,7 +4,7 @@
 
 namespace treacle::sph {
 
-// Solid particles as unknowns of the pressure system, after Koshizuka et al. 1996 and Shao & Lo 2003 (README).
+// Solid particles as unknowns of the pressure system, after Koshizuka et al. 1996 and Shao & Lo 2003 (src/sph/theory.md).
 class SolidRows {
 public:
     // Around each owned solid particle.

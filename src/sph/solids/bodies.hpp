@@ -25,13 +25,13 @@ public:
 
     // Marks the particles' positions at the start of the run, as long as none has moved.
     void mark_start(const SolidParticles& solid) const;
-    // Velocities of all particles of bodies that move, ghosts too, from their places.
+    // (S4b) Velocities of all particles of bodies that move, ghosts too, from their places.
     void set_velocities(const SolidParticles& solid);
-    // Places of the owned particles of bodies that move.
+    // (S9b) Places of the owned particles of bodies that move.
     void place(const SolidParticles& solid);
     // Velocity [m/s] and spin [rad/s] of all solids, 6 numbers each; 0 of those that rest. As of set_velocities().
     const Array<double>& motion() const { return motion_; }
-    // Loads of the bodies among the loads of all solids.
+    // (S8b) Loads of the bodies among the loads of all solids.
     std::span<const double> loads_of(const std::vector<double>& loads) const {
         return std::span(loads).subspan(6 * static_cast<std::size_t>(first_), 6 * rigid.size());
     }

@@ -8,7 +8,7 @@ namespace treacle::sph {
 namespace {
 constexpr std::size_t most_places = 60; // on the surface, of which the mean is taken
 // Liquid that has moved stands closer to a layer than the lattice does: with this factor balls and discs of the
-// liquid's density, of 8 and 12 spacings, stay where they are (README).
+// liquid's density, of 8 and 12 spacings, stay where they are (src/sph/measurements.md).
 constexpr double stirred = 1.15;
 constexpr int cells_per_spacing = 4;    // of the integrals over the liquid
 

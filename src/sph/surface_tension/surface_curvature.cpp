@@ -5,7 +5,7 @@
 namespace treacle::sph {
 
 namespace {
-constexpr int normal_passes = 3;      // fewer leave the steps of a lattice in the curvatures (README)
+constexpr int normal_passes = 3;      // fewer leave the steps of a lattice in the curvatures (src/sph/theory.md)
 constexpr int curvature_passes = 2;
 constexpr double least_normal = 0.1;  // |N| h below which a particle is none of the surface
 

@@ -145,7 +145,7 @@ KOKKOS_INLINE_FUNCTION void read_line(const NodeField& field, const Lattice& l, 
 }
 } // namespace
 
-// Van Cittert: F += (u - B_h * H(F)) / B_h(0), with H the indicator of F > 0 smoothed over the interface's width. Nodes
+// Van Cittert: F += (u - B_h * H[F]) / B_h(0), with H the indicator of F > 0 smoothed over the interface's width. Nodes
 // behind walls mirror those before them.
 void ImplicitFunction::deconvolve(const Lattice& lattice, const Options& options) {
     const int dimensions = lattice.dimensions, depth = lattice.depth();

@@ -5,7 +5,7 @@
 
 namespace treacle::surface {
 
-// The implicit function from the points. Equations: src/surface/README.md.
+// (SF2), (SF3), (SF4) The implicit function from the points. Equations: src/surface/README.md.
 class ImplicitFunction {
 public:
     // Collective. `box`: this rank's tiles. With `solids` the function is cut at their surfaces.

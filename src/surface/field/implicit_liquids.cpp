@@ -37,7 +37,7 @@ void ImplicitFunction::settle_liquids(const CellBox& box, const Points& points, 
     });
 }
 
-// F = min(F, (u_l - the largest of the other liquids' u) / (2 B_h(0))): where two liquids touch, both have one surface.
+// (SF5) F = min(F, (u_l - the largest of the other liquids' u) / (2 B_h(0))): where two liquids touch, both have one surface.
 void ImplicitFunction::separate(const Lattice& lattice, const Points& points, const Options& options) {
     int liquids = 0;
     const auto p = points;

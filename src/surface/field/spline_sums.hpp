@@ -4,7 +4,7 @@
 
 namespace treacle::surface {
 
-// Sums of products of cubic B-splines along the axes over the points around a tile, at its nodes.
+// (SF1) Sums of products of cubic B-splines along the axes over the points around a tile, at its nodes.
 struct SplineSums {
     double to_h[3] = {0, 0, 0}; // lattice steps in widths of the spline
     double reach[3] = {0, 0, 0}; // of a point, in lattice steps

@@ -12,7 +12,7 @@ struct Sources {
     std::vector<int> scalars; // up to most_scalars
 };
 
-// Values at the vertices: means of the particles around them, weighted with the splines of the implicit function; of the
+// (SV1) Values at the vertices: means of the particles around them, weighted with the splines of the implicit function; of the
 // liquids the one with most weight.
 class Attributes {
 public:

@@ -3,7 +3,7 @@
 
 namespace treacle::surface {
 
-// Smooths the vertices of a patch by Taubin's pairs of steps (1995), x += lambda L x and x += mu L x with mu < 0, which
+// (SM2) Smooths the vertices of a patch by Taubin's pairs of steps (1995), x += lambda L x and x += mu L x with mu < 0, which
 // keep the volume where a single step would shrink it. L x is the mean of the neighbours less x. Vertices on faces at
 // which the surface is cut stay on them: those on their rim move with their neighbours on the rim, others not at all.
 // Each step makes one more layer of vertices at the patch's border differ from the neighbours'.

@@ -19,7 +19,7 @@ struct RefinedContour {
 // light, with the share a of the liquid, its light F and the background's B. F and B are means over pixels near by that
 // the blur leaves alone, weighted by their distance to the contour (normalised convolution: Knutsson & Westin 1993); B has
 // the pattern of the empty scene where `background` [height][width][3], of 255, is given. Then
-// a = (I - B) (F - B) / |F - B|^2, and the contour is at a = 1/2: for any blur that is even, a straight edge's true place,
+// a = dot(I - B, F - B) / |F - B|^2, and the contour is at a = 1/2: for any blur that is even, a straight edge's true place,
 // and sigma^2 / (2 R) inside that of a disc of radius R. A fixed grey level instead is off by sigma times the quantile of
 // its share. `edge_width` as measured in frames before, 0 at first [px].
 RefinedContour refine_contour(const Image& frame, const std::vector<float>& background, const Mask& rough, MixingSpace mixing,

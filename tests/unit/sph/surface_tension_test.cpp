@@ -213,7 +213,7 @@ TEST(SurfaceTension, ADropOscillatesAtRayleighsFrequency) {
         last = now;
     }
     ASSERT_GE(crossings.size(), 3u);
-    // Seen: 1.00 to 1.07 (README).
+    // Seen: 1.00 to 1.07 (src/sph/measurements.md).
     EXPECT_NEAR((crossings[2] - crossings[0]) / period, 1, 0.12);
 }
 

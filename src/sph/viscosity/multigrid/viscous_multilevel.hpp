@@ -8,7 +8,7 @@ namespace treacle::sph {
 // Preconditioner of the viscous system: the inverses of the particles' diagonal blocks, and added to them a cycle of multigrid
 // over cells 1.7 spacings wide, whose corners' velocities the particles take between them. What a cell resists with is that of
 // a liquid of its particles' shares dt/m V mu: each level is made of sums over its cells, coarser ones of two cells an axis,
-// without a matrix (README, "Implicit viscosity"). Symmetric and positive definite, the same on any number of ranks but
+// without a matrix (src/sph/theory.md, Implicit viscosity). Symmetric and positive definite, the same on any number of ranks but
 // for round-off of single precision.
 class ViscousMultilevel {
 public:

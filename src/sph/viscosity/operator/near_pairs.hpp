@@ -4,7 +4,7 @@
 namespace treacle::sph {
 
 // The support of the kernel in the viscous sums [m]: that of all others, but for the corrected form, whose gradients are
-// exact for linear velocities with fewer neighbours as well (README, "Implicit viscosity").
+// exact for linear velocities with fewer neighbours as well (src/sph/theory.md, Implicit viscosity).
 double viscous_support(const SphOptions& options, double spacing);
 
 // Those of a step's pairs that are within the support of the viscous sums, in the same order.

@@ -9,7 +9,7 @@ namespace treacle::sph {
 
 // The matrix of a ViscousOperator, whose rows reach to the neighbours' neighbours (dissertation,
 // equations 4.10 to 4.12, Algorithm 8), and its solver. Each rank extracts what the stresses of its own
-// particles put into all rows and sends other ranks' rows to them: ghosts of one support are enough (README).
+// particles put into all rows and sends other ranks' rows to them: ghosts of one support are enough (src/sph/theory.md).
 class ViscousMatrix {
 public:
     // Declares the fields that are exchanged.
