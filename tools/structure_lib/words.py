@@ -5,8 +5,8 @@ import re
 
 from . import sources
 
-# A comment begins with its noun or verb; those that these words open leave the noun out.
-OPENINGS = re.compile(r"(What|Of|Where|Whether|How|Which)\b")
+# A comment begins, after its tag, with its noun or verb; those that these words open leave the noun out.
+OPENINGS = re.compile(r"(?:\([\w.-]+\)[,:]? )*(What|Of|Where|Whether|How|Which)\b")
 SAMPLE = 200
 SEED = 27
 

@@ -137,7 +137,7 @@ struct PredictionLoop {
         return b;
     }
 
-    // (S6) Whether a particle with neighbours is an unknown.
+    // (S6) True when a particle with neighbours is an unknown.
     KOKKOS_INLINE_FUNCTION bool unknown(int i, const RowSums& sum, double predicted, double answered) const {
         const double rest = fluid.constants.rest_density;
         switch (options.dirichlet) {
