@@ -72,7 +72,7 @@ struct CellGrid {
     int count[3] = {1, 1, 1};
     int dimensions = 3;
 
-    // What lies outside belongs to the nearest cell of the border: neighbours stay in adjacent cells.
+    // A position outside belongs to the nearest cell of the border: neighbours stay in adjacent cells.
     KOKKOS_INLINE_FUNCTION void locate(double x, double y, double z, int c[3]) const {
         const double p[3] = {x, y, z};
         for (int k = 0; k < 3; ++k) {
@@ -90,8 +90,8 @@ struct CellGrid {
     KOKKOS_INLINE_FUNCTION int reach(int axis) const { return axis < dimensions ? 1 : 0; }
 };
 
-// Where the particles of each cell of a window stand in their arrays. Within a cell they are ordered by id,
-// and a cell's particles are all owned or all ghosts.
+// Ranges of each cell of a window in the particles' arrays. Within a cell they are ordered by id, and a cell's
+// particles are all owned or all ghosts.
 struct CellList {
     CellBox window;   // owned cells and one layer of halo
     Array<int> begin; // [cells of window]

@@ -133,7 +133,7 @@ using LaneMask = bool;
 KOKKOS_INLINE_FUNCTION LaneMask first_lanes(int) { return true; }
 #endif
 
-// What a formula is a template over; an integer would be a mistake.
+// Number type that a formula is a template over; an integer would be a mistake.
 template <class T>
 concept Number = std::is_same_v<T, double> || std::is_same_v<T, Lanes>;
 

@@ -3,9 +3,9 @@
 
 namespace treacle {
 
-// Of rows of eight floats, each a vector x, a number s, a vector u and a 0: the sum over the pairs of row i with `count` rows j of
-// w [x_i - x_j, -(s_i + s_j)] [u_i - u_j, 1]^T. Quad l of it has the l-th number on the left times those on the right. Up to three
-// entries of `index` beyond the count are read.
+// Sum over rows of eight floats, each a vector x, a number s, a vector u and a 0: over the pairs of row i with `count`
+// rows j of w [x_i - x_j, -(s_i + s_j)] [u_i - u_j, 1]^T. Quad l of it has the l-th number on the left times those on
+// the right. Up to three entries of `index` beyond the count are read.
 #if defined(TREACLE_AVX512)
 // Four pairs at a time, a quad each.
 inline Tile sum_pair_products(const float* rows, int i, const int* index, const float* weights, int count) {
@@ -31,7 +31,7 @@ inline Tile sum_pair_products(const float* rows, int i, const int* index, const 
     int k = 0;
     for (; k + 4 <= count; k += 4) add(k, _mm_loadu_ps(weights + k));
     if (k < count) add(k, _mm_maskz_loadu_ps(static_cast<__mmask8>(0xf >> (4 - (count - k))), weights + k));
-    // Of each sum its quads.
+    // Quads of each sum.
     const auto halves = [](__m512 a, __m512 b) {
         return _mm512_add_ps(_mm512_maskz_shuffle_f32x4(0xffff, a, b, 0x88), _mm512_maskz_shuffle_f32x4(0xffff, a, b, 0xdd));
     };

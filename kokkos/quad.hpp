@@ -72,7 +72,7 @@ struct Four {
     }
 };
 #else
-// Of numbers of either precision.
+// Four numbers of either precision.
 template <class T>
 struct FourNumbers {
     T v[4];

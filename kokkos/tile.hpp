@@ -15,7 +15,7 @@ KOKKOS_INLINE_FUNCTION void prefetch([[maybe_unused]] const void* address) {
 // sixteen floats. Three vectors and a fourth one fit, each with a number of its own in its last place.
 using Array16 = Kokkos::View<float* [16], Kokkos::LayoutRight, Memory>;
 
-// Where the element (k, l) of a symmetric matrix is among six: xx, yy, zz, xy, xz, yz.
+// Index of the element (k, l) of a symmetric matrix among six: xx, yy, zz, xy, xz, yz.
 KOKKOS_INLINE_FUNCTION constexpr int symmetric_element(int k, int l) { return k == l ? k : k + l + 2; }
 
 // Rows of eight floats: those of such a matrix, and up to two more.
@@ -52,7 +52,7 @@ struct Tile {
         const __m256 two = _mm256_add_ps(_mm512_castps512_ps256(v), _mm512_maskz_extractf32x8_ps(0xff, v, 1));
         return _mm_add_ps(_mm256_castps256_ps128(two), _mm256_extractf128_ps(two, 1));
     }
-    // Of the 3 x 3 elements; the others stay as they are.
+    // Transposes the 3 x 3 elements; the others stay as they are.
     Tile transposed() const {
         const __m512i from = _mm512_setr_epi32(0, 4, 8, 3, 1, 5, 9, 7, 2, 6, 10, 11, 12, 13, 14, 15);
         return _mm512_maskz_permutexvar_ps(0xffff, from, v);

@@ -77,7 +77,7 @@ void add_places(const Array<double>& field, const Array<int>& places, std::int64
     });
 }
 
-// What the two directions share: the message of a list of fields, from their places to the other side's.
+// Parts that both directions share: the message of a list of fields, from their places to the other side's.
 struct Passage {
     const Comm& comm;
     const Slices& outgoing;

@@ -14,7 +14,7 @@ struct Part {
     bool is_left;
 };
 
-// What a ghost costs its rank, in owned particles: it is sent, received and placed, not computed.
+// Cost of a ghost for its rank, in owned particles: a ghost is sent, received and placed, not computed.
 constexpr double ghost_share = 0.3;
 
 struct Cut {
@@ -52,7 +52,7 @@ Cut best_plane(std::span<const double> histogram, double share, int axis, int lo
     return best;
 }
 
-// Of all planes across all axes; `histograms` are the weights of the layers along x, then y, then z.
+// Best cut among all planes across all axes; `histograms` are the weights of the layers along x, then y, then z.
 Cut best_cut(std::span<const double> histograms, double share, const CellBox& box) {
     const int longest = longest_axis(box);
     std::size_t start = 0;

@@ -39,7 +39,7 @@ void Halo::connect(const Decomposition& decomposition) {
 }
 
 namespace {
-// What a rank tells its neighbour of one region: the cells, in the receiver's numbering, and the particles of
+// Header that a rank sends its neighbour for one region: the cells, in the receiver's numbering, and the particles of
 // each; the particles follow later in this order.
 struct RegionHeader {
     CellBox cells;

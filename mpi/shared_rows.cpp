@@ -42,7 +42,7 @@ bool holds(const CellBox& box, std::int64_t key) {
 // A key and its row.
 using Row = std::pair<std::int64_t, int>;
 
-// What each rank whose box this one's meets may share: keys, rising.
+// Keys, rising, that each rank whose box this one's meets may share.
 std::vector<Message> offers(const Comm& comm, const std::vector<Row>& rows, const std::vector<CellBox>& boxes) {
     std::vector<Message> out;
     const auto& own = boxes[static_cast<std::size_t>(comm.rank())];

@@ -28,7 +28,7 @@ public:
     // Collective: each copy becomes the sum of all copies, the same number on every rank. [rows][width]
     void add(const Array<float>& values, int width);
 
-    // Of this rank's rows, those that no rank before it has: 1, the others 0 [rows].
+    // Marks of this rank's rows: 1 for those that no rank before it has, 0 for the others [rows].
     const Array<float>& first() const { return first_; }
     std::size_t bytes() const;
 

@@ -8,7 +8,7 @@
 
 namespace treacle::app {
 
-// What the command line asks for.
+// Request of the command line.
 struct CommandLine {
     std::string petsc;                            // options for PETSc
     std::function<ExitCode(const Comm&)> command; // collective

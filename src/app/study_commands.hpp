@@ -12,7 +12,7 @@ struct ChooseStudyCommand {
 // Adds sweep and forward to the program.
 void add_study_commands(CLI::App& program, const ChooseStudyCommand& choose);
 
-// Whether a launcher of MPI (mpiexec, srun with its own) has started this process.
+// True when a launcher of MPI (mpiexec, srun with its own) has started this process.
 bool started_on_ranks();
 
 } // namespace treacle::app

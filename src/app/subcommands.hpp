@@ -15,7 +15,7 @@ namespace treacle::app {
 using Words = std::vector<std::string>;
 using Command = std::function<ExitCode(const Comm&)>;
 
-// What a subcommand fills in; `make` turns it into the command when all is read.
+// Result that a subcommand fills in; `make` turns it into the command when all is read.
 struct Chosen {
     std::string petsc;
     std::function<Command()> make;

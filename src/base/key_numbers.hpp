@@ -32,7 +32,7 @@ public:
     std::size_t bytes() const { return sizeof(int) * slots_.capacity() + sizeof(std::int64_t) * keys_.capacity(); }
 
 private:
-    // Where the key stands, or would.
+    // Index at which the key stands, or would.
     std::size_t place(std::int64_t key) const {
         constexpr std::uint64_t golden = 0x9e3779b97f4a7c15; // 2^64 over the golden ratio (Knuth, volume 3, 6.4)
         const std::size_t mask = slots_.size() - 1;

@@ -45,7 +45,7 @@ LayerSource::LayerSource(const InflowSetup& setup, Layers layers, const Periodic
     }
 }
 
-// Of the first particle of a layer.
+// Id of the first particle of a layer.
 std::int64_t LayerSource::id_of(std::size_t inlet, std::int64_t layer) const {
     const auto count = static_cast<std::int64_t>(setup_.inlets[inlet].points.size());
     return setup_.first_id + layer * count * static_cast<std::int64_t>(setup_.inlets.size()) +

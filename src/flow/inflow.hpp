@@ -22,7 +22,7 @@ struct InletSetup {
     double end = 0;           // [s] when the last one does; 0: none is the last
 };
 
-// Where particles are taken out: a box, or what lies behind a plane.
+// Region where particles are taken out: a box, or what lies behind a plane.
 struct OutletSetup {
     bool box = true;
     Vec3 min{0, 0, 0}, max{0, 0, 0};

@@ -3,7 +3,7 @@
 
 namespace treacle::flow {
 
-// Where particles are taken out, as kernels read it.
+// Regions where particles are taken out, as kernels read them.
 struct Outlets {
     Array<double> rows{"treacle::outlets", 0}; // [count][7] 1 for a box, then its corners, or a point and the normal
     int count = 0;

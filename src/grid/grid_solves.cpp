@@ -105,14 +105,14 @@ void GridStep::apply_viscosity(StepReport& report, double dt) {
     follow_walls();
 }
 
-// Whether the set of gaps that close has changed by the last solve, or by the first one, in which all were open.
+// True when the set of gaps that close has changed by the last solve, or by the first one, in which all were open.
 bool GridStep::gaps_change(bool first) {
     const Closing::Scene scene{grid_, cells_halo_, cells_, fractions_, solids_, pressure_.describe(pressure_scene()), velocity_, distance_, slip_areas()};
     const bool released = !first && closing_.release(comm_, scene, pressure_.last());
     return closing_.find(comm_, scene, dt_) || released;
 }
 
-// What a solve begins with, or goes back to.
+// Keeps what a solve begins with, or goes back to.
 void GridStep::keep_start(const StepReport& report) {
     copy_faces(grid_, cells_halo_.window(), velocity_, open_velocity_);
     open_bodies_ = bodies_.snapshot();

@@ -159,7 +159,7 @@ void GridStep::find_strains(double dt) {
     find_inflow(fractions_.open);
 }
 
-// What must flow into cells: by (D), and by (S) through the parts of their faces that are open.
+// Inflow that cells must have: by (D), and by (S) through the parts of their faces that are open.
 void GridStep::find_inflow(const FaceField& open) {
     const CellBox window = cells_halo_.window(), owned = cells_halo_.owned();
     reserve(inflow_, static_cast<std::size_t>(window.size()));
@@ -299,8 +299,8 @@ double GridStep::fastest(const Array3& of) const {
     return comm_.max(particles_.store.owned() > 0 ? std::sqrt(square) : 0.0);
 }
 
-// What may pull at the liquid in the next step [m/s2]: gravity, unless viscosity or solids hold the liquid against it. As
-// that may end, no more than a few times what pulled in the last step.
+// Acceleration that may pull at the liquid in the next step: gravity, unless viscosity or solids hold the liquid
+// against it [m/s2]. As that may end, no more than a few times what pulled in the last step.
 double GridStep::pull() const {
     const double gravity = scene::length(setup_.domain.gravity);
     if (!(before_ > 0) || !viscous() || bodies_.any_dynamic()) return gravity;

@@ -32,7 +32,7 @@
 
 namespace treacle::grid {
 
-// What stays the same through a run.
+// Constants of a run.
 struct GridSetup {
     GridOptions options;
     scene::Domain domain;
@@ -84,7 +84,8 @@ public:
     void restore(std::span<const std::int64_t> decomposition);
     // The bodies as a checkpoint has them; before start() or restore().
     void restore_bodies(std::span<const double> state) { bodies_.restore(state); }
-    // What the next step needs of those before it, whatever the number of ranks; restored before start() or restore().
+    // State that the next step needs of those before it, whatever the number of ranks; restored before start() or
+    // restore().
     std::vector<double> history() const;
     void restore_history(std::span<const double> state);
     std::vector<std::int64_t> decomposition_state() const;
@@ -106,7 +107,7 @@ public:
     // Collective: sums over the particles.
     LiquidTotals totals() const;
 
-    // Of the last step, for measurements; arrays over the window of halo().
+    // Results of the last step, for measurements; arrays over the window of halo().
     CellHalo& halo() { return cells_halo_; }
     const Fractions& fractions() const { return fractions_; }
     const FaceField& velocity() const { return velocity_; }

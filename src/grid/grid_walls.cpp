@@ -1,6 +1,6 @@
 #include "grid/grid_step.hpp"
 
-// What a step has to do with solids at rest: loads on them, and pressures beside them.
+// Solids at rest in a step: loads on them, and pressures beside them.
 namespace treacle::grid {
 
 // Before a viscous solve: faces in solids that liquid slides along are unknowns too, and those with small openings; what gravity

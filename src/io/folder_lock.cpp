@@ -26,7 +26,7 @@ std::string content(int file) {
     return out;
 }
 
-// Whether the file that is open still stands under its path: a program that ends removes it.
+// True while the file that is open still stands under its path: a program that ends removes it.
 bool still_there(int file, const std::filesystem::path& path) {
     struct stat opened {}, named {};
     return ::fstat(file, &opened) == 0 && ::stat(path.c_str(), &named) == 0 && opened.st_ino == named.st_ino &&
@@ -34,7 +34,7 @@ bool still_there(int file, const std::filesystem::path& path) {
 }
 } // namespace
 
-// Whether the file was locked before its last owner removed it.
+// True when the file was locked before its last owner removed it.
 bool FolderLock::take(const std::filesystem::path& folder) {
     file_ = ::open(path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
     if (file_ < 0)

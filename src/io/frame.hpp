@@ -11,7 +11,7 @@
 
 namespace treacle::io {
 
-// How real-valued data lie in a frame's file. Integers keep their type.
+// Precision of real-valued data in a frame's file. Integers keep their type.
 enum class Precision { float32, float64 };
 
 using FieldValues = std::variant<std::span<const double>, std::span<const std::int64_t>,

@@ -9,7 +9,7 @@
 
 namespace treacle::io {
 
-// What a result is made with.
+// Program and libraries that a result is made with.
 struct BuildInfo {
     std::string version;  // of the program
     std::string commit;   // of its sources; "unknown" outside of a repository

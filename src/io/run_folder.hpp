@@ -9,16 +9,16 @@
 
 namespace treacle::io {
 
-// What to do with a folder that is not empty.
+// Treatment of a folder that is not empty.
 enum class ExistingFiles { refuse, overwrite };
 
-// What a folder of results is opened for.
+// Purpose for which a folder of results is opened.
 enum class Access { read, write };
 
-// Where the results of a run are.
+// Folder of the results of a run.
 struct RunFolder {
     std::filesystem::path root;
-    // Of rank 0, for writing: keeps other runs out as long as this or a copy of it lives.
+    // Lock of rank 0, for writing: keeps other runs out as long as this or a copy of it lives.
     std::shared_ptr<const FolderLock> lock{};
 
     std::filesystem::path effective_scene() const { return root / "effective.yaml"; }

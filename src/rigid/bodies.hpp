@@ -25,7 +25,7 @@ struct Probe {
     SurfacePoint surface{}; // that RigidBodies finds
 };
 
-// What stays the same of a body. Places are those at the start of the run.
+// Constants of a body. Places are those at the start of the run.
 struct BodySetup {
     std::string name;
     scene::BodyKind kind = scene::BodyKind::fixed;
@@ -62,7 +62,7 @@ struct BodiesSetup {
     Vec3 gravity{0, 0, 0};                 // [m/s2]
     int dimensions = 3;
 
-    // Whether a joint links the two bodies.
+    // True when a joint links the two bodies.
     bool joined(std::size_t a, std::size_t b) const;
 };
 
@@ -78,7 +78,7 @@ public:
     bool moves(std::size_t body) const { return setup_.bodies[body].kind != scene::BodyKind::fixed; }
     bool dynamic(std::size_t body) const { return setup_.bodies[body].kind == scene::BodyKind::dynamic; }
     bool any_moves() const { return any_moves_; }
-    // Whether a body is there now, as all are but those that convey out of their time.
+    // True when a body is there now, as all are but those that convey out of their time.
     bool present(std::size_t body) const {
         const auto& setup = setup_.bodies[body];
         return !setup.conveys || (time_ >= setup.from && time_ < setup.until);
@@ -112,7 +112,7 @@ public:
     const Vec3& angular_momentum(std::size_t body) const { return states_[body].angular_momentum; }
     // About the centre, in the axes of space, where it is [kg m2]; of dynamic bodies.
     Matrix3 inertia(std::size_t body) const { return inertia(body, states_[body].pose.turn); }
-    // How the bodies answer impulses where they are, joints and locked degrees of freedom included.
+    // Response of the bodies to impulses where they are, joints and locked degrees of freedom included.
     Mobility mobility() const;
     // Bound of the speed of any point of a body that moves [m/s].
     double max_speed() const;
@@ -129,7 +129,7 @@ public:
     // Kinetic, and potential of gravity, zero at the origin, of the dynamic bodies [J].
     std::array<double, 2> energy() const;
 
-    // What fall() and push() change, to solve again from where they were.
+    // State that fall() and push() change, to solve again from where they were.
     struct Snapshot {
         std::vector<double> motion, given, joint_loads;
     };

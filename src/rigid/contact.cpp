@@ -9,7 +9,7 @@
 namespace treacle::rigid {
 
 namespace {
-// Of a pair of bodies: enough for faces, and for a body that lies in a hollow.
+// Contacts of a pair of bodies: enough for faces, and for a body that lies in a hollow.
 constexpr std::size_t contacts_per_pair = 12;
 
 // The point of the nearest image of x to the origin along periodic axes.

@@ -55,7 +55,7 @@ private:
         problem_.friction.push_back(contact.friction);
     }
 
-    // What an impulse along the direction does, in the independent motions; zero where joints hold what it would move.
+    // Effect of an impulse along the direction, in the independent motions; zero where joints hold what it would move.
     Eigen::RowVectorXd row_of(const Contact& contact, const Vec3& direction) const {
         Eigen::RowVectorXd row = Eigen::RowVectorXd::Zero(static_cast<Index>(columns_.size()));
         double alone = 0;

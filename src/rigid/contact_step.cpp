@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-// What contacts do to the bodies in a step, and the motion of the step, in parts that impacts end.
+// Effect of contacts on the bodies in a step, and the motion of the step, in parts that impacts end.
 namespace treacle::rigid {
 
 namespace {
@@ -33,9 +33,10 @@ double RigidBodies::gravity_along(const Contact& contact) const {
     return along(contact.body) - (contact.other >= 0 ? along(static_cast<std::size_t>(contact.other)) : 0);
 }
 
-// What becomes of the contact in the rest of the step, and the velocity that it wants for that. Velocities are those of the middle
-// of the step, from which gravity makes those at the time of an impact: with them the speed before it is given back, times the
-// restitution, and the motion along straight lines, before and after, leads where the one along parabolas does.
+// State of the contact in the rest of the step, and the velocity that it wants for that. Velocities are those of the
+// middle of the step, from which gravity makes those at the time of an impact: with them the speed before it is given
+// back, times the restitution, and the motion along straight lines, before and after, leads where the one along
+// parabolas does.
 RigidBodies::Meeting RigidBodies::expect(Contact& contact, double dt) const {
     const double speed = approach(contact), gap = std::max(0.0, contact.gap);
     contact.wanted = -gap / (dt - gone_);

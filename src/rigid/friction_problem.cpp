@@ -22,7 +22,7 @@ constexpr double soft = 1e-7;  // regularisation, over a row's own response
 
 enum class State { open, sticks, slides };
 
-// What of a contact's impulse and velocity is wrong, and what that says about its state.
+// Error of a contact's impulse and velocity, and the state that follows from it.
 struct Verdict {
     State state = State::open;
     double slip[2] = {0, 0}; // unit, the direction of the friction

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-// What joints and locked degrees of freedom do to the bodies in a step.
+// Effect of joints and locked degrees of freedom on the bodies in a step.
 namespace treacle::rigid {
 
 namespace {
@@ -111,7 +111,7 @@ void RigidBodies::open_ledger() {
     }
 }
 
-// What locked degrees of freedom took up is what is missing from the change of the momentum.
+// Loads of locked degrees of freedom are what is missing from the change of the momentum.
 void RigidBodies::close_ledger(double dt) {
     for (std::size_t b = 0; b < size(); ++b) {
         if (dynamic(b)) {

@@ -34,7 +34,7 @@ Axes held_turns(const JointSetup& joint, const Placed& other) {
     return {};
 }
 
-// How the body is turned against the other, as far as the joint is to prevent that [rad].
+// Rotation of the body against the other, as far as the joint is to prevent that [rad].
 Vec3 wrong_turn(const JointSetup& joint, const Placed& body, const Placed& other) {
     if (joint.kind == scene::JointKind::hinge) {
         return cross(to_matrix(other.pose.turn) * joint.axis, to_matrix(body.pose.turn) * joint.axis);

@@ -6,7 +6,7 @@
 
 namespace treacle::rigid {
 
-// What links two bodies, or one to the world. The place is that at the start of the run.
+// Link between two bodies, or of one to the world. The place is that at the start of the run.
 struct JointSetup {
     std::string name;
     scene::JointKind kind = scene::JointKind::hinge;
@@ -17,7 +17,7 @@ struct JointSetup {
     double lever = 1;    // [m] how much a rotation counts beside a shift
 };
 
-// Where a body is and where its centre was at the start; of the world both are none.
+// Pose of a body, and its centre at the start; none for the world.
 struct Placed {
     Pose pose;
     Vec3 start{0, 0, 0}; // [m]
@@ -31,7 +31,7 @@ struct Placed {
 void append_rows(const JointSetup& joint, const Placed& body, const Placed& other,
                  std::vector<JointRow>& rows);
 
-// How far each of them is from being met [m]; their rates are what the rows hold.
+// Distance of each of them from being met [m]; the rows hold their rates.
 void append_gaps(const JointSetup& joint, const Placed& body, const Placed& other, std::vector<double>& gaps);
 
 } // namespace treacle::rigid

@@ -6,7 +6,7 @@
 
 namespace treacle::rigid {
 
-// Where a body stands: a point X of it at the start is at centre + turn (X - centre at the start).
+// Pose of a body: a point X of it at the start is at centre + turn (X - centre at the start).
 struct Pose {
     Vec3 centre{0, 0, 0}; // [m]
     Quaternion turn;

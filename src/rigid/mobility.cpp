@@ -6,10 +6,10 @@
 namespace treacle::rigid {
 
 namespace {
-// Of a row's own response, what others leave of it when it says nothing new: the square of how far off
-// roundings and gaps put it.
+// Fraction of a row's own response that others leave when the row says nothing new: the square of how far off roundings
+// and gaps put it.
 constexpr double redundant = 1e-9;
-// What is left of a diagonal entry of the response, over the entry, when other motions say the same already.
+// Rest of a diagonal entry of the response, over the entry, when other motions say the same already.
 constexpr double same_motion = 1e-12;
 
 Vec3 part(std::span<const double> numbers, std::size_t at) {
@@ -44,7 +44,7 @@ double Mobility::meet(const JointRow& a, const JointRow& b) const {
     return sum;
 }
 
-// What the row would meet if nothing of its bodies were locked.
+// Response of the row if nothing of its bodies were locked.
 double Mobility::most(const JointRow& row) const {
     const auto bound = [&](std::size_t body, const Vec3& angular) {
         double linear = 0, turn = 0;

@@ -22,9 +22,9 @@ struct JointRow {
     Vec3 angular{0, 0, 0}, other_angular{0, 0, 0}; // [m]
 };
 
-// How bodies that joints link answer impulses together: the matrix M^-1 - M^-1 J^T (J M^-1 J^T)^+ J M^-1,
-// symmetric and positive semidefinite, with the rows J of the joints. Rows that say again what others say are
-// left out. Impulses and velocities are 6 numbers a body, angular ones about its centre.
+// Response of bodies linked by joints to impulses: the matrix M^-1 - M^-1 J^T (J M^-1 J^T)^+ J M^-1, symmetric and
+// positive semidefinite, with the rows J of the joints. Rows that say again what others say are left out. Impulses and
+// velocities are 6 numbers a body, angular ones about its centre.
 class Mobility {
 public:
     Mobility() = default;
@@ -41,7 +41,7 @@ public:
     std::vector<double> impulses_for(std::span<const double> changes) const;
     // Velocities of each body by itself.
     std::vector<double> alone(std::span<const double> impulses) const;
-    // Whether any impulse on the body moves it.
+    // True when any impulse on the body moves it.
     bool can_move(std::size_t body) const;
 
 private:
@@ -53,7 +53,7 @@ private:
     std::vector<Response> bodies_;
     std::vector<JointRow> rows_;
     std::vector<char> linked_;
-    // Of the rows that count, in the order of their elimination: number, scale, row of the Cholesky factor.
+    // Data of the rows that count, in the order of their elimination: number, scale, row of the Cholesky factor.
     std::vector<std::size_t> kept_;
     std::vector<double> scale_;
     std::vector<std::vector<double>> factor_;

@@ -11,7 +11,7 @@ namespace {
 
 constexpr double degree = std::numbers::pi / 180;
 
-// Of a camera from a file or with a lens, which say all of this.
+// Check of a camera from a file or with a lens, which define all of these keys.
 void check_alone(Declaration& d, const std::string& given) {
     for (const auto* key : {"automatic", "position", "target", "up", "field_of_view"}) {
         d.check(!d.given(key), key, {"cannot go with " + given, "the pose and the lens stand there", "remove one of them"});

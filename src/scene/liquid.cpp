@@ -40,7 +40,7 @@ void declare_variation(Declaration& d, Liquid& liquid) {
             {"cannot go with a rheology", "both would say what the viscosity is", "make it two liquids of the same density"});
 }
 
-// How it moves at the start.
+// Motion at the start.
 void declare_motion(Declaration& d, Liquid& liquid) {
     d.vec3("velocity", liquid.velocity, unit::velocity,
            "Velocity at the start; with an angular velocity or a gradient that of the pivot.");

@@ -30,7 +30,7 @@ struct Face {
     std::string where;
 
     void declare(Declaration& d);
-    // Where it was written does not count.
+    // The place at which it was written does not count.
     bool operator==(const Face& other) const {
         return kind == other.kind && slip == other.slip && slip_length == other.slip_length &&
                skin_friction == other.skin_friction && velocity == other.velocity && outflow == other.outflow &&
@@ -61,7 +61,7 @@ struct Domain {
 
 enum class ShearLaw { newtonian, power_law, carreau, cross, herschel_bulkley };
 
-// How a liquid's viscosity depends on the shear rate; its `viscosity` is the law's own (flow/flow_curve.hpp).
+// Dependence of a liquid's viscosity on the shear rate; its `viscosity` is the law's own (flow/flow_curve.hpp).
 struct Rheology {
     ShearLaw law = ShearLaw::newtonian;
     double exponent = 1;
@@ -130,9 +130,9 @@ struct Liquid {
     std::array<Vec3, 3> initial_gradient() const;
     // Velocity at the start, at x [m/s]; `centre` [m] is the pivot.
     Vec3 initial_velocity(const Vec3& x, const Vec3& centre) const;
-    // Whether that is not the same everywhere.
+    // True when that is not the same everywhere.
     bool sheared() const;
-    // Whether its particles may differ in viscosity.
+    // True when its particles may differ in viscosity.
     bool varies() const {
         return rheology.law != ShearLaw::newtonian || !viscosity_profile.points.empty() || !viscosity_regions.empty();
     }
@@ -211,7 +211,7 @@ struct Inlet {
 
 enum class OutletShape { box, half_space };
 
-// Where liquid is taken out.
+// Region where liquid is taken out.
 struct Outlet {
     std::string name;
     OutletShape shape = OutletShape::box;

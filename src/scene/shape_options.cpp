@@ -118,7 +118,7 @@ Alternatives primitives(Shape& shape) {
             {ShapeKind::plane, Alternative{"plane", of(declare_plane), "A half space."}}};
 }
 
-// What stands in for a mesh cannot be a mesh: it could be missing as well.
+// A stand-in for a mesh cannot be a mesh: it could be missing as well.
 void declare_primitive(Declaration& d, Shape& shape) {
     if (d.parsing()) shape.where = d.place();
     d.one_of(shape.kind, primitives(shape));

@@ -21,7 +21,7 @@ struct Extrapolation {
     std::string text;      // how sure the order is, a sentence for the report
 };
 
-// What is known of the values of rungs.
+// Noise of the values of rungs.
 struct RungNoise {
     double deviation = 0; // standard deviation of a value of one run at the coarsest spacing, as of other seeds and shifts by parts of a cell; 0: none
     int freedom = 4;      // degrees of freedom that it was measured with

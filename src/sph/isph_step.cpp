@@ -166,7 +166,7 @@ void IsphStep::apply_viscosity(StepReport& report, double dt) {
     for (std::size_t k = 0; k < result.loads.size(); ++k) report.viscous_loads[k] += result.loads[k];
 }
 
-// Whether dynamic bodies are unknowns of the viscous solve.
+// True when dynamic bodies are unknowns of the viscous solve.
 bool IsphStep::give_way() const {
     const auto& options = setup_.options.viscosity;
     return viscosity_ && bodies_.any_dynamic() && options.integration == ViscosityIntegration::implicit &&

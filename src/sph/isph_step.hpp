@@ -14,7 +14,7 @@
 
 namespace treacle::sph {
 
-// What stays the same through a run.
+// Constants of a run.
 struct IsphSetup {
     SphOptions options;
     Constants constants;

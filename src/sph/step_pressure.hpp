@@ -45,7 +45,7 @@ public:
     // The divergence-free solve of DFSPH: of the last step, at the places that it led to. Changes velocities and adds to the loads
     // of solids; nothing with other solvers. Collective.
     void remove_divergence(const PressureParts& parts, StepReport& report, double dt);
-    // (IS2) Where the velocities leave liquid that is compressed, the particles move on by more than their velocities: writes the
+    // (IS2) Particles where the velocities leave liquid that is compressed move on by more than their velocities: writes the
     // difference to the acceleration field [m/s]. Collective.
     void shift(const StepParts& parts, const LoadPoints& load_points, StepReport& report, double dt);
     // For a shift() without a solve() before it.
@@ -85,7 +85,7 @@ private:
     MatrixObserver matrix_observer_;
 };
 
-// Whether solid particles have pressures of their own as unknowns.
+// True when solid particles have pressures of their own as unknowns.
 bool solids_unknown(const SphOptions& options);
 
 } // namespace treacle::sph

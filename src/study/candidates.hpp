@@ -12,8 +12,8 @@ struct Assignment {
     std::string origin;
 };
 
-// What a study needs to know of a scene; the program's own reader of scenes tells it. Throws InputError where the scene is
-// not valid with these assignments.
+// Facts of a scene for a study; the program's own reader of scenes tells it. Throws InputError where the scene is not
+// valid with these assignments.
 struct SceneFacts {
     std::string content; // all that a run's result depends on: every value, and the contents of the files that it names
     double end = 0;      // [s] of simulated time
@@ -42,7 +42,8 @@ struct Candidate {
 };
 // Throws InputError when the scene refuses the values or changes.
 Candidate candidate_of(const Study& study, const StudyScene& scene, const Point& values, const SceneReader& read_scene, const std::vector<std::string>& changes = {});
-// Of every point in every scene, the scenes of a point side by side. Throws InputError with what is wrong in all of them.
+// Candidates of every point in every scene, the scenes of a point side by side. Throws InputError with what is wrong in
+// all of them.
 std::vector<Candidate> candidates_of(const Study& study, const std::vector<Point>& points, const SceneReader& read_scene);
 
 } // namespace treacle::study

@@ -21,9 +21,10 @@ public:
     // The next one that is not done yet, its request written, with a negative number; nothing when there is none. The command is
     // the caller's.
     std::optional<LaneTask> next(const Journal& journal);
-    // Of those under way the last one that is no more offered. Its lane may be taken for one that is.
+    // The last of those under way that is no more offered. Its lane may be taken for one that is.
     std::optional<std::int64_t> stale() const;
-    // Of those under way that nobody has asked for the one started last. Its lane may be taken for a run that was asked for.
+    // The one started last of those under way that nobody has asked for. Its lane may be taken for a run that was asked
+    // for.
     std::optional<std::int64_t> least_wanted() const;
     // True when a run of this key is under way; it is then kept to its end for who asked.
     bool claim(const std::string& key);

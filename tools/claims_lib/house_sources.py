@@ -52,7 +52,8 @@ def reached(graph, start):
 def circles(graph):
     """Groups of folders that include each other."""
     below = {folder: reached(graph, folder) for folder in graph}
-    groups = {frozenset({folder} | {other for other in below[folder] if folder in below.get(other, ())}) for folder in graph if folder in below[folder]}
+    around = [folder for folder in graph if folder in below[folder]]
+    groups = {frozenset(other for other in around if other in below[folder] and folder in below[other]) for folder in around}
     return sorted(sorted(group) for group in groups)
 
 
@@ -76,8 +77,8 @@ def retired_names(context):
     found, prose = vocabulary.uses(context.root, known), vocabulary.phrases(context.root)
     left = {line.split(": ")[1].split(",")[0] for line in found}
     where = listing(context, "retired", found + prose)
-    text = (f"{len(known)} names known, {len(left)} still in use, {len(found)} times; {len(vocabulary.PHRASES)} phrases known, used {len(prose)} times; "
-            f"{len(known - vocabulary.IN_USE)} refused by tools/check_structure ({where})")
+    text = (f"{len(known)} names known, {len(left)} still in use, {len(found)} times; {len(vocabulary.PHRASES)} phrases known, used {len(prose)} "
+            f"times; {len(known - vocabulary.IN_USE)} refused by tools/check_structure ({where})")
     freed = sorted(vocabulary.IN_USE - left)
     if freed:
         text += f"; IN_USE still lists {some(freed)}"
@@ -88,11 +89,13 @@ def openings(context):
     count, found = words.without_a_noun(context.root)
     share = len(found) / max(1, count)
     where = listing(context, "openings", found)
-    return Figure(f"{len(found)} of {count} comments, {100 * share:.1f} % ({where})", share <= 0.02)
+    behind, so = words.behind_code(context.root)
+    return Figure(f"{len(found)} of {count}, {100 * share:.1f} % ({where}); behind code, where the name stands before them, {so} of {behind}",
+                  share <= 0.02)
 
 
 def persons(context):
-    """A sample for a person to read; findings.txt beside it, a line a finding, is what that person wrote."""
+    """A sample for a person to read; personifications.txt beside it, a line a finding, is what that person wrote."""
     found = words.sample(context.root)
     where = listing(context, "comments", found)
     read = context.scratch.parent / "personifications.txt"
@@ -128,8 +131,8 @@ def function_sizes(context):
     where = listing(context, "sizes", lines)
     longest = f" ({sizes.functions[0].name} {sizes.functions[0].lines})" if long else ""
     median, tenth = sizes.quantile(0.5), sizes.quantile(0.9)
-    return Figure(f"{len(sizes.functions)} functions: median {median} lines, 90 % {tenth}, {len(long)} over 60{longest}; {len(files)} files over 400; "
-                  f"{100 * share:.1f} % with more than 5 parameters ({where})",
+    return Figure(f"{len(sizes.functions)} functions: median {median} lines, 90 % {tenth}, {len(long)} over 60{longest}; {len(files)} files over "
+                  f"400; {100 * share:.1f} % with more than 5 parameters ({where})",
                   median <= 7 and tenth <= 20 and not long and not files and share <= 0.01)
 
 
@@ -139,15 +142,16 @@ def public_declarations(context):
     except functions.Missing as missing:
         raise Unmeasured(str(missing)) from None
     where = listing(context, "declarations", count.bare)
-    return Figure(f"{len(count.bare)} of {count.all} without, {100 * count.share:.0f} %; {len(count.numbers)} of them numbers without a unit ({where})",
-                  not count.bare)
+    return Figure(f"{len(count.bare)} of {count.all} without, {100 * count.share:.0f} %; {len(count.numbers)} of them numbers without a unit "
+                  f"({where})", not count.bare)
 
 
 def add_rows(table):
     table.row("rooms", claim="folders of src, kokkos, mpi", asked=f"<= {MOST_FILES} source files each, no circle, every arrow down, checked")(rooms)
     table.row("words", claim="tools/check_structure knows the glossary's retired names", asked="finds none")(retired_names)
-    table.row("openings", claim="comments that begin with What, Of, Where, Whether, How or Which", asked="<= 2 %")(openings)
-    table.row("persons", claim="200 comments, the same in each call", asked="code and liquids do not know, see, feel or want: none, by a reader")(persons)
+    table.row("openings", claim="comments with lines to themselves that begin with What, Of, Where, Whether, How or Which", asked="<= 2 %")(openings)
+    table.row("persons", claim="200 comments, the same in each call",
+              asked="none in which code or liquids know, see, feel or want, by a reader")(persons)
     table.row("tags", claim="rows of equation tables and tags in sources", asked="each has the other; tags unique over the tree")(equation_tags)
     table.row("functions", claim="lengths and parameters, by Universal Ctags",
               asked="median <= 7 lines, 90 % <= 20, none over 60; no file over 400; <= 1 % with more than five parameters")(function_sizes)

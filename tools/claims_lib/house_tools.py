@@ -70,7 +70,8 @@ def spelling(context):
     done = subprocess.run([program, *tracked], capture_output=True, text=True, errors="replace", cwd=context.root)
     found = [line for line in done.stdout.splitlines() if "==>" in line]
     where = listing(context, "spelling", found)
-    return Figure(f"codespell {version}: {len(found)} findings in {len(tracked)} files{': ' + some(found, '; ') if found else ''} ({where})", not found)
+    return Figure(f"codespell {version}: {len(found)} findings in {len(tracked)} files{': ' + some(found, '; ') if found else ''} ({where})",
+                  not found)
 
 
 def add_rows(table):

@@ -14,7 +14,8 @@ KINDS = "fpmscgt"
 LONE = re.compile(r"=\s*(default|delete)\s*;|\boverride\b|\boperator\s*=|^\s*~|^\s*(virtual\s+)?~")
 OPENING = re.compile(r"^\s*(template\b.*>|public:|private:|protected:)\s*$")
 TYPE = re.compile(r"^\s*(struct|class|union|enum)\b.*\{\s*$")
-NUMBER = re.compile(r"^\s*(static |constexpr |const |inline )*(double|float|Vec3|Mat3|Array\w*<|Array[34]\b|std::(vector|array|optional|span)<(double|float|Vec3))")
+NUMBER = re.compile(r"^\s*(static |constexpr |const |inline )*"
+                    r"(double|float|Vec3|Mat3|Array\w*<|Array[34]\b|std::(vector|array|optional|span)<(double|float|Vec3))")
 
 
 @dataclasses.dataclass(frozen=True)

@@ -73,5 +73,6 @@ def faults(root, entry):
         text = "\n".join(path.read_text() for path in paths)
         if not files:
             found.append(f"no file in {hop!r}")
-        found += [f"no {word} in {', '.join(files)}" for word in words if word not in files and not re.search(rf"(?<!\w){re.escape(word)}(?!\w)", text)]
+        symbols = [word for word in words if word not in files]
+        found += [f"no {word} in {', '.join(files)}" for word in symbols if not re.search(rf"(?<!\w){re.escape(word)}(?!\w)", text)]
     return [f"CONTRIBUTING.md:{entry.line}: {fault}" for fault in found]

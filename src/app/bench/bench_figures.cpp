@@ -53,7 +53,7 @@ std::string one_line(const io::Value& value) {
 namespace {
 using Measure = std::function<double(const StepSample&)>;
 
-// What the table and the file say, worked out of the steps.
+// Evaluation of the steps into what the table and the file say.
 class Evaluation {
 public:
     explicit Evaluation(const BenchFigures& figures) : at_(figures) {}

@@ -14,7 +14,7 @@ struct Spread {
 };
 Spread spread(std::vector<double> values);
 
-// What one measured step holds and costs; seconds are those of the slowest rank.
+// Contents and cost of one measured step; seconds are those of the slowest rank.
 struct StepSample {
     double product = 0;         // one product with the step's pressure matrix, the median of several [s]
     std::vector<double> phases; // in the order of BenchFigures::phases [s]

@@ -6,7 +6,7 @@
 
 namespace treacle::app {
 
-// What the figures of a benchmark depend on.
+// Machine and build on which the figures of a benchmark depend.
 struct Machine {
     std::string processor; // "unknown" where the system does not tell
     int cores = 0;         // of this rank's node

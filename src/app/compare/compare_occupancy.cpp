@@ -9,7 +9,7 @@ namespace {
 using identify::Experiment;
 using identify::OccupancyWindow;
 
-// Where the thread is in each frame [px], of film and run.
+// Positions of the thread in each frame, of film and run [px].
 struct ThreadPlaces {
     explicit ThreadPlaces(std::size_t frames) : film(frames), run(frames) {}
     std::vector<double> film, run;

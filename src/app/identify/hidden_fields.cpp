@@ -13,7 +13,7 @@ namespace treacle::app {
 namespace {
 constexpr std::size_t pictures = 4; // of each field, at most
 
-// Whether a command of this program succeeds; what it prints goes into `output`.
+// Runs a command of this program, true when it succeeds; its output goes into `output`.
 bool succeeds(std::vector<std::string> command, const std::filesystem::path& output, Log& log) {
     command.insert(command.begin(), this_program().string());
     study::ChildProcess child(command, output);

@@ -103,7 +103,7 @@ std::filesystem::path film_candidate(const CandidateStudy& candidate, const std:
     return out;
 }
 
-// What a candidate tells; nothing when stopped.
+// Information that a candidate gives; nothing when stopped.
 std::optional<Eigen::MatrixXd> information_of(const CandidateStudy& candidate, const identify::Identification& found, double variance, Log& log) {
     const auto masks = film_candidate(candidate, found.values, log);
     if (masks.empty()) return {};

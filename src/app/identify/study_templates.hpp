@@ -15,7 +15,7 @@ std::span<const TemplateFile> template_files();
 // Empty when there is no such file.
 std::string_view template_text(const std::string& name);
 
-// What the form of a template and the options of `treacle new` say, by their names, in SI.
+// Values of a template's form and of the options of `treacle new`, by their names, in SI.
 using FormValues = std::map<std::string, double>;
 
 // A textbook formula that gives the first guess of a template's viscosity.

@@ -11,7 +11,7 @@ namespace treacle::app {
 
 // Length with a unit, > 0 [m].
 double read_length(const std::string& option, const std::string& text);
-// Of --wall-limit: a time with a unit, > 0 [s]; 0 for an empty text.
+// Value of --wall-limit: a time with a unit, > 0; 0 for an empty text [s].
 double read_wall_limit(const std::string& text);
 // Three numbers, and perhaps a unit for all of them: "10 0 5 cm"; in SI.
 Vec3 read_vector(const std::string& text, const Unit& unit, const std::string& option);

@@ -13,7 +13,8 @@ struct Words {
     std::string liquid, file, name; // liquid and name may be empty
 };
 
-// What comes before the first '=' and behind the last ':' does not belong to the file, unless a file is called so.
+// The text before the first '=' and behind the last ':' is no part of the file's name, unless there is a file of that
+// name.
 Words read_words(const std::string& argument) {
     Words out{"", argument, ""};
     const auto is_there = [&] { return std::filesystem::exists(out.file); };

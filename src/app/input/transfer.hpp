@@ -18,8 +18,9 @@ struct Transfer {
     identify::Material material;
 };
 
-// What values of --material mean for a scene: "FILE", "FILE:NAME" (of several liquids in the file), "LIQUID=FILE" (of several in the
-// scene), "LIQUID=FILE:NAME". The file may be given by the folder of its study or report. Throws InputError.
+// Meaning of the values of --material for a scene: "FILE", "FILE:NAME" (of several liquids in the file), "LIQUID=FILE"
+// (of several in the scene), "LIQUID=FILE:NAME". The file may be given by the folder of its study or report. Throws
+// InputError.
 std::vector<Transfer> find_transfers(const std::vector<std::string>& arguments, const scene::Scene& scene, const std::filesystem::path& scene_file);
 
 // Sets density, viscosity, rheology and, where it is known, surface tension of the liquid.

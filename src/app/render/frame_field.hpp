@@ -14,8 +14,8 @@ struct ScalarField {
     bool magnitude = false;     // never negative: a length of a vector
 };
 
-// What scalar_field knows: fields with one component as they are; of a vector its components "velocity_x" and
-// its magnitude "velocity"; "speed" for the magnitude of the velocity; "x", "y", "z".
+// Names that scalar_field takes: fields with one component as they are; of a vector its components "velocity_x" and its
+// magnitude "velocity"; "speed" for the magnitude of the velocity; "x", "y", "z".
 std::vector<std::string> scalar_names(const io::Frame& frame);
 
 // Throws InputError that lists the names when there is no such one.

@@ -10,8 +10,8 @@
 
 namespace treacle::app {
 
-// Which frames of a series: "first:last:stride", counted from 0, `last` included, negative from the end; any
-// part may be left out, and a single number is one frame.
+// Frames of a series: "first:last:stride", counted from 0, `last` included, negative from the end; any part may be left
+// out, and a single number is one frame.
 struct FrameRange {
     std::optional<std::int64_t> first, last;
     std::int64_t stride = 1;

@@ -7,7 +7,7 @@
 
 namespace treacle::app {
 
-// How a scene is seen, shared by the pictures of `check` and `render`.
+// View of a scene, shared by the pictures of `check` and `render`.
 
 video::DomainBox domain_box(const scene::Domain& domain);
 

@@ -9,7 +9,7 @@ namespace {
 
 constexpr double most_particles = 1e6;
 
-// Whether lattice points of one liquid are taken, over the box of indices that it fills and one more on each
+// Marks of the lattice points of one liquid that are taken, over the box of indices that it fills and one more on each
 // side.
 class Occupancy {
 public:

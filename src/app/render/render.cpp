@@ -19,7 +19,7 @@ namespace treacle::app {
 
 namespace {
 
-// Of all frames together: enough for percentiles that do not change visibly with more.
+// Number of values of all frames together: enough for percentiles that do not change visibly with more.
 constexpr std::size_t values_for_range = 400000;
 
 struct Job {

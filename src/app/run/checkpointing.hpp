@@ -4,8 +4,7 @@
 
 namespace treacle::app {
 
-// Where a run stands, besides its particles: everything that the time loop needs to go on as if it had not
-// stopped.
+// Progress of a run, besides its particles: everything that the time loop needs to go on as if it had not stopped.
 struct Progress {
     std::int64_t step = 0;
     double time = 0;                // [s]

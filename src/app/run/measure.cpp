@@ -10,7 +10,7 @@ namespace treacle::app {
 namespace {
 constexpr double nowhere = -1e300;
 
-// Which particles are looked at.
+// Particles that are measured.
 struct Chosen {
     Array<int> liquid;
     int number; // -1: all
@@ -116,8 +116,8 @@ std::vector<double> wet_levels(const Plumb& plumb, const Chosen& chosen, const S
     return out;
 }
 
-// Where the liquid over a point ends: the highest level at which half of the surroundings, a support radius wide, is
-// liquid [m] above the lower side of the domain.
+// End of the liquid over a point: the highest level, above the lower side of the domain, at which half of the
+// surroundings, a support radius wide, is liquid [m].
 double measure_height(const Vec3& position, const scene::Domain& domain, const Chosen& chosen,
                       const Simulation& solver) {
     const auto plumb = drop_plumb(position, domain, solver.view());

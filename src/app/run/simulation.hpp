@@ -10,7 +10,7 @@
 
 namespace treacle::app {
 
-// What every method says of a step.
+// Figures of a step that every method gives.
 struct StepFigures {
     double dt = 0; // [s]
     int pressure_iterations = 0;
@@ -33,7 +33,7 @@ struct LiquidView {
     Array<int> waiting; // not 0 of liquid behind an inlet's opening; without rows where none waits
 };
 
-// What a checkpoint holds besides the fields of the particle stores.
+// State that a checkpoint holds besides the fields of the particle stores.
 struct RestartState {
     std::vector<std::int64_t> decomposition; // empty: of another number of ranks
     std::vector<double> bodies;
@@ -72,7 +72,7 @@ public:
     virtual const PhaseTimers& timers() const = 0;
     virtual std::size_t bytes() const = 0; // that this rank's data take
 
-    // What carries loads, in the order of StepFigures::loads.
+    // Names of what carries loads, in the order of StepFigures::loads.
     virtual std::vector<std::string> load_names() const = 0;
     // Names with units of the method's own figures of a step, and of the phases in the order in which a step goes
     // through them: columns of steps.csv.

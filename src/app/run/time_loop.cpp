@@ -75,7 +75,7 @@ double TimeLoop::choose_step() const {
     double target = time.end;
     target = std::min(target, next_frame_);
     const double way = target - progress_.time;
-    // Where nothing moves and nothing pulls, dt is infinite.
+    // The step dt is infinite where nothing moves and nothing pulls.
     if (way <= time.min_step) return std::min({dt, time.end, setup_.input.scene.output.next_frame(target) - progress_.time});
     return way / std::max(1.0, std::ceil(way / dt * (1 - same_time)));
 }

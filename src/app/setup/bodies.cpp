@@ -89,7 +89,8 @@ rigid::BodySetup make_body(const scene::Body& body, std::size_t number, const Ge
     return out;
 }
 
-// Whether some point of a coarse lattice is that deep in the body: of most bodies one is, and surfaces take long to sample.
+// True when some point of a coarse lattice is that deep in the body: in most bodies one is, and surfaces take long to
+// sample.
 bool surely_reaches(double depth, const scene::SolidRegion& region) {
     constexpr int points = 8; // along each axis
     const auto box = region.surface_bounds(); // of a plane scene without end in z
@@ -104,7 +105,7 @@ bool surely_reaches(double depth, const scene::SolidRegion& region) {
     return false;
 }
 
-// Whether the body is nowhere as thick as a spacing.
+// True when the body is nowhere as thick as a spacing.
 bool thinner_than(double spacing, const scene::SolidRegion& region, const Geometry& geometry) {
     const double half = spacing / 2;
     if (surely_reaches(half, region)) return false;
@@ -131,7 +132,7 @@ std::size_t number_of(const Input& input, const std::string& body) {
     return static_cast<std::size_t>(std::ranges::find(bodies, body, &scene::Body::name) - bodies.begin());
 }
 
-// How deep the one's probes are inside the other, and the other way round [m].
+// Depth of the one's probes inside the other, and the other way round [m].
 double overlap_of(const rigid::BodySetup& a, const rigid::BodySetup& b) {
     double deepest = 0;
     for (const auto& [one, other] : {std::pair(&a, &b), std::pair(&b, &a)}) {

@@ -5,7 +5,7 @@
 
 namespace treacle::app {
 
-// Whether the body's place changes in the run.
+// True when the body's place changes in the run.
 bool moves(const scene::Body& body);
 bool any_moves(const Input& input);
 bool any_dynamic(const Input& input);
@@ -17,11 +17,11 @@ rigid::BodiesSetup make_bodies(const Input& input, const Geometry& geometry);
 // Factors on the volumes of the particles of each body: of those that move such that liquid rests at their surface.
 std::vector<double> solid_scales(const Input& input, const Geometry& geometry);
 
-// What bodies must not be at the start: dynamic ones inside of others or of walls, or thinner than a spacing; moving
-// ones without an extent; dynamic ones that cannot move.
+// Refuses bodies at the start: dynamic ones inside of others or of walls, or thinner than a spacing; moving ones
+// without an extent; dynamic ones that cannot move.
 void check_bodies(const Input& input, const Geometry& geometry, std::vector<Diagnostic>& problems);
 
-// What is only risky, one sentence each: overlaps of bodies that no force moves, extreme densities.
+// Warnings, one sentence each: overlaps of bodies that no force moves, extreme densities.
 std::vector<std::string> body_notes(const Input& input, const Geometry& geometry);
 
 // "hinge of wheel to the world, at (0, 1, 0) m".

@@ -12,7 +12,7 @@ std::vector<std::string> load_names(const Input& input);
 // Throws InputError for what the SPH method does not do, as several liquids with another solver than isph.
 void check_supported(const Input& input);
 
-// What the method leaves out of the scene without harm, one sentence each: the surface tension of a material.
+// Parts of the scene that the method leaves out without harm, one sentence each: the surface tension of a material.
 std::vector<std::string> method_notes(const Input& input);
 
 // Speed of the artificial viscosity unless the scene gives one: sqrt(g H), with the height H of the liquid at the

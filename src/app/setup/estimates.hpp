@@ -6,7 +6,7 @@
 
 namespace treacle::app {
 
-// What a run of a scene will be like, before it starts.
+// Estimates of a run of a scene before it starts.
 struct Estimates {
     double length = 0; // H [m]: height of the liquid along gravity, or without gravity its longest edge
     double speed = 0;  // U [m/s]: the larger of sqrt(g H) and the initial speed

@@ -189,7 +189,8 @@ ParticleCounts estimate_particles(const Input& input, const Geometry& geometry) 
 }
 
 double bytes_per_particle(const Input& input) {
-    // Of a full cell: levels and shares of its parts, faces, the systems of the pressure and of three faces; then the state.
+    // Bytes of a full cell: levels and shares of its parts, faces, the systems of the pressure and of three faces; then
+    // the state.
     if (input.on_grid()) return 300 + 6000 * std::pow(grid::particles_per_axis, -input.scene.domain.dimensions);
     const auto& domain = input.scene.domain;
     const auto lattice = sph::measure_lattice(input.method.kernel, domain.dimensions,

@@ -34,20 +34,20 @@ sph::WallSetup wall_setup(const Input& input);
 // surface keeps its rest density [m].
 double solid_offset(const Input& input);
 
-// Of the lattice that the liquid starts on [m].
+// Spacing of the lattice that the liquid starts on [m].
 double particle_spacing(const Input& input);
 
 // Reads meshes and builds the regions. Throws InputError.
 Geometry build_geometry(const Input& input);
 
-// How the surfaces of bodies are sampled. Where the domain has walls, up to the layer of these, so that the two
-// layers meet; bodies that move are sampled whole.
+// Sampling of the surfaces of bodies: where the domain has walls, up to the layer of these, so that the two layers
+// meet; bodies that move are sampled whole.
 scene::SurfaceSampling body_sampling(const Geometry& geometry, std::size_t body);
 
 // Share of a solid's surface, in the domain, behind which it is thinner than the spacing.
 double thin_surface(const scene::SolidRegion& region, const Geometry& geometry, double spacing);
 
-// What users are told when bodies are thinner than two layers.
+// Note to users when bodies are thinner than two layers.
 std::string thin_note(std::size_t samples);
 
 // Numbers of particles, without making them.
@@ -61,8 +61,8 @@ scene::VolumeFill liquid_fill(const Input& input, const Geometry& geometry, cons
 
 ParticleCounts estimate_particles(const Input& input, const Geometry& geometry);
 
-// What the geometry must not be: bodies in each other, liquid in a solid or outside of the domain, no liquid at all, more particles
-// than the machine's memory holds. Throws InputError with all of it.
+// Refuses a geometry with faults: bodies in each other, liquid in a solid or outside of the domain, no liquid at all,
+// more particles than the machine's memory holds. Throws InputError with all of it.
 void validate_geometry(const Input& input, const Geometry& geometry, const Comm& comm);
 
 // Bytes that a run needs per liquid and per solid particle, all told.
@@ -71,29 +71,31 @@ double bytes_per_particle(const Input& input);
 // The largest that a liquid has anywhere and at any shear rate [Pa s].
 double largest_viscosity(const scene::Liquid& liquid);
 
-// Of what an inlet at x pours: a liquid's regions are of its initial particles only [Pa s].
+// Viscosity of what an inlet at x pours: a liquid's regions apply to its initial particles only [Pa s].
 double poured_viscosity(const scene::Liquid& liquid, const Vec3& x);
 
-// Of a particle of liquid `which` of the scene that starts at x [Pa s].
+// Viscosity of a particle of liquid `which` of the scene that starts at x [Pa s].
 double initial_viscosity(const Input& input, const Geometry& geometry, std::size_t which, const Vec3& x);
 
-// Whether any liquid's particles differ in viscosity, or any viscosity depends on the shear rate.
-// How the viscosity of each liquid depends on the shear rate; none where that of no liquid does.
+// Dependence of each liquid's viscosity on the shear rate; none where that of no liquid depends on it.
 std::vector<flow::FlowCurve> flow_curves(const Input& input);
 
+// True when any liquid's particles differ in viscosity, or any viscosity depends on the shear rate.
 bool viscosities_vary(const Input& input);
 
-// What the scene's liquids are made of, with their largest viscosities.
+// Materials of the scene's liquids, with their largest viscosities.
 std::vector<sph::LiquidMaterial> liquid_materials(const Input& input);
 
-// Of a liquid of the first one's density whose explicit viscosity limits the step as the liquids together do [Pa s].
+// Viscosity of one liquid, with the density of liquid 0, that has the same explicit step limit as all liquids together
+// [Pa s].
 double limiting_viscosity(const Input& input);
 
-// Whether a wall or body has a slip length.
+// True when a wall or body has a slip length.
 bool any_slip_length(const Input& input);
 
-// What `integration: automatic` stands for: implicit where viscosities vary, solids have slip lengths, or where the explicit viscosity would take part in choosing the step,
-// that is where its limit is within four times the largest step that all else allows.
+// Resolves `integration: automatic`: implicit where viscosities vary, solids have slip lengths, or where the explicit
+// viscosity would take part in choosing the step, that is where its limit is within four times the largest step that
+// all else allows.
 sph::ViscosityIntegration viscosity_integration(const Input& input);
 
 // Largest step of the viscosity if that is explicit, else 1e300 [s].

@@ -28,7 +28,7 @@ Vec3 cross(const Vec3& a, const Vec3& b) {
     return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
 }
 
-// What of a vector is across a direction.
+// Part of a vector across a direction.
 Vec3 across(const Vec3& v, const Vec3& direction) {
     const double along = dot(v, direction);
     return {v[0] - along * direction[0], v[1] - along * direction[1], v[2] - along * direction[2]};
@@ -71,7 +71,7 @@ double opening_of(const scene::Inlet& inlet, int dimensions) {
     return round ? std::numbers::pi * inlet.radius * inlet.radius : inlet.width * inlet.height;
 }
 
-// Of the lattices with a point or a cell in the middle the one whose area is nearer the disc's.
+// Lattice of a disc: with a point or a cell in the middle, whichever area is nearer the disc's.
 std::vector<std::array<double, 2>> disc(double radius, double spacing) {
     std::vector<std::array<double, 2>> best;
     double least = std::numeric_limits<double>::infinity();
@@ -94,7 +94,7 @@ std::vector<std::array<double, 2>> disc(double radius, double spacing) {
     return best;
 }
 
-// What the layers of an inlet are made of.
+// Layers of an inlet and what they are made of.
 struct Pouring {
     flow::Layers layers;
     double volume = 0;    // of a particle [m3], in the plane [m2]
@@ -184,7 +184,7 @@ flow::InflowSetup make_inflow(const Input& input) {
 }
 
 namespace {
-// Where the particles of an inlet are until they have passed it, or its plug.
+// Positions of the particles of an inlet until they have passed it, or its plug.
 std::vector<Vec3> held_places(const flow::InletSetup& inlet, const flow::Layers& layers) {
     std::vector<Vec3> out;
     for (int layer = 0; layer < layers.held; ++layer) {

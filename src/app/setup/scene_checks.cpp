@@ -18,7 +18,7 @@ constexpr double largest_grid_cfl = 3;
 
 constexpr const char* side_names[domain_sides] = {"x_min", "x_max", "y_min", "y_max", "z_min", "z_max"};
 
-// Whether the surface tension is that of the liquid's material, rather than one that the user gave.
+// True when the surface tension is that of the liquid's material, rather than one that the user gave.
 bool is_of_preset(const scene::Liquid& liquid) {
     const auto* preset = scene::find_material(liquid.material);
     return preset && preset->surface_tension == liquid.surface_tension;
@@ -32,7 +32,7 @@ std::vector<std::string> load_names(const Input& input) {
 }
 
 namespace {
-// What is there to compare with knows one liquid.
+// Comparators take one liquid only.
 void check_comparators(const Input& input, std::vector<Diagnostic>& problems) {
     const auto& pressure = input.method.pressure;
     const auto& where = input.scene.liquids[1].where;
@@ -68,7 +68,7 @@ void check_surface_tension(const Input& input, std::vector<Diagnostic>& problems
     }
 }
 
-// What only the implicit viscosity, or some of its forms, can do.
+// Refuses what only the implicit viscosity, or some of its forms, can do.
 void check_viscosity(const Input& input, std::vector<Diagnostic>& problems) {
     const auto& options = input.method.viscosity;
     const bool implicit = viscosity_integration(input) == sph::ViscosityIntegration::implicit;
@@ -139,7 +139,7 @@ void check_method(const Input& input, std::vector<Diagnostic>& problems) {
     }
 }
 
-// What the grid's solver does not do yet.
+// Refuses what the grid's solver does not do yet.
 void check_grid(const Input& input, std::vector<Diagnostic>& problems) {
     const auto refuse = [&](const std::string& where, const std::string& what, const std::string& cure) {
         problems.push_back({where, what + " cannot go with method.kind: grid", "it would be ignored", cure});

@@ -7,7 +7,7 @@
 
 namespace treacle::app {
 
-// Whether a file is a study: its top-level keys have `scenes`.
+// True when a file is a study: its top-level keys have `scenes`.
 bool is_study(const std::filesystem::path& file);
 
 // `treacle check STUDY`: everything short of running. Prints the scenes, parameters and figures, how many runs there are,

@@ -13,7 +13,7 @@ struct RunSize {
 };
 RunSize run_size(const study::Study& study, const study::Candidate& candidate);
 
-// What a run of known size took.
+// Cost of a run of known size.
 struct MeasuredRun {
     RunSize size;
     double seconds = 0;       // of the clock, from the start of its process
@@ -24,7 +24,7 @@ struct MeasuredRun {
     double bytes_fixed = 0;
 };
 
-// What a study will take.
+// Estimated cost of a study.
 struct StudyPlan {
     std::size_t runs = 0;
     double core_seconds = 0;

@@ -14,7 +14,7 @@ public:
     // Throws InputError for observations that do not fit their scene.
     explicit StudyScenes(const identify::StudyFile& file);
 
-    // What a study needs to know of a scene: with names of files go their contents, not where they are.
+    // Facts of a scene for a study: with names of files go their contents, not where they are.
     study::SceneFacts read(const std::filesystem::path& scene, const std::vector<study::Assignment>& assignments) const;
     // The scene of a run, with what its experiments need.
     InputSource source(const std::filesystem::path& scene, const std::vector<study::Assignment>& assignments) const;

@@ -6,7 +6,7 @@
 
 namespace treacle {
 
-// What a YAML document holds, with the place ("scene.yaml:14") of each part. Private to base.
+// Contents of a YAML document, with the place ("scene.yaml:14") of each part. Private to base.
 struct Node {
     enum class Kind { null, scalar, list, block };
 

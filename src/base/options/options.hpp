@@ -100,7 +100,7 @@ public:
     void list(const std::string& key, std::vector<T>& value, const std::string& doc);
     virtual void list_of(const std::string& key, const Items& items, const std::string& doc) = 0;
 
-    // Of these keys of the current block exactly one is given, and tells `value`.
+    // Exactly one of these keys of the current block is given, and sets `value`.
     template <class E>
     void one_of(E& value, const std::vector<std::pair<E, Alternative>>& alternatives);
 
@@ -111,17 +111,17 @@ public:
     // could not be read.
     virtual void check(bool, const std::string&, const Complaint&) {}
 
-    // Whether values are being read from a document: the only time to derive one value from another.
+    // True while values are read from a document: the only time to derive one value from another.
     virtual bool parsing() const { return false; }
-    // Whether the document has this key in the current block; false when not parsing.
+    // True when the document has this key in the current block; false when not parsing.
     virtual bool given(const std::string&) const { return false; }
     // "scene.yaml:14", where the current block starts; empty when not parsing.
     virtual std::string place() const { return ""; }
-    // Where the value of this key stands, or the block that lacks it; empty when not parsing.
+    // Place of this key's value, or of the block that lacks it; empty when not parsing.
     virtual std::string place_of(const std::string&) const { return ""; }
     // Plane scenes: vectors declared from here on may be read, and are emitted, with two numbers.
     virtual void allow_plane_vectors() {}
-    // Of a block that has the keys of one further up, and may hold itself: true when the visitor writes a manual, which
+    // True in a block that has the keys of one further up, and may hold itself, when the visitor writes a manual, which
     // does not repeat them.
     virtual bool told_elsewhere() { return false; }
     virtual bool plane_vectors() const { return false; }

@@ -12,7 +12,7 @@ namespace treacle {
 
 namespace {
 
-// Of the whole parsing, shared by the parsers of all its blocks.
+// State of the whole parsing, shared by the parsers of all its blocks.
 struct Session {
     std::vector<Diagnostic> problems;
     std::size_t unreadable = 0; // problems after which a value is not what the user meant

@@ -14,7 +14,7 @@ enum class ExitCode : int {
     stopped = 5,
 };
 
-// What is wrong, in the order in which a user reads it.
+// Description of a fault, in the order in which a user reads it.
 struct Diagnostic {
     std::string where;   // "scene.yaml:14" or a path; may be empty
     std::string problem; // "liquid.viscosity = -3 Pa s: must be > 0"

@@ -4,7 +4,7 @@
 
 namespace treacle {
 
-// Whether a file must be on the disk when its writer returns, or may be lost with the machine's power.
+// Durability of a file: it must be on the disk when its writer returns, or may be lost with the machine's power.
 enum class Durability { synced, cached };
 
 // Replaces a file as a whole: writes a temporary name beside it, syncs, renames.

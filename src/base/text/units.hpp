@@ -10,7 +10,7 @@ namespace treacle {
 // "30 deg" is not taken for a length ratio and "5" per second not for an angular velocity.
 using Dimension = std::array<int, 5>;
 
-// What an option expects: the unit of its plain numbers, always SI, and what else may be written.
+// Unit that an option expects: that of its plain numbers, always SI, and what else may be written.
 struct Unit {
     std::string_view name; // "density"
     std::string_view si;   // "kg/m3"; empty for a plain number

@@ -21,7 +21,7 @@ KOKKOS_INLINE_FUNCTION void between(const double a[2], const double b[2], double
     for (int k = 0; k < 2; ++k) out[k] = a[k] + share * (b[k] - a[k]);
 }
 
-// What of a triangle has a negative distance.
+// Adds the part of a triangle with a negative distance.
 KOKKOS_INLINE_FUNCTION void add_negative(const double at[3][2], const double distance[3], Moments& sum) {
     int o[3];
     const int negative = order_by_sign<3>(distance, o);

@@ -23,7 +23,7 @@ KOKKOS_INLINE_FUNCTION void each_around(const int c[3], int dimensions, const Ce
     }
 }
 
-// How many particles there are in each whole cell that has liquid on all sides.
+// Number of particles in each whole cell that has liquid on all sides.
 struct WithinLoop {
     CellBox cells, window;
     int dimensions;

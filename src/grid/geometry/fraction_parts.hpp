@@ -17,7 +17,7 @@ KOKKOS_INLINE_FUNCTION CubeShares shares_of(int kind) {
     return {fluid, liquid, fluid * liquid};
 }
 
-// What the kernels share of a window.
+// Geometry of a window that the kernels share.
 struct Places {
     FineNodes nodes;
     int up[3]; // 1, and 0 along the flat axis of plane scenes
@@ -83,8 +83,8 @@ struct Places {
     }
 };
 
-// Which of the cells around a place the part belongs to, and which part it is: places in the middle of a cell along an
-// axis have both halves of it, others the upper half of the cell below and the lower half of their own.
+// Cell around a place that the part belongs to, and the part's number: places in the middle of a cell along an axis
+// have both halves of it, others the upper half of the cell below and the lower half of their own.
 struct PartSum {
     Places places;
     Array<int> slot;

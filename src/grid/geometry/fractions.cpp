@@ -23,7 +23,7 @@ void find_signs(const FineNodes& nodes, const Array<double>& solid, const Array<
     });
 }
 
-// Of the cells that are of one kind the kind, of the others a row of the parts. Returns how many rows there are.
+// Slots of the cells: for those of one kind the kind, for the others a row of the parts. Returns the number of rows.
 std::size_t find_kinds(const Places& places, const Array<int>& signs, const Array<int>& slot) {
     int mixed = 0;
     const CellBox window = places.nodes.window;
@@ -111,7 +111,7 @@ KOKKOS_INLINE_FUNCTION double open_share(const Places& places, const Array<doubl
     return sum / count;
 }
 
-// Where the shares of one cell's places go.
+// Destination of the shares of one cell's places.
 struct Writer {
     Fractions out;
     int dimensions;

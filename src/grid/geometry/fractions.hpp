@@ -4,7 +4,7 @@
 
 namespace treacle::grid {
 
-// How volumes are found (dissertation 5.3.3).
+// Method by which volumes are found (dissertation 5.3.3).
 enum class FractionMethod {
     consistent,   // parts of the double-resolution grid, each clipped once, summed to the cubes of all places
     independent,  // the cube of each place by its own eight corners; to compare with

@@ -8,10 +8,10 @@
 
 namespace treacle::grid {
 
-// Of a full cell at the start, along each axis.
+// Particles of a full cell at the start, along each axis.
 inline constexpr int particles_per_axis = 2;
 
-// Of a liquid at the start: u_i(x) = at_origin_i + gradient_i . x.
+// Velocity of a liquid at the start: u_i(x) = at_origin_i + gradient_i . x.
 struct LinearVelocity {
     Vec3 at_origin{0, 0, 0};        // [m/s]
     std::array<Vec3, 3> gradient{}; // [1/s] row i is that of u_i

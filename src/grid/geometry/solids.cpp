@@ -90,7 +90,7 @@ private:
     rigid::Matrix3 back_{};
 };
 
-// Which of the bodies that move are there, and where.
+// Moving bodies that are present, and their poses.
 std::vector<std::pair<std::size_t, rigid::Pose>> moving_poses(const rigid::RigidBodies& bodies) {
     std::vector<std::pair<std::size_t, rigid::Pose>> out;
     for (std::size_t b = 0; b < bodies.size(); ++b) {
@@ -177,7 +177,7 @@ private:
     }
     void lower(int at, double d) {
         if (d >= distance_(at)) return;
-        // Of two that are as near but for round-off the first one counts, on all ranks.
+        // The first of two that are as near but for round-off counts, on all ranks.
         if (numbers_(at) == Solids::nothing || d < distance_(at) - nodes_.surface()) numbers_(at) = number_;
         distance_(at) = d;
     }

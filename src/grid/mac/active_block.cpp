@@ -30,7 +30,7 @@ CellBox active_block(const Comm& comm, const MacGrid& grid, const CellBox& occup
         }
         block.lo[k] = rounded_down(static_cast<int>(-ends[3 + k]) - band);
         block.hi[k] = -rounded_down(-static_cast<int>(ends[k]) - band);
-        // What reaches over the border of a periodic axis goes on at its other end.
+        // A part that reaches over the border of a periodic axis goes on at its other end.
         const bool around = grid.cells.periodic(k) && (block.lo[k] < all.lo[k] || block.hi[k] > all.hi[k]);
         if (around || block.lo[k] < all.lo[k]) block.lo[k] = all.lo[k];
         if (around || block.hi[k] > all.hi[k]) block.hi[k] = all.hi[k];

@@ -40,7 +40,7 @@ void add_layer(const CellBox& window, const Block& block, int layer, const Array
             for (int up = 0; up < 2; ++up) {
                 if (up ? c[k] + 1 >= window.hi[k] : c[k] <= window.lo[k]) continue;
                 const int j = i + (up ? stride : -stride);
-                // What this layer itself finds does not count.
+                // Values that this layer itself finds do not count.
                 if (known(j) == 0 || known(j) > layer) continue;
                 sum += u(j);
                 ++count;

@@ -4,7 +4,8 @@
 
 namespace treacle::grid {
 
-// Which faces of a window have a velocity: 0 none, 1 of the liquid, 2 and more by extrapolation, layer by layer.
+// Marks of the faces of a window that have a velocity: 0 none, 1 of the liquid, 2 and more by extrapolation, layer by
+// layer.
 struct FaceMarks {
     Array<int> axis[3];
 };

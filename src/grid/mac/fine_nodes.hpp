@@ -28,7 +28,7 @@ struct FineNodes {
     KOKKOS_INLINE_FUNCTION int index(int x, int y, int z) const {
         return per_cell * window.index(x >> 1, y >> 1, z >> 1) + (x & 1) + 2 * (y & 1) + 4 * (z & 1);
     }
-    // Of corner `corner` of cell c.
+    // Position of corner `corner` of cell c [m].
     KOKKOS_INLINE_FUNCTION void place(const int c[3], int corner, double x[3]) const {
         for (int k = 0; k < 3; ++k) x[k] = lower[k] + width * (2 * c[k] + (corner >> k & 1));
         if (dimensions == 2) x[2] = 0;
@@ -36,7 +36,7 @@ struct FineNodes {
     // Nearer than this to a solid's surface [m] a node lies in it but for round-off, whose sign differs with the ranks.
     // Nodes do lie there: on walls, and on bodies after a fall of cfl dx.
     KOKKOS_INLINE_FUNCTION double surface() const { return 1e-9 * width; }
-    // Of a node at this distance from the solids [m]; those in the surface are outside.
+    // True for a node in a solid, by its distance from the solids [m]; nodes in the surface are outside.
     KOKKOS_INLINE_FUNCTION bool is_inside(double solid) const { return solid <= -surface(); }
     KOKKOS_INLINE_FUNCTION int used() const { return dimensions == 2 ? 4 : 8; } // corners of a cell that count
 };

@@ -41,7 +41,7 @@ struct MacGrid {
     }
 };
 
-// Of the domain's spacing. Throws InputError where the length of a periodic axis is no multiple of it.
+// Grid of the domain's spacing. Throws InputError where the length of a periodic axis is no multiple of it.
 MacGrid make_mac_grid(const scene::Domain& domain);
 // To wrap places by; sides of other axes are the grid's lower one.
 PeriodicBox periodic_box(const MacGrid& grid);
@@ -67,8 +67,8 @@ struct Fractions {
     FaceField open; // share of the area of each face that is not solid: cut cells of the pressure
 };
 
-// Which body has which share of the cube around a face, for bodies that move (W_S of each): compressed by face of the
-// window. The shares of a face and its fluid share sum to at most 1; what is missing belongs to solids that rest.
+// Shares of moving bodies in the cube around a face (W_S of each): compressed by face of the window. The shares of a
+// face and its fluid share sum to at most 1; what is missing belongs to solids that rest.
 struct BodyShares {
     Array<int> first;   // [window + 1]
     Array<int> body;    // [first(window)] number of the body in rigid::RigidBodies

@@ -3,7 +3,7 @@
 
 namespace treacle::grid {
 
-// Where a particle is and how it moves, for sums over particles.
+// Position and motion of a particle, for sums over particles.
 struct ParticleMotion {
     double x[3];    // [m]
     double u[3];    // [m/s]

@@ -79,8 +79,8 @@ struct CubeShares {
     double fluid = 0, liquid = 0, wet = 0;
 };
 
-// Of a cube with distances at its corners, numbered x + 2 y + 4 z: six tetrahedra around the diagonal that starts at
-// corner `start`. Neighbouring cubes match where their diagonals are mirror images.
+// Shares of a cube with distances at its corners, numbered x + 2 y + 4 z: six tetrahedra around the diagonal that
+// starts at corner `start`. Neighbouring cubes match where their diagonals are mirror images.
 KOKKOS_INLINE_FUNCTION CubeShares cube_shares(const double solid[8], const double liquid[8], int start) {
     constexpr int path[6][2] = {{1, 3}, {1, 5}, {2, 3}, {2, 6}, {4, 5}, {4, 6}};
     bool any_solid = false, all_solid = true, any_liquid = false, all_liquid = true;

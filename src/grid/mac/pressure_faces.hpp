@@ -5,9 +5,9 @@
 
 namespace treacle::grid {
 
-// What the pressure solve sees of the faces: areas cut by solids (Ng et al. 2009), and how far the liquid's surface is
-// from the centre beside it (Gibou et al. 2002). By windows' places: face a of a place lies between it and the place
-// `stride[a]` before it.
+// Faces for the pressure solve: areas cut by solids (Ng et al. 2009), and the distance of the liquid's surface from the
+// centre beside it (Gibou et al. 2002). By windows' places: face a of a place lies between it and the place `stride[a]`
+// before it.
 struct PressureFaces {
     CellBox window;
     std::ptrdiff_t stride[3]{1, 1, 1};
@@ -25,7 +25,8 @@ struct PressureFaces {
         const double share = area.axis[axis](face);
         return share < round_off ? 0.0 : share;
     }
-    // Whether its velocity is that of the liquid around: what passes a small opening may be any, and is not for particles.
+    // True when the face's velocity is that of the liquid around: what passes a small opening may be any, and is not
+    // for particles.
     KOKKOS_INLINE_FUNCTION bool carries(int axis, std::size_t face) const {
         return open(axis, face) > 0 && area.axis[axis](face) >= least_opening;
     }

@@ -21,7 +21,7 @@ struct SmallMatrix {
         }
         return sum;
     }
-    // Of the symmetric part.
+    // Sum of the squares of the symmetric part.
     KOKKOS_INLINE_FUNCTION double strain_squares() const {
         double sum = 0;
         for (int i = 0; i < 3; ++i) {
@@ -54,9 +54,9 @@ struct SmallMatrix {
     }
 };
 
-// What a step along straight lines does not resolve: paths cross where dt times the size of the velocity gradient comes near
-// one. From `resolved` on they bend along the velocities of the faces, at twice that in full. Sizes are roots of the sum of all
-// squares; a turn, which makes no paths cross, counts less.
+// Share of a motion that a step along straight lines does not resolve: paths cross where dt times the size of the
+// velocity gradient comes near one. From `resolved` on they bend along the velocities of the faces, at twice that in
+// full. Sizes are roots of the sum of all squares; a turn, which makes no paths cross, counts less.
 KOKKOS_INLINE_FUNCTION double bent_share(const SmallMatrix& gradient, double dt) {
     constexpr double resolved = 0.5, share_of_turn = 0.6;
     const double strain = gradient.strain_squares(), turn = math::max(0.0, gradient.squares() - strain);

@@ -30,7 +30,7 @@ struct ClosingLoop {
         const int at = cells.window.index(c[0], c[1], c[2]);
         return cells.end(at) - cells.begin(at);
     }
-    // Whether liquid may come here in a step: gaps between dry bodies close without a pressure.
+    // True when liquid may come here in a step: gaps between dry bodies close without a pressure.
     KOKKOS_INLINE_FUNCTION bool near_liquid(const int c[3]) const {
         int lo[3], hi[3];
         for (int k = 0; k < 3; ++k) {
@@ -47,7 +47,7 @@ struct ClosingLoop {
         }
         return false;
     }
-    // What a solid takes in through the closed part of the lower (side 0) or upper face across an axis [m/s].
+    // Flux that a solid takes in through the closed part of the lower (side 0) or upper face across an axis [m/s].
     KOKKOS_INLINE_FUNCTION double by_solids(int a, int side, const int c[3], std::size_t face) const {
         const double open = faces.open(a, face);
         if (!(open < 1)) return 0;

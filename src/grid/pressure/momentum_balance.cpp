@@ -63,7 +63,7 @@ struct Labels {
     std::vector<double> label; // [members], of the least member of a set
 
     double of(std::size_t i) { return label[sets.find(i)]; }
-    // Whether the label of the set of i falls.
+    // Lowers the label of the set of i to `to`; true when it falls.
     bool lower(std::size_t i, double to) {
         auto& mine = label[sets.find(i)];
         const bool falls = to < mine;
@@ -326,7 +326,7 @@ void MomentumBalance::end(const Comm& comm, const Scene& scene, const Vec3& grav
         for (int k = 0; k < 6; ++k) missing[k] -= after.momentum[static_cast<std::size_t>(k)] - group.before.momentum[static_cast<std::size_t>(k)];
         for (const auto b : group.bodies) missing -= kick * about_origin(bodies.pose(b).centre, load(b));
         if (!group.free) {
-            // What the liquid did not get was not given, as long as one body alone can have given it.
+            // Momentum that the liquid did not get was not given, as long as one body alone can have given it.
             if (group.bodies.size() != 1 || bodies.dynamic(group.bodies[0])) continue;
             const Vector6 change = kept * (kept.transpose() * missing) / kick;
             const auto& centre = bodies.pose(group.bodies[0]).centre;

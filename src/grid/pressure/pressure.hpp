@@ -7,7 +7,7 @@
 
 namespace treacle::grid {
 
-// What a pressure solve is about; arrays over the window of the halo, current one cell around the owned ones.
+// Input of a pressure solve; arrays over the window of the halo, current one cell around the owned ones.
 struct PressureScene {
     const MacGrid& grid;
     CellHalo& halo;
@@ -53,7 +53,7 @@ public:
     // velocity -= dt/(rho dx) (p_c - p_below), as project() does.
     void apply(std::span<const double> p, double dt, Surface surface, const FaceField& velocity);
     std::vector<double> loads(std::span<const double> p) const { return coupling_.loads(comm_, p); }
-    // Of what the velocities lead out of each cell, the negative, in face areas [m/s]; not of the bodies. Local.
+    // Negative of what the velocities lead out of each cell, without the bodies, in face areas [m/s]. Local.
     void flux(const FaceField& velocity, std::span<double> out);
     // out += factor times what must flow into each cell, in face areas [m/s]. Local.
     void add_inflow(double factor, std::span<double> out) const;
@@ -62,7 +62,7 @@ public:
     void precondition(std::span<const double> r, std::span<double> z) { solver_.precondition(r, z); }
     // Takes the pressures of the last project() off of pressures() again.
     void take_back() { collect(in_cells_, -1); }
-    // Of the last project(), [window], of owned cells.
+    // Pressures of the last project(), [window], in owned cells.
     const Array<double>& last() const { return in_cells_; }
     // Adds to pressures().
     void record(std::span<const double> p);

@@ -37,7 +37,7 @@ struct CellBodies {
             }
         }
     }
-    // Whether a body stands at one of the faces before this one, in the order of each().
+    // True when a body stands at one of the faces before this one, in the order of each().
     KOKKOS_INLINE_FUNCTION bool is_first(std::size_t cell, int number, int axis, std::size_t at, double at_sign) const {
         bool reached = false, found = false;
         each(cell, [&](int b, double, int a, std::size_t face, double sign) {

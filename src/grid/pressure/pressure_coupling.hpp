@@ -9,7 +9,7 @@
 
 namespace treacle::grid {
 
-// Which parts of the faces' cubes belong to bodies that move, by the axis of the face.
+// Shares of moving bodies in the faces' cubes, by the axis of the face.
 using FaceShares = std::array<BodyShares, 3>;
 
 // Points at which the motion of a body counts at a face: the middle of the face, and for a body that liquid slides along the

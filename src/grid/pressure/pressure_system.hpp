@@ -33,7 +33,7 @@ public:
         Array<int>::HostMirror offset, column;
         Array<double>::HostMirror value;
     };
-    // Where solvers on the host read it: the arrays themselves on a host build.
+    // Entries where solvers on the host read them: the arrays themselves on a host build.
     struct Host {
         HostBlock own, other;
         Array<double>::HostMirror to_surface; // [rows] sum of A / theta beside air
@@ -74,9 +74,9 @@ private:
 void divergence(const PressureFaces& faces, const PressureSystem& system, const FaceField& velocity, double scale,
                 const Array<double>& out);
 
-// What a pressure changes at the faces of the owned cells: u -= (p_c - p_below) / scale, with the surface's pressure and
-// distance beside air. `pressure` must be current one cell around. Faces without liquid beside them and closed ones keep
-// their velocity.
+// Change by a pressure at the faces of the owned cells: u -= (p_c - p_below) / scale, with the surface's pressure and
+// distance beside air. `pressure` must be current one cell around. Faces without liquid beside them and closed ones
+// keep their velocity.
 void subtract_gradient(const PressureFaces& faces, const CellBox& owned, const Array<double>& pressure, double scale,
                        const FaceField& velocity);
 

@@ -28,7 +28,7 @@ public:
 
     // Adds factor times the velocity of each, by its share, to a number per face across `axis`; factor [window], or none: 1.
     void add_velocities(int axis, const CellBox& window, const Array<double>& factor, const Array<double>& out) const;
-    // Of a solid's number (Solids::number), the number here, or -1 of one that moves or of none: [n] numbers.
+    // Number here of a solid by its number in Solids::number, or -1 of one that moves or of none: [n] numbers.
     void renumber(const Array<int>& number, std::size_t n, Array<int>& out) const;
 
 private:

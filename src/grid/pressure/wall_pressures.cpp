@@ -51,7 +51,7 @@ struct ContinueLoop {
 };
 } // namespace
 
-// Which cells have a pressure of their own; cells of the halo as well.
+// Marks cells that have a pressure of their own; cells of the halo as well.
 void WallPressures::mark(const Scene& scene) {
     const CellBox window = scene.halo.window(), owned = scene.halo.owned();
     const auto n = static_cast<std::size_t>(window.size());

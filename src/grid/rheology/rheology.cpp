@@ -170,7 +170,7 @@ void invert(int n, const Array<double>& sums, const Array<double>& mass) {
     });
 }
 
-// Of all liquids where `use`, else zero.
+// Copies `all`, per liquid, where `use`; zero elsewhere.
 template <class Use>
 void select(const Array<double>& all, const Array<double>& some, const Use& use) {
     const auto from = on_host(all);
@@ -235,7 +235,7 @@ void Rheology::find_rates(const StrainScene& scene, const FaceField& velocity) {
     combine_strains(strains, scene.halo.owned(), cell_rate_, edge_rate_);
 }
 
-// Of the places of one kind, numbered as in apic.hpp.
+// Mean over the places of one kind, numbered as in apic.hpp.
 void Rheology::mean(const StrainScene& scene, const LiquidScene& liquids, int node, const Array<double>& rate, Array<double>& out) {
     const CellBox window = scene.halo.window();
     const auto places = static_cast<std::size_t>(window.size());

@@ -13,7 +13,7 @@ namespace treacle::grid {
 
 class RestingSolids;
 
-// What a shear rate is about; arrays over the window of the halo.
+// Input of a shear rate; arrays over the window of the halo.
 struct StrainScene {
     const MacGrid& grid;
     CellHalo& halo;

@@ -20,7 +20,7 @@ struct DomainSides : PeriodicBox {
 };
 DomainSides make_domain_sides(const MacGrid& grid, const scene::Domain& domain);
 
-// Of this rank's particles.
+// Particles of this rank that depart.
 struct Departures {
     int lost = 0, outflow = 0; // for remove_departed to take out
     int pushed = 0;            // moved out of solids
@@ -40,7 +40,7 @@ struct Advection {
 };
 Departures advect(const Advection& how, const GridParticles& particles, double dt);
 
-// Of an interpolated distance: that in a corner of three walls is 0.58.
+// Least slope of an interpolated distance: in a corner of three walls it is 0.58.
 inline constexpr double least_slope = 0.5;
 
 // Pushes one place to at least `clearance` [m] from solids; returns whether it was moved.
@@ -53,7 +53,7 @@ KOKKOS_INLINE_FUNCTION bool push_out(const DistanceSampler& solid, double cleara
         if (distance >= clearance) return moved;
         const double square = gradient[0] * gradient[0] + gradient[1] * gradient[1] + gradient[2] * gradient[2];
         if (!(square > 1e-12)) return moved; // at the middle of a solid: it has no side
-        // Where two solids meet the interpolant is flatter than a distance: its slope would throw the place far off.
+        // The interpolant is flatter than a distance where two solids meet: its slope would throw the place far off.
         const double slope = math::sqrt(square);
         const double step = (clearance * 1.0001 - distance) / math::max(slope, least_slope);
         for (int c = 0; c < 3; ++c) x[c] += step * gradient[c] / slope;

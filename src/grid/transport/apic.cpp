@@ -23,7 +23,7 @@ struct Weights {
     }
 };
 
-// What rows of cells of one colour are, and how the places of a window are numbered.
+// Rows of cells of one colour, and the numbering of a window's places.
 struct Rows {
     CellList cells;
     CellBox window;

@@ -19,11 +19,11 @@ void subtract_faces(const MacGrid& grid, const CellBox& window, const FaceField&
 void accelerate(const MacGrid& grid, const CellBox& window, const std::array<double, 3>& g, double dt,
                 const FaceField& velocity);
 
-// What viscosity does in a step of dt [s].
+// Spread by viscosity in a step of dt [s].
 struct ViscousSpread {
     Array<double> cell; // [Pa s]; without one: nothing
     double density = 1, dt = 0;
-    // How far a velocity spreads into a cell within the step, squared, over (dx/2)^2.
+    // Distance that a velocity spreads into a cell within the step, squared, over (dx/2)^2.
     KOKKOS_INLINE_FUNCTION double over_half_a_cell(std::size_t i, double dx) const {
         return cell(i) / density * dt / (0.25 * dx * dx);
     }
@@ -35,7 +35,7 @@ struct ViscousSpread {
 void mark_solved(const PressureFaces& faces, const FaceField& wet, double least, const ViscousSpread& viscosity, double dx,
                  FaceMarks& known);
 
-// How solids hold the liquid along them.
+// Condition by which solids hold the liquid along them.
 struct WallGrip {
     bool any = false;     // without viscosity: none
     Array<double> length; // [6 sides, then bodies] slip lengths [m], 0: grips, infinity: does not hold

@@ -33,7 +33,7 @@ void begin_velocities(const GridParticles& particles, int begin);
 // jump is asked of liquid and bodies together, so that their momenta of the end add up to what those of the middle do.
 class EndMotion {
 public:
-    // Of the middle of the last step, after it.
+    // State of the middle of the last step, after it.
     struct Middle {
         std::array<double, 6> liquid{}; // momentum [kg m/s], angular momentum [kg m2/s]
         std::vector<double> momenta;    // of the bodies, momentum and spin's angular momentum, 6 numbers each

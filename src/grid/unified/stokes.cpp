@@ -10,7 +10,7 @@
 namespace treacle::grid {
 
 namespace {
-// Of the right-hand side, a residual with which a step can still go on: the solve has come near, and the report says so.
+// Residual over the right-hand side with which a step can still go on: the solve has come near, and the report says so.
 constexpr double most_residual = 1e-2;
 
 solve::IdrOptions idr_options(const StokesOptions& options) {

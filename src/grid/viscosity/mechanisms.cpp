@@ -5,7 +5,7 @@
 namespace treacle::grid {
 
 namespace {
-// Of what the faces' own stiffness would resist: above, sweeps see it themselves; below, round-off is as large.
+// Fractions of what the faces' own stiffness would resist: above, sweeps suffice; below, round-off is as large.
 constexpr double most_resistance = 0.3, least_resistance = 1e-10;
 
 // A stress by its kind, 0 … 2 for xx, yy, zz and 3 … 5 for the shear around an axis, and the place it is at.
@@ -59,7 +59,7 @@ struct MechanismLoop {
         faces.each_slip(a, i, [&](std::ptrdiff_t, int, double) { slips = true; });
         return !slips;
     }
-    // Whether a face has one stress and no other.
+    // True when a face has one stress and no other.
     KOKKOS_INLINE_FUNCTION bool loose(int a, std::ptrdiff_t i) const {
         if (faces.normal(i) > 0 && faces.normal(i - faces.stride[a]) > 0) return false; // most faces
         int stresses = 0;

@@ -27,7 +27,7 @@ public:
     std::size_t bytes() const;
 
     static constexpr int most_members = 7; // the face, and one for each of its six stresses
-    // Of one mechanism; the face first, others have row -1 where there are none.
+    // Motion of one mechanism; the face first, others have row -1 where there are none.
     struct Motion {
         int row[most_members];     // global
         double part[most_members]; // v

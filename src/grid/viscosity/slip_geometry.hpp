@@ -14,7 +14,7 @@ struct SlipSetup {
     std::vector<double> slip_length; // [bodies] [m], where the slip says so
 };
 
-// What the viscous solve must know of solids that liquid slides along, where there are any: the volume fractions of the
+// Geometry of solids that liquid slides along, where there are any, for the viscous solve: the volume fractions of the
 // solids that grip alone, and the slip length near each cell.
 class SlipGeometry {
 public:

@@ -53,7 +53,7 @@ struct CentreLoop {
         }
         return out;
     }
-    // Of a cell's faces that particles reach.
+    // Mean velocity of a cell's faces that particles reach.
     KOKKOS_INLINE_FUNCTION void mean(std::ptrdiff_t i, double u[3]) const {
         for (int a = 0; a < 3; ++a) {
             u[a] = 0;

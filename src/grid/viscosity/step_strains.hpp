@@ -5,7 +5,7 @@
 
 namespace treacle::grid {
 
-// (S) What a step along straight lines strains beyond the rates at its middle. Particles move by x += dt u with velocities
+// (S) Strains of a step along straight lines beyond the rates at its middle. Particles move by x += dt u with velocities
 // of the middle of the step at places of its beginning. Their gradient there is L (I - dt/2 L)^-1 where L is that at the places
 // of the middle, so that a rotation has the strain rate -dt/2 w^2 across its axis, and a step that solves for div u = 0 and
 // for rates without it would let whatever turns grow. The pressure and the viscosity hold div u and the strain rates to

@@ -28,7 +28,7 @@ struct SlipSolids {
     Array<int> body;          // [window] its number, Solids::number: < 0 no body
 };
 
-// What a solve is about. All arrays over the window of the halo, with valid values in all its cells.
+// Input of a solve. All arrays over the window of the halo, with valid values in all its cells.
 struct ViscousScene {
     const MacGrid& grid;
     CellHalo& halo;
@@ -37,8 +37,8 @@ struct ViscousScene {
     const Viscosities& viscosity;
     double density = 0; // [kg/m3]
     const SlipSolids* slip = nullptr;
-    // Where the pressure acts in the same solve: all faces that it pushes are unknowns. Those without liquid have the mass
-    // of the projection, and those that it does not push none, since nothing holds it against gravity.
+    // Faces of the pressure when it acts in the same solve: all faces that it pushes are unknowns. Those without liquid
+    // have the mass of the projection, and those that it does not push none, since nothing holds it against gravity.
     const PressureFaces* pressed = nullptr;
     const StepStrains* strains = nullptr; // in a step of particles along straight lines
     // [m] of cells' centres from the liquid's surface, where a pressure acts before or with the solve: it holds the liquid

@@ -69,7 +69,7 @@ void ViscousBodies::list_surfaces(const ViscousScene& scene, const ViscousFaces&
     Kokkos::parallel_for("treacle::list_slip_surfaces", cells, loop);
 }
 
-// What slip surfaces resist of their own bodies' motion.
+// Resistance of slip surfaces to their own bodies' motion.
 void ViscousBodies::sum_slip(const ViscousFaces& faces, const CellBox& owned) {
     const auto first = on_host(surface_.first), body = on_host(surface_.body);
     const auto u = on_host(surface_.u);

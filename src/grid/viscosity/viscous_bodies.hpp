@@ -19,7 +19,7 @@ class ViscousBodies {
 public:
     // Columns of L of the bodies where they are.
     void prepare(const rigid::RigidBodies& bodies);
-    // Of as many solids whose motion is given, in the `bend` and `wall_bend` of the faces.
+    // Columns of as many solids whose motion is given, in the `bend` and `wall_bend` of the faces.
     void prepare(std::size_t solids);
     int unknowns() const { return static_cast<int>(columns_.size()); }
 

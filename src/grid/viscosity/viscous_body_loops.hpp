@@ -99,7 +99,7 @@ struct ListLoop {
     }
 };
 
-// What pulls at the bodies in a face besides their rigid motions and the liquid: D^T K (e - D W_S bend).
+// Pull at the bodies in a face besides their rigid motions and the liquid: D^T K (e - D W_S bend).
 struct GivenLoop {
     ViscousFaces faces;
     OwnedFaces owned;

@@ -6,10 +6,10 @@
 
 namespace treacle::grid {
 
-// Of a face: nothing to solve for, an unknown, or liquid that a solid takes along.
+// Role of a face: nothing to solve for, an unknown, or liquid that a solid takes along.
 enum FaceRole : int { idle_face, free_face, held_face };
 
-// What the viscous solve sees of faces and stresses, by the places of a window; place i + stride[a] is the next along a.
+// Faces and stresses for the viscous solve, by the places of a window; place i + stride[a] is the next along a.
 struct ViscousFaces {
     CellBox window;
     std::ptrdiff_t stride[3]{1, 1, 1};
@@ -95,7 +95,7 @@ struct ViscousFaces {
         });
     }
 
-    // Where face i slips: use(cell, b, k) for a force -k (u_b - V_b) along a at the slip surface of the cell.
+    // Slip surfaces of face i: use(cell, b, k) for a force -k (u_b - V_b) along a at the slip surface of the cell.
     template <class Use>
     KOKKOS_INLINE_FUNCTION void each_slip(int a, std::ptrdiff_t i, const Use& use) const {
         if (!slips) return;
@@ -108,9 +108,9 @@ struct ViscousFaces {
             }
         }
     }
-    // Of xx, yy, zz, xy, yz, zx.
+    // Index of a component among xx, yy, zz, xy, yz, zx.
     KOKKOS_INLINE_FUNCTION static int component(int a, int b) { return a == b ? a : (a + b == 1 ? 3 : (a + b == 3 ? 4 : 5)); }
-    // Where the velocity along b of the slip surface of cell c is taken.
+    // Point at which the velocity along b of the slip surface of cell c is taken.
     KOKKOS_INLINE_FUNCTION void slip_point(const MacGrid& grid, int b, const int c[3], double x[3]) const {
         grid.face(b, c, x);
         x[b] += (1 - lean.axis[b](window.index(c[0], c[1], c[2]))) * grid.dx;

@@ -89,7 +89,7 @@ solve::RigidBorder ViscousProblem::border() const {
     return out;
 }
 
-// What the rows are, for the preconditioners; those of bodies are nothing but a block of their own.
+// Description of the rows for the preconditioners; those of bodies are nothing but a block of their own.
 void ViscousProblem::describe_rows(const MacGrid& grid) {
     dx_ = grid.dx;
     dimensions_ = grid.dimensions;

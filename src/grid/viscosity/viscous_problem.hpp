@@ -17,7 +17,7 @@ public:
     ViscousProblem(const ViscousProblem&) = delete; // the solver refers to it
     ViscousProblem& operator=(const ViscousProblem&) = delete;
 
-    // Which faces there are, and which ones solids hold; build() does it, too. Local.
+    // Finds the faces that there are, and those that solids hold; build() does it, too. Local.
     void find_places(const ViscousScene& scene, const rigid::RigidBodies& bodies, double dt);
     // Collective, for the liquid and the bodies as they are. `velocity` is that of the liquid that bodies hold.
     void build(const ViscousScene& scene, const FaceField& velocity, const rigid::RigidBodies& bodies, double dt);
@@ -55,7 +55,8 @@ public:
     std::vector<double> apply(const ViscousScene& scene, std::span<const double> x, std::span<const double> others,
                               const FaceField& velocity, rigid::RigidBodies& bodies);
 
-    // Of the solids at rest, as apply() found them: 6 numbers each, numbered as RestingSolids does [N], [N m] about the origin.
+    // Loads on the solids at rest, as apply() found them: 6 numbers each, numbered as RestingSolids does, about the
+    // origin [N], [N m].
     const std::vector<double>& resting_loads() const { return resting_loads_; }
 
     std::size_t bytes() const;

@@ -6,7 +6,7 @@
 namespace treacle::grid {
 
 namespace {
-// Of a cell between equally viscous ones, 1/(2 eta) is the exact share of a pressure's flux; the loop below has
+// The exact share of a pressure's flux is 1/(2 eta) in a cell between equally viscous ones; the loop below has
 // 4 d/((2 d + 2) eta) of it in d dimensions.
 double exact_share(int dimensions) { return 4.0 * dimensions / (2.0 * dimensions + 2); }
 

@@ -13,7 +13,7 @@ struct VolumeStiffness {
     PressureFaces faces; // of the pressure
     Array<double> held;  // [window] by a flux in face areas [kg/s]; none: no cell resists
 
-    // Whether any cell beside the face resists.
+    // True when any cell beside the face resists.
     KOKKOS_INLINE_FUNCTION bool holds(int a, std::ptrdiff_t i) const {
         return held.extent(0) > 0 && faces.open(a, static_cast<std::size_t>(i)) > 0 && (held(i) > 0 || held(i - faces.stride[a]) > 0);
     }
@@ -37,9 +37,9 @@ struct VolumeStiffness {
     }
 };
 
-// How much pressure a flux into a cell makes against the viscosity alone, by the resistance of its faces' own stresses; and as
-// much again for the matrix to hold (src/grid/theory.md, U). Cells beside bodies that move have no such part, since the motion of the
-// body belongs to their flux.
+// Pressure that a flux into a cell makes against the viscosity alone, by the resistance of its faces' own stresses; and
+// as much again for the matrix to hold (src/grid/theory.md, U). Cells beside bodies that move have no such part, since
+// the motion of the body belongs to their flux.
 class VolumeStresses {
 public:
     // Collective, for the faces of the pressure's matrix and the stresses as they are. `face` [m2], of a plane scene [m].

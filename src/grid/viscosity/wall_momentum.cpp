@@ -27,7 +27,7 @@ struct LossLoop {
     KOKKOS_INLINE_FUNCTION void join(value_type sum, const value_type other) const {
         for (size_type k = 0; k < value_count; ++k) sum[k] += other[k];
     }
-    // Of the liquid at a face that solids hold, over that of a full cube.
+    // Mass of the liquid at a face that solids hold, over that of a full cube.
     KOKKOS_INLINE_FUNCTION double share_held(int a, std::size_t i) const {
         const bool is_closed = !(faces.open(a, i) > 0);
         if (is_closed != closed) return 0;

@@ -5,10 +5,10 @@
 
 namespace treacle::grid {
 
-// What solids at rest take from the liquid besides the pressures of P2, where these hold another mass than there is (W). At
-// faces with the mass of the liquid m and the pressure's mass A theta, velocities that a projection changes by du leave
-// -(m - A theta) du with the solids in the face's cube; those of closed faces, which no pressure holds, leave all of m du where A2
-// takes them. At the wall of a tank that is the weight of half a cell.
+// Momentum that solids at rest take from the liquid besides the pressures of P2, where these hold another mass than
+// there is (W). At faces with the mass of the liquid m and the pressure's mass A theta, velocities that a projection
+// changes by du leave -(m - A theta) du with the solids in the face's cube; those of closed faces, which no pressure
+// holds, leave all of m du where A2 takes them. At the wall of a tank that is the weight of half a cell.
 class WallMomentum {
 public:
     struct Scene {

@@ -24,7 +24,7 @@ struct Kernel {
     }
 };
 
-// What a particle sees: its neighbours and, near solids, the images of itself and of them.
+// Pairs of a particle: its neighbours and, near solids, the images of itself and of them.
 struct Pairs {
     Array4 place; // x, y, z and a number of the loop's
     Array3 image;
@@ -193,7 +193,7 @@ void move_particles(const Move& move, int n, const Array3& start, const Array3& 
         const double share = square > move.cap * move.cap ? move.cap / math::sqrt(square) : 1;
         double to[3];
         for (int c = 0; c < 3; ++c) {
-            // Where nothing is capped the correction is added as it is: sums of corrections stay what they are.
+            // The correction is added as it is where nothing is capped: sums of corrections stay what they are.
             to[c] = share < 1 ? start(i, c) + share * way[c] : from[c] + move.relaxation * scale * correction(i, c);
         }
         push_out(move.solid, move.clearance, to);
@@ -207,7 +207,7 @@ void add_corrections(int n, const Array3& x, const Array3& correction) {
     });
 }
 
-// Which particles may see images: within the kernel's reach of a solid, and the farthest move.
+// Marks particles that may have images: within the kernel's reach of a solid, and the farthest move.
 void find_near(const DistanceSampler& solid, const Array3& x, int n, double reach, const Array<int>& near) {
     Kokkos::parallel_for("treacle::near_solids", n, KOKKOS_LAMBDA(int i) {
         const double p[3] = {x(i, 0), x(i, 1), x(i, 2)};

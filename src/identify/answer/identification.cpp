@@ -46,7 +46,7 @@ NoiseMeasure measure_noise(const StudyFile& file, const Priors& priors, Trials& 
     return {freedom, ResolutionAnswer{spacings / count, runs, mean}};
 }
 
-// What a standard deviation of each measured value does to the answer.
+// Effect of a standard deviation of each measured value on the answer.
 void vary_measured(const StudyFile& file, const Priors& priors, Trials& trials, Identification& out) {
     const auto point = out.estimate->point;
     for (const auto& wanted : measured_runs(file, point_of(point))) {

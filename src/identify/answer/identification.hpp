@@ -39,7 +39,7 @@ struct Identification {
     std::string problem;          // why there is no estimate
 };
 
-// What is known of several parameters by their ranges; nothing of one.
+// Prior knowledge of several parameters by their ranges; none of a single one.
 RangePrior range_prior(const StudyFile& file);
 
 // The trial that looks most like the films; null without one.
@@ -48,8 +48,8 @@ const Trial* best_trial(const Identification& identification);
 // The trial that looks most like the films of those at the finest spacing of the study; the best trial where none of these has runs.
 const Trial* trial_at_answer(const StudyFile& file, const Identification& identification);
 
-// What the runs of a trial, one a scene of the study, are away from its experiments, without a point; nothing where one has failed.
-// Throws InputError.
+// Residuals of the runs of a trial, one a scene of the study, from its experiments, without a point; nothing where one
+// has failed. Throws InputError.
 std::optional<EvaluatedRun> evaluated_runs(const StudyFile& file, const study::StudyRuns& runs, const std::vector<std::int64_t>& numbers);
 
 // Throws InputError without a parameter, for one without a range, for one that silhouettes cannot know, and for ends of ranges

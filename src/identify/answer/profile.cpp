@@ -23,7 +23,7 @@ double numerical_scatter(const Identification& identification) {
     return 1.645 * std::sqrt(2 * square / double(objectives.size() - 1));
 }
 
-// What a value at the search's spacing stands for: moved as the rungs have moved the answer.
+// Value at the answer for one at the search's spacing: moved as the rungs have moved the answer.
 double at_answer(const study::Parameter& parameter, std::size_t k, double value, const Identification& identification) {
     if (identification.rungs.empty()) return value;
     const double coarse = identification.rungs.front().values[k], answer = identification.values[k];

@@ -26,15 +26,16 @@ public:
     Trials(const StudyFile& file, const Priors& priors, study::StudyRuns& runs, const study::SceneReader& read_scene, Log& log, Identification& out)
         : file_(file), priors_(priors), runs_(runs), read_scene_(read_scene), log_(log), out_(out) {}
 
-    // Of each point and its variation: nothing where a run failed or stopped early. Runs may do that where the search's objective of the k-th
-    // point is above cut(k), infinite where it may not. Throws Stopped when asked to stop.
+    // Runs of each point and its variation: nothing where one failed or stopped early. Runs may do that where the
+    // search's objective of the k-th point is above cut(k), infinite where it may not. Throws Stopped when asked to
+    // stop.
     struct Stopped {};
     using Cuts = std::function<double(std::size_t)>;
     std::vector<std::optional<EvaluatedRun>> run(Wanted wanted, const Cuts& cut = {});
     // Lanes that would idle while later calls of `run` wait may do these meanwhile; without any, they end.
     void offer(const Wanted& expected);
     bool speculates() const { return file_.study.runs.speculate && runs_.lanes() > 1; }
-    // Of the search's spacing and the measured values as they are.
+    // Runs at the search's spacing with the measured values as they are.
     const std::vector<EvaluatedRun>& good() const { return good_; }
 
 private:

@@ -23,7 +23,7 @@ double depth_near(const video::FilmDrawing& drawing, double x, double y) {
     return -1;
 }
 
-// How the pixel of a point in camera axes moves with the camera's parameters, along a normal.
+// Adds the motion of the pixel of a point in camera axes by the camera's parameters, along a normal.
 void add_camera(const scene::CameraModel& camera, const Vec3& place, const scene::Vec2& normal, double weight, ViewDerivatives& out) {
     const auto pixel = camera.project_camera(place);
     const auto& lens = camera.lens();

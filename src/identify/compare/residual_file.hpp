@@ -13,7 +13,7 @@ struct FrameSquares {
     double count = 0;  // vectors that are compared
 };
 
-// What a run is away from the observations of one experiment.
+// Residuals of a run from the observations of one experiment.
 struct RunResiduals {
     ExperimentKind kind = ExperimentKind::contours;
     std::vector<SegmentResidual> segments; // by frame

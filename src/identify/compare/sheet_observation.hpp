@@ -18,7 +18,7 @@ struct ObservedField {
     std::vector<SheetVector> vectors;
 };
 
-// What became of the vectors of the fields that are compared.
+// Counts of the vectors of the fields that are compared.
 struct SheetCounts {
     std::size_t vectors = 0;  // that the files hold
     std::size_t missing = 0;  // not measured, or marked by the program that wrote them
@@ -35,7 +35,7 @@ struct ObservedSheet {
 
 // Names of files are taken from the study's folder.
 using Beside = std::function<std::filesystem::path(const std::string&)>;
-// Whether a window around a point of the scene touches a body at a time of the scene.
+// True when a window around a point of the scene touches a body at a time of the scene.
 using Touches = std::function<bool(const Vec3& point, double time)>;
 
 // The fields of an experiment between `from` and `to`, every so many of them, in the sheet's axes and SI. Throws InputError for

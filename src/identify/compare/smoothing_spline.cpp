@@ -54,7 +54,7 @@ SmoothingSpline::SmoothingSpline(std::span<const double> times, std::span<const 
     const auto bands = bands_of(times_);
     const Vector y = Eigen::Map<const Vector>(values.data(), Eigen::Index(n));
     const Vector squares = Eigen::Map<const Vector>(deviations.data(), Eigen::Index(n)).cwiseAbs2();
-    // What is left over, S Q bends weight, in units of the deviations.
+    // Misfit S Q bends weight, in units of the deviations.
     const auto misfit = [&](double weight, const Vector& bends) { return weight * weight * (squares.asDiagonal() * Vector(bands.q * bends)).dot(Vector(bands.q * bends)); };
     double weight = 0;
     if (squares.maxCoeff() > 0) {

@@ -9,7 +9,7 @@ namespace treacle::identify {
 // The picture is upright; the heap begins where a row is much wider than the thread near the top.
 double thread_place(const video::Mask& mask);
 
-// How a thread turns: times [s] at which it passes its middle, twice a turn.
+// Turning of a thread: times [s] at which it passes its middle, twice a turn.
 struct Turning {
     std::vector<double> passages;
     double scatter = 0; // relative, of the times of whole turns; 0 where there are fewer than two
@@ -21,7 +21,8 @@ struct TurningRate {
     double rate = 0;  // [Hz]
     double turns = 0; // that are known
 };
-// Of the part of a window that lies between passages, evenly within a half turn; 0 where that is less than half of the window.
+// Rate over the part of a window that lies between passages, evenly within a half turn; 0 where that is less than half
+// of the window.
 TurningRate rate_between(const Turning& turning, double begin, double end);
 
 } // namespace treacle::identify

@@ -14,13 +14,13 @@ struct EvaluatedRun {
     std::vector<RunResiduals> experiments;
 };
 
-// What is known of the parameters before any film, where there are several: that they lie within their ranges. Where films do not
-// tell them one by one, the answer is then a region that ends, and not a point at its end.
+// Prior knowledge of the parameters before any film, where there are several: they lie within their ranges. Where films
+// do not tell them one by one, the answer is then a region that ends, and not a point at its end.
 struct RangePrior {
     Eigen::VectorXd lower, upper; // [p] of the coordinates; empty: none is used
 
     Eigen::VectorXd centre() const { return 0.5 * (lower + upper); }
-    // Of the variance of an even distribution over the range.
+    // Inverse of the variance of an even distribution over the range.
     Eigen::VectorXd information() const { return 12 * (upper - lower).array().square().inverse(); }
 };
 

@@ -9,7 +9,7 @@ int correlation_frames(const EvaluatedRun& run, const Layout& layout, const Vect
 std::vector<int> sectors(const EvaluatedRun& run, const Layout& layout);
 // Block of each row: neighbouring frames, a sector.
 std::vector<int> blocks_of(const EvaluatedRun& run, const Layout& layout, const std::vector<int>& sector, int frames_each);
-// (I4) What leaving out each block changes of the parameters, [blocks][parameters]: (A - A_b)^-1 G_b^T W_b r_b.
+// (I4) Change of the parameters by leaving out each block, [blocks][parameters]: (A - A_b)^-1 G_b^T W_b r_b.
 Matrix block_changes(const Fit& fit, const Matrix& g, const Matrix& information, const std::vector<int>& blocks);
 // Variance of the parameters by the blocks of each experiment over that by its independent segments, the largest, at least 1.
 std::vector<double> inflation(const Fit& fit, const Matrix& g, const Matrix& changes, const std::vector<int>& blocks, const Layout& layout, Eigen::Index p);

@@ -27,7 +27,7 @@ inline constexpr double segment_length = 25; // [px]
 struct ContourSegment {
     std::vector<video::ContourPoint> points;
 };
-// Of contours without corners, excluded pixels and the rim of the picture, by pieces.
+// Segments of contours without corners, excluded pixels and the rim of the picture, by pieces.
 std::vector<ContourSegment> contour_segments(const video::Mask& mask, double length = segment_length);
 
 } // namespace treacle::identify

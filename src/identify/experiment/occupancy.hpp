@@ -12,8 +12,8 @@ namespace treacle::identify {
 
 enum class MirrorAxis { none, x, y, z };
 
-// How often pixels are liquid, over windows of time: of liquid that coils or folds this tells the viscosity, where its
-// phase and its sense of turning do not.
+// Frequency with which pixels are liquid, over windows of time. For liquid that coils or folds it depends on the
+// viscosity, and not on the phase or the sense of turning.
 struct Occupancy {
     int windows = 5;
     std::vector<double> levels{0.1, 0.3, 0.5, 0.7, 0.9}; // shares of the frames whose contours are compared

@@ -4,9 +4,9 @@
 
 namespace treacle::identify {
 
-// What an experiment observes.
+// Quantity that an experiment observes.
 enum class ExperimentKind { contours, occupancy, piv, series };
-// Whether it compares masks of a film.
+// True when it compares masks of a film.
 inline bool has_masks(ExperimentKind kind) { return kind == ExperimentKind::contours || kind == ExperimentKind::occupancy; }
 
 // Parameters of the view: they need no run, and are nuisances with priors. In this order in every list of derivatives.

@@ -8,7 +8,7 @@
 
 namespace treacle::identify {
 
-// What a report shows that is made elsewhere.
+// Parts of a report that are made elsewhere.
 struct ReportParts {
     std::vector<FlowCurveBand> curves;
     std::vector<Material> materials;
@@ -27,16 +27,16 @@ void write_report(const std::filesystem::path& folder, const StudyFile& file, co
 std::vector<std::string> answer_lines(const StudyFile& file, const Identification& identification);
 
 inline constexpr const char* well_determined = "well determined";
-// Whether the films tell a parameter: that it is well determined, or why not, in words.
+// Identifiability of a parameter by the films: `well_determined`, or why not, in words.
 std::string identifiability(const StudyFile& file, const Identification& identification, std::size_t parameter);
 
-// Which parameters trade with each other, a sentence a pair. May be empty.
+// Pairs of parameters that trade with each other, a sentence each. May be empty.
 std::vector<std::string> trade_lines(const StudyFile& file, const Identification& identification);
 
-// What the misfit says of the model, a sentence an experiment: empty when what is left over is noise.
+// Verdict of the misfit on the model, a sentence an experiment: empty when what is left over is noise.
 std::string verdict(const StudyFile& file, const Identification& identification);
 
-// What a reader of the answer must know of its experiments: on what a viscosity from falling bodies rests. May be empty.
+// Notes on the experiments for a reader of the answer: on what a viscosity from falling bodies rests. May be empty.
 std::vector<std::string> notes(const StudyFile& file);
 
 } // namespace treacle::identify

@@ -13,7 +13,7 @@ std::vector<std::string> drift_lines(const StudyFile& file, const Identification
 // The best value by window of time, a table for each experiment; for the report.
 std::string drift_html(const StudyFile& file, const Identification& identification);
 
-// Of the windows, and of a line through them, for programs.
+// Values of the windows, and of a line through them, for programs.
 std::string drift_yaml(const StudyFile& file, const Identification& identification);
 
 } // namespace treacle::identify

@@ -37,7 +37,7 @@ std::uint64_t checksum_of(const Dataset& dataset, std::int64_t first_value) {
     return checkpoint::checksum(std::get<std::span<const std::int64_t>>(dataset.values), first_value);
 }
 
-// Of the whole array, on every rank.
+// Checksum of the whole array, on every rank.
 std::uint64_t checksum_of(const Comm& comm, const Dataset& dataset) {
     const auto first = comm.exclusive_sum(row_count(dataset)) * dataset.components;
     return static_cast<std::uint64_t>(comm.sum(static_cast<std::int64_t>(checksum_of(dataset, first))));

@@ -133,7 +133,7 @@ void write_temporary(const Comm& comm, const std::filesystem::path& temporary, c
     const auto extents = extents_of(comm, plan);
     std::int64_t reserved = 0;
     comm.guard_root([&] { reserved = create_file(temporary, plan, extents) == Reserved::yes; });
-    // Where space cannot be reserved a write may still fail on one rank: it then writes without the others.
+    // A write may still fail on one rank where space cannot be reserved: that rank then writes without the others.
     const bool collective = comm.any(reserved != 0);
 
     auto file = open_collective(comm, temporary.string(), H5F_ACC_RDWR);

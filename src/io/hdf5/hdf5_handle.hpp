@@ -12,8 +12,8 @@
 // Inside of the folder only: this header shows HDF5.
 namespace treacle::io {
 
-// What HDF5 said of the innermost failure. The public functions turn it into an InputError when a file is
-// read and into a SimulationError when one is written.
+// Message of HDF5 on the innermost failure. The public functions turn it into an InputError when a file is read and
+// into a SimulationError when one is written.
 class Hdf5Failure : public std::runtime_error {
 public:
     using std::runtime_error::runtime_error;

@@ -14,7 +14,7 @@ struct MatArray {
     std::vector<double> values;
 };
 
-// Whether the file is HDF5, after a header of up to some kilobytes as MATLAB writes it.
+// True when the file is HDF5, after a header of up to some kilobytes as MATLAB writes it.
 bool is_hdf5(const std::filesystem::path& path);
 
 // The numeric arrays at the root of the file by their names; cells, structures and texts are left out. Of one process, needs no

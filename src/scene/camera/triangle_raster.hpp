@@ -31,7 +31,7 @@ public:
     Seen at(const Vec3& in_camera) const;
     // The middle of an edge, the same number whichever end comes first.
     Seen middle(const Seen& a, const Seen& b) const;
-    // Whether the edge's image is farther than `straightness` pixels from a straight line.
+    // True when the edge's image is farther than `straightness` pixels from a straight line.
     bool bent(const Seen& a, const Seen& b, double straightness) const;
     const CameraModel& camera() const { return camera_; }
 

@@ -26,7 +26,7 @@ public:
             for (int p = first(cell); p >= 0; p = next_[p]) visit(p, points_[p]);
         }
     }
-    // Whether a point lies nearer than `radius` <= cell to x.
+    // True when a point lies nearer than `radius` <= cell to x.
     bool any_within(const Vec3& x, double radius) const;
 
 private:
@@ -50,7 +50,7 @@ public:
     using Project = std::function<std::optional<Vec3>(const Vec3&, double tolerance)>;
     EvenLayer(double spacing, Project project) : spacing_(spacing), project_(std::move(project)) {}
 
-    // Of the fixed ones those that are chosen keep their place.
+    // Chosen points keep their place where they are fixed ones.
     void choose(const std::vector<Vec3>& candidates, const std::vector<Vec3>& fixed = {});
     void relax();
     // Adds those candidates that are still uncovered.

@@ -7,7 +7,7 @@
 namespace treacle::scene {
 namespace {
 
-// Of a solid, or of its outside.
+// Bounds of a solid, or of its outside.
 Bounds extent(const Solid& solid, bool outside) {
     const bool inverted = solid.inverted != outside;
     if (solid.parts.empty()) {

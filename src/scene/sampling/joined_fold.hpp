@@ -12,7 +12,7 @@ struct Leaf {
     double sign = 1; // -1: what is joined is the outside of it, counted over all levels
 };
 
-// Which part bounds the whole at a point.
+// Part that bounds the whole at a point.
 struct Hit {
     double distance = Bounds::infinite; // [m] negative inside the whole
     Vec3 normal{0, 0, 0};
@@ -26,8 +26,8 @@ public:
 
     const std::vector<Leaf>& leaves() const { return leaves_; }
     Hit at(const Vec3& x) const { return evaluate(root_, x, -1, 0); }
-    // Whether the point p of a leaf's surface, with that leaf's outward normal, is one of the whole: on its two sides, `eps` away
-    // [m], one is inside and one is outside.
+    // True when the point p of a leaf's surface, with that leaf's outward normal, is one of the whole: on its two
+    // sides, `eps` away [m], one is inside and one is outside.
     bool bounds(int leaf, const Vec3& p, const Vec3& normal, double eps) const;
 
 private:

@@ -13,7 +13,7 @@ using Regions = std::vector<SolidRegion>; // their union
 
 // Signed distance of their union [m], negative inside; Bounds::infinite of none.
 double distance_to(const Regions& regions, const Vec3& x);
-// Of their union, all of which are of finite volume.
+// Moments of their union; each must be of finite volume.
 Moments moments_of(const Regions& regions);
 
 // The points x = min + (i + 1/2) spacing of a domain. In the plane z is 0 and has one index.

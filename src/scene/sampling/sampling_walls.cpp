@@ -103,7 +103,7 @@ double into_domain(const Lattice& lattice, int axis, double x) {
     return std::clamp(x, lattice.min[axis], std::nextafter(lattice.max[axis], lattice.min[axis]));
 }
 
-// Which part of a line belongs to the part of space: [begin, end).
+// Range of a line that belongs to the part of space: [begin, end).
 std::array<std::int64_t, 2> share_of(const WallSampling& s, const Line& line, int axis) {
     if (axis < 0) return {0, 1};
     const auto first_at_or_above = [&](double bound) {

@@ -45,7 +45,7 @@ SolidRegion::SolidRegion(const Shape& shape, int dimensions) : dimensions_(dimen
         moments_ = notes.moments;
         return;
     }
-    // Of a solid and its outside the one with an end has the surface.
+    // The surface belongs to whichever of a solid and its outside has an end.
     if (is_infinite(bounds_of(solid), dimensions)) {
         Solid outside = solid;
         outside.inverted ^= true;

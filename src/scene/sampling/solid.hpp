@@ -22,7 +22,7 @@ struct Solid {
     bool joined() const { return !parts.empty() || crosses_itself; }
 };
 
-// What came with it.
+// Notes on a solid: reports on its meshes, and exact moments.
 struct SolidNotes {
     std::vector<MeshReport> meshes;
     std::optional<Moments> moments; // of the one mesh, when exact
@@ -40,7 +40,7 @@ const char* name_of(ShapeKind kind);
 // 1e-3 of the size, at corners of three parts within the points' distance, 1/48 of the longest edge, in the plane 1/512. Null for no surface: an empty solid, or all of
 // space. A solid without end has the distances of the parts alone, whose magnitudes are lower bounds.
 SurfacePointer join(const Solid& solid, int dimensions);
-// Of the region that a solid is; infinite without end.
+// Bounds of the region that a solid is; infinite without end.
 Bounds bounds_of(const Solid& solid);
 
 } // namespace treacle::scene

@@ -11,8 +11,8 @@ namespace {
 constexpr int newton_steps = 20;
 constexpr double depth_tolerance = 1e-4; // in spacings
 
-// How far the body (inset < 0: the space around it) reaches behind the surface point c, along the normal, as
-// far as twice the inset: by sphere tracing. A surface that runs along the ray, beside an edge, is no end.
+// Thickness of the body (inset < 0: of the space around it) behind the surface point c, along the normal, as far as
+// twice the inset: by sphere tracing. A surface that runs along the ray, beside an edge, is no end.
 double measure_thickness(const Surface& surface, const Vec3& c, const Vec3& n, double inset) {
     const double limit = 2 * std::abs(inset), side = std::copysign(1.0, inset);
     const double resolution = 1e-3 * std::abs(inset), least_step = 0.02 * std::abs(inset);

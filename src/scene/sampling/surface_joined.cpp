@@ -115,7 +115,7 @@ private:
     double eps() const { return 1e-6 * size_; }
     bool on_surface(int leaf, const Vec3& p, const Vec3& normal) const { return fold_.bounds(leaf, p, normal, eps()); }
 
-    // Of solids without an end: of their parts that have one.
+    // Size of the parts that have an end, for solids without one.
     void find_size() {
         for (const Leaf& leaf : fold_.leaves()) {
             if (!leaf.surface || !std::isfinite(leaf.surface->area())) continue;
@@ -206,7 +206,7 @@ private:
         return std::nullopt;
     }
 
-    // Whether of the sectors between two faces around a point of their edge some are inside and some outside.
+    // True when some of the sectors between two faces around a point of their edge are inside and some outside.
     bool parts_sectors(const Vec3& a, const Vec3& b, const Vec3& p) const {
         int inside = 0;
         for (int sector = 0; sector < 4; ++sector) {
@@ -218,7 +218,7 @@ private:
     bool edge_of_whole(int leaf, int other, const Vec3& p) const {
         return parts_sectors(surface_of(leaf).nearest(p).normal, surface_of(other).nearest(p).normal, p);
     }
-    // Whether a part has an edge there, which is one of the whole.
+    // True when a part has an edge there, which is one of the whole.
     bool on_own_edge(const Mark& mark) const {
         const Vec3 u = perpendicular(mark.normal), v = dimensions_ == 2 ? u : cross(mark.normal, u);
         std::array<Vec3, 4> faces;
@@ -315,7 +315,7 @@ private:
         return unit(sum, normal);
     }
 
-    // Where the nearest point of the part is none of the whole's.
+    // Nearest point of the whole where that of the part is none of the whole's.
     Nearest nearest_mark(const Vec3& x, const Hit& hit) const {
         Vec3 best = faces_.nearest(x).x;
         double least = length(x - best);

@@ -4,7 +4,7 @@
 
 namespace treacle::scene {
 
-// What a shape has in a box, the domain.
+// Part of a shape in a box, the domain.
 inline Shape clipped(const Shape& shape, const Bounds& domain) {
     Shape box;
     box.kind = ShapeKind::box;

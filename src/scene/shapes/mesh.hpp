@@ -14,7 +14,7 @@ struct TriangleMesh {
     std::vector<std::array<int, 3>> triangles; // indices into vertices
 };
 
-// What was found, and done, when a mesh was put in order.
+// Report of what was found, and done, when a mesh was put in order.
 struct MeshReport {
     std::string path;
     std::size_t vertices = 0, triangles = 0;

@@ -72,7 +72,7 @@ private:
         for (int k = 0; k < solid_.dimensions; ++k) out *= 2 * half[static_cast<std::size_t>(k)];
         return out;
     }
-    // Of a cell at right angles to the surface.
+    // Width of a cell at right angles to the surface [m].
     double width(const Vec3& centre, const Vec3& half) const {
         double squares = 0;
         const Vec3 normal = solid_.normal ? solid_.normal(centre) : Vec3{0, 0, 0};
@@ -83,7 +83,7 @@ private:
         }
         return std::max(std::sqrt(squares), 1e-300);
     }
-    // Of the distance from one side of a cell to the other [m].
+    // Change of the distance from one side of a cell to the other [m].
     double change_of(const Vec3& centre, const Vec3& half, std::size_t axis) const {
         Vec3 above = centre, below = centre;
         above[axis] += half[axis] / 4;

@@ -16,7 +16,7 @@ struct Moments {
 // Exact, by the divergence theorem.
 Moments moments_of(const TriangleMesh& mesh);
 
-// What an exact mesh is not known for: cells inside count whole, cells on the surface by their signed distance.
+// Solid for which no exact mesh is known: cells inside count whole, cells on the surface by their signed distance.
 struct SampledSolid {
     std::function<double(const Vec3&)> distance; // [m] negative inside
     Bounds bounds;

@@ -7,7 +7,7 @@
 
 namespace treacle::search {
 
-// How candidates are kept within the bounds.
+// Method by which candidates are kept within the bounds.
 enum class BoundHandling {
     transform, // the search runs in a space without bounds (Box)
     resample,  // candidates beyond are drawn anew, up to 100 times, then mirrored at the bound: biased near it

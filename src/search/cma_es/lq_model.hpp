@@ -15,7 +15,7 @@ public:
     // Puts the newest in the order of their values, the best first, and fits.
     void fit(std::size_t newest);
     double at(const std::vector<double>& x) const;
-    // Where the model is least; none where it is not bounded below, or there is none yet.
+    // Minimiser of the model; none where it is not bounded below, or there is none yet.
     std::optional<std::vector<double>> minimum() const;
     // Slope of the model at a place.
     std::vector<double> gradient(const std::vector<double>& x) const;

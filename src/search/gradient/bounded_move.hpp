@@ -3,7 +3,7 @@
 
 namespace treacle::search {
 
-// Where a move may lead.
+// Bounds of a move.
 struct Room {
     std::vector<double> lower, upper; // [n] of its components; lower <= 0 <= upper
     double radius = 1;

@@ -122,7 +122,7 @@ Task<void> MomentumDescent::method() {
             co_return;
         }
         here_ = next;
-        // Where it turns round it stands still, but not for long: what the gradient adds counts as well.
+        // The move is zero where it turns round, but not for long: what the gradient adds counts as well.
         for (std::size_t i = 0; i < move.size(); ++i)
             last_move_[i] = std::max(std::abs(move[i]), rate * std::abs(here_.gradient[i])) * axes()[i].step;
     }

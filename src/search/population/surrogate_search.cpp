@@ -130,7 +130,7 @@ double SurrogateSearch::expected_improvement(const GaussianProcess& model, const
     return deviation * (u * normal_distribution(u) + normal_density(u));
 }
 
-// Where a model that has seen nothing beyond may be believed: the bounds, or within some steps of the start and the centre.
+// Domain in which a model without points beyond is valid: the bounds, or within some steps of the start and the centre.
 std::vector<Axis> SurrogateSearch::domain() const {
     auto out = axes();
     for (std::size_t i = 0; i < out.size(); ++i) {

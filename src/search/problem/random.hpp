@@ -7,7 +7,7 @@ namespace treacle::search {
 // Philox 4x32-10 (Salmon et al. 2011): a bijection of the counter that the key picks.
 std::array<std::uint32_t, 4> philox(std::array<std::uint32_t, 4> counter, std::array<std::uint32_t, 2> key);
 
-// What a random number is for. Numbers of different purposes are independent.
+// Purpose of a random number. Numbers of different purposes are independent.
 enum class Purpose : std::uint32_t { candidate, start, swarm_start, swarm_own, swarm_best, model };
 
 // Random numbers without a state: each is a function of the seed, the purpose and where it is used.
@@ -17,7 +17,7 @@ public:
 
     // In (0, 1), odd multiples of 2^-53.
     double uniform(Purpose purpose, std::uint32_t generation, std::uint32_t candidate, std::uint32_t coordinate) const;
-    // Of mean 0 and variance 1.
+    // Normal number of mean 0 and variance 1.
     double normal(Purpose purpose, std::uint32_t generation, std::uint32_t candidate, std::uint32_t coordinate) const;
 
 private:

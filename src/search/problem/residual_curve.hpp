@@ -13,7 +13,7 @@ public:
     void add(double x, std::vector<double> residuals);
     // Three points with residuals, of which `best` is one.
     bool is_known(double best) const;
-    // Where the objective is least between `lower` and `upper`, to a distance of `step`.
+    // Minimiser of the objective between `lower` and `upper`, to a distance of `step`.
     double least(double best, double lower, double upper, double step) const;
     // Distance of the point next to `best`.
     double nearest(double best) const;

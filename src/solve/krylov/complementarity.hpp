@@ -6,7 +6,7 @@
 
 namespace treacle::solve {
 
-// What each row may do.
+// State of each row.
 enum class RowState : unsigned char {
     fixed,  // x = 0, whatever its gradient
     bound,  // x = 0, released when its gradient is negative

@@ -50,7 +50,7 @@ void each_block(std::size_t rows, const Work& work) {
 }
 } // namespace
 
-// What the shadows see: M = P^T G, lower triangular, f = P^T r.
+// Projections on the shadow space: M = P^T G, lower triangular, f = P^T r.
 struct Idr::Small {
     std::size_t s;
     std::vector<double> m, f, c, along, alpha;

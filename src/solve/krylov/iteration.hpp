@@ -17,8 +17,8 @@ struct Iteration {
     std::span<double> x;
     SolveReport report{};
     double norm_b = 0;
-    // Of the residual, below which it counts as zero: products of smaller numbers may underflow to the zero that a breakdown
-    // is told by.
+    // Norm of the residual below which it counts as zero: products of smaller numbers may underflow to the zero that a
+    // breakdown is told by.
     double least = 1e-140;
 
     bool end(Outcome outcome) {

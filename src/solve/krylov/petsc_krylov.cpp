@@ -13,7 +13,7 @@ namespace {
 
 using KspHandle = Handle<KSP, KSPDestroy>;
 
-// What PETSc calls back for. Exceptions must not pass through its C functions: they wait here.
+// Data of PETSc's callbacks. Exceptions must not pass through its C functions: they wait here.
 struct Callbacks {
     Iteration& run;
     Vec scratch, residual;

@@ -6,7 +6,7 @@
 
 namespace treacle::solve {
 
-// Whether the options database has one for a Krylov method of this prefix, as -pressure_ksp_type.
+// True when the options database has one for a Krylov method of this prefix, as -pressure_ksp_type.
 bool asks_for_petsc(const std::string& prefix);
 
 // Solves A x = b from the guess in x by PETSc's conjugate gradients or what the options say, with the preconditioner

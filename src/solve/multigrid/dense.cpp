@@ -3,7 +3,7 @@
 namespace treacle::solve {
 
 namespace {
-// Of the row's own diagonal: what round-off leaves of a pivot that is zero.
+// Fraction of the row's own diagonal that round-off leaves of a pivot that is zero.
 constexpr double least_pivot = 1e-12;
 } // namespace
 

@@ -164,7 +164,7 @@ void Level::sweep_down_from_zero(std::span<const double> r_, std::span<double> z
         if (i + ahead < rows) fetch(columns, values, own_.offsets[i + ahead], diagonal_[at + ahead]);
         const double sum = r_[at] - gather_sum(columns, values, begin, diagonal, z_.data());
         z_[at] = sum * inverse_[at];
-        // What is left is -U z + (D' - D) z, U the transpose of the part of the row that was just read.
+        // The residual is -U z + (D' - D) z, U the transpose of the part of the row that was just read.
         scatter(columns, values, begin, diagonal, z_[at], t_.data());
         if (!secured_.empty()) t_[at] += (secured_[at] - values[diagonal]) * z_[at];
     }

@@ -16,7 +16,7 @@ constexpr int most_halvings = 20;
 constexpr double least_shrinkage = 0.7;
 // Finite differences on cells of twice the width: half of what P^T A P gives where all eight cells are liquid.
 constexpr double grid_divisor = 2;
-// Of rows that no coarse matrix has; larger than all keys of cells, also after their halvings.
+// Key of rows that no coarse matrix has; larger than all keys of cells, also after their halvings.
 constexpr CellKey no_cell = ~CellKey{0};
 
 // A level, and the way from its aggregates to the next one.

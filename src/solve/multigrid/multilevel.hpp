@@ -36,7 +36,7 @@ struct MultilevelOptions {
     int rows_per_rank = 500;  // levels with fewer on the mean are gathered onto every eighth rank
 };
 
-// What the rows are put together by. Cells are integer coordinates from -2^20 to 2^20 - 1.
+// Cells by which rows are put together. Cells are integer coordinates from -2^20 to 2^20 - 1.
 struct MultilevelCells {
     std::span<const int> cells; // [rows][3]
     // For grids:
@@ -72,7 +72,7 @@ public:
     std::vector<LevelSize> sizes() const;
     // Stored entries of all levels over those of the matrix. Collective.
     double operator_complexity() const;
-    // What this rank holds.
+    // Memory of this rank [bytes].
     std::size_t bytes() const;
 
     const MultilevelOptions& options() const { return options_; }

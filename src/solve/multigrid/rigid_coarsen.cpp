@@ -9,11 +9,12 @@ namespace {
 // about itself, get rows and columns of zeros, which the sweeps pass over.
 constexpr double least_arm = 1e-9;
 
-// Of the diagonal, added to it in coarse matrices: motions that cost nothing, as semidefinite matrices have, would have nothing
-// but round-off there, of either sign, and its inverse in the cycle. Far below the mass of free pieces that are stiff.
+// Fraction of the diagonal that is added to it in coarse matrices: motions that cost nothing, as semidefinite matrices
+// have, would have nothing but round-off there, of either sign, and its inverse in the cycle. Far below the mass of
+// free pieces that are stiff.
 constexpr double least_cost = 1e-10;
 
-// How a row of the matrix feels the motions of its aggregate: entries that are not zero.
+// Entries of a row of the matrix for the motions of its aggregate: those that are not zero.
 template <int D>
 struct Felt {
     static constexpr int count = D == 3 ? 3 : 2;
@@ -153,7 +154,7 @@ void Separation::join_rows(const Level& level, int joined) {
     }
 }
 
-// Whether the rows from first on are joined to no others.
+// True when the rows from first on are joined to no others.
 bool Separation::alone(const Level& level, Index first, int joined) const {
     for (Index i = first; i < first + joined; ++i) {
         const auto& own = level.own();

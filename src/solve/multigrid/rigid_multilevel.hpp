@@ -17,7 +17,7 @@ struct RigidMultilevelOptions {
     int rows_per_rank = 1000;    // levels with fewer on the mean are gathered onto every eighth rank
 };
 
-// What the rows are: components of a velocity at places. Cells are integer coordinates from -2^20 to 2^20 - 1.
+// Rows of the matrix: components of a velocity at positions. Cells are integer coordinates from -2^20 to 2^20 - 1.
 struct VelocityRows {
     int dimensions = 3;
     double width = 1;                     // of a cell, the unit of length of the rotations
@@ -57,7 +57,7 @@ public:
 
     // Collective. The first one is the matrix itself.
     std::vector<LevelSize> sizes() const;
-    // What this rank holds.
+    // Memory of this rank [bytes].
     std::size_t bytes() const;
 
     const RigidMultilevelOptions& options() const { return options_; }

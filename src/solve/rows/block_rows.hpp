@@ -28,7 +28,7 @@ public:
 
     // Collective. SimulationError where this rank's entries are more than an Index can count.
     void build(const Comm& comm, const BlockRows& rows);
-    // Of the arrays of this object; null before build().
+    // Matrix of the arrays of this object; null before build().
     Matrix* matrix() { return matrix_ ? &*matrix_ : nullptr; }
     const CsrBlocks& blocks() const { return blocks_; }
     void clear() { matrix_.reset(); }

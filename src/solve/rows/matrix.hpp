@@ -42,8 +42,8 @@ public:
     Matrix(Matrix&&) noexcept;
     Matrix& operator=(Matrix&&) noexcept;
 
-    // What products add to those of the stored entries: y += B x on this rank's rows, collective if the caller's is,
-    // B symmetric and positive semidefinite. Preconditioners do not know of it.
+    // Term that products add to those of the stored entries: y += B x on this rank's rows, collective if the caller's
+    // is, B symmetric and positive semidefinite. Preconditioners are built from the stored entries only.
     using Addition = std::function<void(std::span<const double> x, std::span<double> y)>;
     void set_addition(Addition addition) { addition_ = std::move(addition); }
 

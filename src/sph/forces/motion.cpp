@@ -27,7 +27,7 @@ KOKKOS_INLINE_FUNCTION LossCause loss_of(const DomainBox& domain, const Vectors&
     return LossCause::none;
 }
 
-// Whether a point within the domain and a finite velocity make a closer look needless; not so for NaN.
+// True when a point within the domain and a finite velocity make a closer look needless; not so for NaN.
 KOKKOS_INLINE_FUNCTION bool clearly_inside(const DomainBox& domain, const double x[3], const double u[3]) {
     bool inside = true;
     for (int k = 0; k < 3; ++k) {

@@ -28,7 +28,7 @@ Departures move_particles(const DomainBox& domain, LiquidParticles& liquid, doub
 // finite, and returns them with their causes. Looks at every particle on the host: losses are rare.
 std::vector<LostParticle> remove_lost(const DomainBox& domain, LiquidParticles& liquid);
 
-// Of the owned particles, summed over the ranks.
+// Totals of the owned particles, summed over the ranks.
 LiquidTotals measure_totals(const Comm& comm, const LiquidParticles& liquid, const Constants& constants,
                             const std::array<double, 3>& gravity);
 

@@ -14,7 +14,7 @@ struct SkinFrictionLoop : LoadReduction {
     Array<double> coefficient;
     double dt;
 
-    // What a particle sees of the walls around it.
+    // Walls around a particle.
     struct Wall {
         double area[3] = {0, 0, 0};     // sum_s V_s grad W [1/m]
         double velocity[3] = {0, 0, 0}; // [m/s]

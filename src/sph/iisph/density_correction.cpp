@@ -7,7 +7,7 @@
 namespace treacle::sph {
 
 namespace {
-// Of a pair of owned arrays, over all ranks.
+// Dot product of a pair of owned arrays, over all ranks.
 double dot(const Comm& comm, const Array<double>& a, const Array<double>& b, int count) {
     double sum = 0;
     Kokkos::parallel_reduce("treacle::correction_dot", count,

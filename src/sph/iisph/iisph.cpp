@@ -144,7 +144,7 @@ BoundedGoal goal_of(const SphOptions& options, const Constants& constants, doubl
     return goal;
 }
 
-// Of the divergence-free solve: b dt^2 / rho0 is the compression that the velocity has in a step.
+// Goal of the divergence-free solve: b dt^2 / rho0 is the compression that the velocity has in a step.
 BoundedGoal divergence_goal(const SphOptions& options, const Constants& constants, double dt) {
     const double scale = dt * dt / constants.rest_density;
     const auto met = [=, to = options.pressure.divergence_error](const BoundedResidual& r) {

@@ -43,16 +43,17 @@ PlanarWall measure_wall(const WallSetup& setup, double gap);
 // The distance from a wall layer at which the first layer of a resting lattice has its rest density [m].
 double rest_gap(const WallSetup& setup, const DensityOptions& density);
 
-// How many times the a_is of such a wall must count so that the first layer at that distance lacks no neighbours: one
-// layer of solid particles stands for all that lies behind it.
+// Factor on the a_is of such a wall so that the first layer at that distance lacks no neighbours: one layer of solid
+// particles stands for all that lies behind it.
 double wall_cover(const WallSetup& setup, const DensityOptions& density);
 
-// How many times the one-sided pressure of such a wall must push so that the first layer at that distance is in balance
-// when all pressures are equal.
+// Factor on the one-sided pressure of such a wall so that the first layer at that distance is in balance when all
+// pressures are equal.
 double wall_push(const WallSetup& setup, const DensityOptions& density);
 
-// How many times the V_s of such a wall must count in the viscous sums so that the first layer at that distance is in
-// balance when the stress is uniform and the wall at rest (src/sph/theory.md, Implicit viscosity). These have a support of their own [m].
+// Factor on the V_s of such a wall in the viscous sums so that the first layer at that distance is in balance when the
+// stress is uniform and the wall at rest (src/sph/theory.md, Implicit viscosity). These have a support of their
+// own [m].
 double wall_grip(const WallSetup& setup, const DensityOptions& density, double viscous_support);
 
 } // namespace treacle::sph

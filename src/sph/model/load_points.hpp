@@ -5,7 +5,7 @@
 
 namespace treacle::sph {
 
-// Where the torque on each body is taken about: its centre for bodies that move, otherwise the origin.
+// Point about which the torque on each body is taken: its centre for bodies that move, otherwise the origin.
 struct LoadPoints {
     int count = 0;
     bool moving = false;   // any of them is not the origin
@@ -61,7 +61,7 @@ struct LoadPoints {
     }
 };
 
-// What reductions to 6 numbers per body have in common. The order of the sums is fixed.
+// Common part of reductions to 6 numbers per body. The order of the sums is fixed.
 struct LoadReduction {
     using value_type = double[];
     using size_type = std::size_t;
@@ -75,7 +75,7 @@ struct LoadReduction {
     }
 };
 
-// Where such a reduction leaves its sums.
+// View in which such a reduction leaves its sums.
 inline auto host_sums(std::vector<double>& sums) {
     using View = Kokkos::View<double*, Kokkos::HostSpace, Kokkos::MemoryTraits<Kokkos::Unmanaged>>;
     return View(sums.data(), sums.size());

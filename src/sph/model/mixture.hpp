@@ -16,7 +16,7 @@ struct LiquidMaterial {
 // that all weigh the first liquid's mass; what a particle truly weighs enters where forces become accelerations.
 // Formulas: README. Empty for one liquid.
 struct Mixture {
-    // Of liquid i beside liquid j, with their densities s over the first one's and their viscosities.
+    // Coefficients of liquid i beside liquid j, with their densities s over the first one's and their viscosities.
     enum Table {
         conductance, // 2 / (s_i + s_j): symmetric
         own_load,    // 2 s_j / (s_i (s_i + s_j)): of the own pressure in the acceleration, or 1 / s_i
@@ -29,8 +29,8 @@ struct Mixture {
     // Time in which a compressed particle expands again, when a step is shorter [s]. A light one between a heavy liquid
     // and a wall would take all the speed that expanding within a short step asks for, and make the next step shorter.
     double recovery = 0;
-    // Of the step of one liquid: the root of the lightest over the heaviest density. The pressure that stops a heavy
-    // liquid moves a light one faster by its inverse.
+    // Factor on the step of one liquid: the root of the lightest over the heaviest density. The pressure that stops a
+    // heavy liquid moves a light one faster by its inverse.
     double step_share = 1;
     Array<double> density;   // [count] over Constants::rest_density
     Array<double> viscosity; // [count] [Pa s]
@@ -44,13 +44,13 @@ struct Mixture {
 enum class Loads { conducted, adjoint };
 Mixture make_mixture(std::span<const LiquidMaterial> liquids, Loads loads = Loads::conducted);
 
-// Whether the liquids differ, so that make_mixture is needed.
+// True when the liquids differ, so that make_mixture is needed.
 bool differ(std::span<const LiquidMaterial> liquids);
 
 // Mixture::step_share of the liquids.
 double step_share(std::span<const LiquidMaterial> liquids);
 
-// Of all pairs of liquids the largest viscosity over density of the one that gives way [m2/s].
+// Largest viscosity over density of the one that gives way, of all pairs of liquids [m2/s].
 double largest_kinematic_viscosity(std::span<const LiquidMaterial> liquids);
 
 // Rest density of a particle's liquid over the first liquid's.
@@ -62,7 +62,7 @@ struct RelativeDensity {
     KOKKOS_INLINE_FUNCTION double operator()(int i) const { return several ? density(liquid(i)) : 1.0; }
 };
 
-// What the liquids of a pair change in its terms: nothing.
+// Terms of a pair without differing liquids: unchanged.
 struct OneLiquid {
     struct Partners {
         KOKKOS_INLINE_FUNCTION Lanes conduct(const int*, Lanes a) const { return a; }

@@ -101,7 +101,7 @@ struct Fluid {
     Array<int> solid_body;
     int count; // owned liquid particles
 
-    // Whether the velocity of a solid particle is that of its place.
+    // True when the velocity of a solid particle is that of its place.
     KOKKOS_INLINE_FUNCTION bool carries(int s) const {
         return constants.conveyors == 0 || solid_body(s) >= constants.conveyors;
     }

@@ -72,7 +72,7 @@ struct DensityOptions {
     void declare(Declaration& d);
 };
 
-// Of the multilevel preconditioners.
+// Options of the multilevel preconditioners.
 struct MultilevelOptions {
     double cell = 0;             // width of the finest cells in spacings; 0: the neighbour search's
     double overcorrection = 1.6; // what coarse matrices are divided by
@@ -109,7 +109,7 @@ struct PressureOptions {
     int corrections = 0;            // most of a step (density_correction.hpp)
     int max_iterations = 2000;
 
-    // What the two that are 0 stand for: with positions, pressures of the first solve gather no density error.
+    // Tolerances for the two that are 0: with positions, pressures of the first solve gather no density error.
     double density_tolerance() const { return density_error > 0 ? density_error : recovers_places() ? 1e-3 : 1e-5; }
     double residual_tolerance() const { return largest_residual > 0 ? largest_residual : recovers_places() ? 0.05 : 0.1; }
     bool recovers_places() const {

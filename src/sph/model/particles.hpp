@@ -3,7 +3,7 @@
 
 namespace treacle::sph {
 
-// What a liquid particle is in the pressure system (dissertation, section 2.4.1 and 3.4).
+// Role of a liquid particle in the pressure system (dissertation, section 2.4.1 and 3.4).
 enum Role : int {
     poisson = 0,   // an unknown
     dirichlet = 1, // p = 0

@@ -4,7 +4,7 @@
 
 namespace treacle::sph {
 
-// What the parts of a step read and write of it. Positions of ghosts must be current, and the neighbours those of the
+// Data of a step that its parts read and write. Positions of ghosts must be current, and the neighbours those of the
 // positions.
 struct StepParts {
     const SphOptions& options;

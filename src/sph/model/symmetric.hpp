@@ -100,7 +100,8 @@ KOKKOS_INLINE_FUNCTION Symmetric inverse(const Symmetric& a) {
             scale * (a.xy * a.xz - a.xx * a.yz)};
 }
 
-// Whether all eigenvalues exceed `least` for certain: the two larger ones have at most half of the trace each on average.
+// True when all eigenvalues exceed `least` for certain: the two larger ones have at most half of the trace each on
+// average.
 KOKKOS_INLINE_FUNCTION bool surely_above(const Symmetric& a, double least) {
     const double trace = a.xx + a.yy + a.zz;
     const double determinant = a.xx * (a.yy * a.zz - a.yz * a.yz) - a.xy * (a.xy * a.zz - a.xz * a.yz) +

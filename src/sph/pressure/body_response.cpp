@@ -7,7 +7,7 @@
 namespace treacle::sph {
 
 namespace {
-// Whether neighbour k of a particle is the first one of its body.
+// True when neighbour k of a particle is the first one of its body.
 KOKKOS_INLINE_FUNCTION bool is_first(const Pairs& solid, const Array<int>& body, std::int64_t begin, std::int64_t k) {
     for (std::int64_t l = begin; l < k; ++l) {
         if (body(solid.index(l)) == body(solid.index(k))) return false;

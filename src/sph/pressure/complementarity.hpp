@@ -7,7 +7,7 @@
 
 namespace treacle::sph {
 
-// What the solve of a step works on.
+// Data of the solve of a step.
 struct ComplementarityParts {
     const SphOptions& options;
     const Constants& constants;
@@ -36,8 +36,7 @@ public:
                              const PressureSystem::HostSystem& host, const solve::ConvergenceTest& test,
                              std::int64_t& anchored);
 
-    // Of the last solve: particles of this rank that came to another role than (S6) gave them, and how often the set
-    // changed.
+    // Particles of this rank that the last solve gave another role than (S6), and the number of changes of its set.
     std::int64_t misclassified() const { return misclassified_; }
     int set_changes() const { return set_changes_; }
 

@@ -118,7 +118,7 @@ struct PredictionLoop {
         return fluid.constants.wall_push * ratio * ratio * sum.wall_square() / liquids.density(i); // alpha_i of Eq. 3.2
     }
 
-    // What neighbours at zero pressure, in the place of those that lack, would add to the diagonal (src/sph/theory.md).
+    // Addition to the diagonal by neighbours at zero pressure in the place of those that lack (src/sph/theory.md).
     KOKKOS_INLINE_FUNCTION double ghost_term(int i, const RowSums& sum) const {
         if (options.dirichlet != DirichletRule::ghosts) return 0;
         return math::max(0.0, fluid.constants.laplacian_diagonal - sum.cover) / liquids.density(i);
@@ -137,7 +137,7 @@ struct PredictionLoop {
         return b;
     }
 
-    // (S6) Whether a particle with neighbours is an unknown.
+    // (S6) True when a particle with neighbours is an unknown.
     KOKKOS_INLINE_FUNCTION bool unknown(int i, const RowSums& sum, double predicted, double answered) const {
         const double rest = fluid.constants.rest_density;
         switch (options.dirichlet) {

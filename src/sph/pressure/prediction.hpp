@@ -9,7 +9,7 @@ struct RoleCounts {
     std::int64_t separated = 0;
 };
 
-// Whether the pressures of a last step are there to predict from; not so in the first step of a run.
+// Pressures of a last step to predict from; not so in the first step of a run.
 enum class LastPressures { none, known };
 
 // (S5) Predicted density rho* by the continuity equation with u* (Eq. 2.4), and (S6) the role of each owned

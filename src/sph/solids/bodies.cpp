@@ -3,7 +3,7 @@
 namespace treacle::sph {
 
 namespace {
-// Of a body: turn (rows of its matrix), centre at the start.
+// Numbers of a body: turn (rows of its matrix), centre at the start.
 enum Frame { turn = 0, start = 9, frame_width = 12 };
 } // namespace
 

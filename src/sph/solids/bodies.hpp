@@ -23,7 +23,7 @@ public:
     int first() const { return first_; }
     const LoadPoints& load_points() const { return points_; }
 
-    // Where the particles are at the start of the run, as long as none has moved.
+    // Marks the particles' positions at the start of the run, as long as none has moved.
     void mark_start(const SolidParticles& solid) const;
     // (S4b) Velocities of all particles of bodies that move, ghosts too, from their places.
     void set_velocities(const SolidParticles& solid);

@@ -74,7 +74,7 @@ double solid_scale(const ScaleSetup& setup, const scene::SolidRegion& region, co
     with_kernel(setup.wall.kind, setup.wall.dimensions, setup.wall.support, [&](const auto& kernel) {
         const Places sums(kernel, setup, layer);
         const double plane = sums.liquid({0, half, 0}, [](const Vec3& x) { return x[1] > 0; });
-        // Of the lattice at a plane where it rests: what the plane's own layer leaves.
+        // Sums of the lattice at a plane where it rests: what the plane's own layer leaves.
         const auto wall = measure_wall(setup.wall, setup.gap);
         const double solid_at_plane = wall.solid_ratio / wall.density_ratio;
         for (std::size_t k = 0; k < places.size(); k += stride) {

@@ -3,7 +3,7 @@
 
 namespace treacle::sph {
 
-// Where the surface of the liquid is and how it is curved (Morris 2000, with averages in the place of a wider kernel):
+// Surface of the liquid and its curvature (Morris 2000, with averages in the place of a wider kernel):
 //     N_i = sum_j V0 grad W                    into the liquid; beside solids without its part along sum_s V_s grad W,
 //                                              so that the surface meets walls at a right angle
 //     N_i <- sum_j W N_j / sum_j W             `passes` times, the particle itself among the j

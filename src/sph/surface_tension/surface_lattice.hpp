@@ -11,7 +11,7 @@ struct SurfaceSetup {
     double spacing; // [m]
 };
 
-// What the curvature model sees of it after `passes` smoothings (surface_curvature.hpp).
+// Surface of the lattice for the curvature model after `passes` smoothings (surface_curvature.hpp).
 struct FlatSurface {
     double rise = 0;  // sum over the layers of |N| d: the part of the colour's step that lies in the liquid
     double depth = 0; // mean depth of the layers below the surface, weighted by |N| [m]

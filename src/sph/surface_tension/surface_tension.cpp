@@ -9,14 +9,15 @@
 namespace treacle::sph {
 
 namespace {
-// How particles are kept apart: s, and c over d. Cohesion draws neighbours together with 5 sigma/(rho0 d^2).
+// Coefficients by which particles are kept apart: s, and c over d. Cohesion draws neighbours together with 5
+// sigma/(rho0 d^2).
 struct Distance {
     double strength, reach;
 };
 constexpr Distance distance_of(SurfaceTensionModel model) {
     return model == SurfaceTensionModel::cohesion ? Distance{30, 1} : Distance{1, 0.9};
 }
-// Of the capillary limit, for cohesion, whose forces on a particle are several times sigma/(rho0 d^2).
+// Fraction of the capillary limit, for cohesion, whose forces on a particle are several times sigma/(rho0 d^2).
 constexpr double cohesion_share = 0.2;
 
 // Pair forces over the first liquid's mass, into `acceleration`, or added to it.

@@ -21,7 +21,7 @@ void add(std::vector<double>& a, double c, const std::vector<double>& b) {
     for (std::size_t k = 0; k < a.size(); ++k) a[k] += c * b[k];
 }
 
-// Of the residual, what directions must have left of it to be begun anew in single precision.
+// Fraction of the residual that directions must have left to be begun anew in single precision.
 constexpr double worthwhile = 0.5;
 
 // True when it has broken down.
@@ -86,7 +86,7 @@ ImplicitViscosity::Result ImplicitViscosity::solve(const ViscousScene& step, con
     return out;
 }
 
-// How the solids move with what the solve has found for the bodies so far.
+// Motion of the solids with what the solve has found for the bodies so far.
 const Array<double>& ImplicitViscosity::moved(const Bodies& bodies) {
     return movers_.any() ? movers_.moved(bodies, body_.q) : bodies.motion();
 }
@@ -112,7 +112,7 @@ double ImplicitViscosity::precondition(const LiquidParticles& liquid, const Arra
     return dot(r, z, liquid.store.owned());
 }
 
-// Whether the solve ends with this r.r of all ranks.
+// True when the solve ends with this r.r of all ranks.
 bool ImplicitViscosity::Progress::ended(double square) {
     report.relative_residual = norm > 0 ? std::sqrt(square) / norm : 0;
     report.error_measure = std::sqrt(square);
@@ -308,9 +308,9 @@ double ImplicitViscosity::precondition(const LiquidParticles& liquid) {
     return product;
 }
 
-// Where products are in single precision the residual of the recurrence drifts from that of the velocities by some 1e-6 of the
-// first one: the directions are begun anew from the true residual until that is small enough, and go on in double precision
-// when single has nothing more to give.
+// The residual of the recurrence drifts from that of the velocities by some 1e-6 of the first one where products are in
+// single precision: the directions are begun anew from the true residual until that is small enough, and go on in
+// double precision when single has nothing more to give.
 void ImplicitViscosity::iterate(Progress& progress) {
     auto& report = progress.report;
     bool nearly = multiplies_nearly(progress.parts.options.viscosity);

@@ -34,7 +34,7 @@ public:
     // solve moved: they come to the velocities of its solution by the loads.
     Result solve(const ViscousScene& scene, const Bodies& bodies, double dt);
 
-    // Of the last solve; null where none is assembled.
+    // Matrix of the last solve; null where none is assembled.
     const solve::Matrix* matrix() { return matrix_ ? matrix_->matrix() : nullptr; }
     std::size_t bytes() const;
 
@@ -50,7 +50,7 @@ private:
         double norm = 0;
         bool ended(double square);
     };
-    // Of the conjugate gradients, what bodies have in the place of the particles' arrays.
+    // Vectors of the conjugate gradients that bodies have in the place of the particles' arrays.
     struct BodyVectors {
         std::vector<double> q, residual, scaled, direction;
     };

@@ -7,13 +7,13 @@
 
 namespace treacle::study {
 
-// How a program ended.
+// End of a program.
 struct Ending {
     int exit_code = 0;
     int signal = 0; // that ended it; 0: none
 };
 
-// Which programs go first when memory runs out, for the kernel: of -1000 (never) to 1000 (first).
+// Order in which the kernel ends programs when memory runs out: of -1000 (never) to 1000 (first).
 constexpr int run_oom_score = 500, expendable_oom_score = 900;
 
 // Set in the environment of a child: what it starts in turn should end with it (end_with_parent).
@@ -36,7 +36,7 @@ public:
     ChildProcess(const ChildProcess&) = delete;
     ChildProcess& operator=(const ChildProcess&) = delete;
 
-    // Whether it has ended, and how. Does not wait.
+    // Ending of the program; nothing while it runs. Does not wait.
     const std::optional<Ending>& poll();
     // Asks it and all that it has started to end (SIGTERM).
     void ask_to_end();

@@ -45,7 +45,7 @@ void write_failure(const std::filesystem::path& folder, const std::string& reaso
 std::optional<ForwardResult> read_result(const std::filesystem::path& folder, const std::string& key);
 std::string read_failure(const std::filesystem::path& folder); // empty: none
 
-// What a result says of its run's outcome: status, reason, bound, figures.
+// Takes from a result its run's outcome: status, reason, bound, figures.
 void take_result(const ForwardResult& result, RunOutcome& outcome);
 
 } // namespace treacle::study

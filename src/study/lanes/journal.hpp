@@ -8,7 +8,7 @@
 
 namespace treacle::study {
 
-// What a journal belongs to.
+// Owner of a journal.
 struct JournalOwner {
     std::string study;   // hash of the study's scenes and parameters
     std::string program; // version and sources of the program that its results come from

@@ -78,7 +78,7 @@ void Lanes::end(Running& run, LaneEnd why) {
     if (run.end != LaneEnd::none) return;
     run.end = why;
     run.told = Clock::now();
-    // What hangs or fills the memory does not listen.
+    // A run that hangs or fills the memory does not answer signals to end.
     if (why == LaneEnd::hang || why == LaneEnd::memory) {
         run.process->kill();
     } else {

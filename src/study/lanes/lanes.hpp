@@ -38,7 +38,7 @@ struct LaneLimits {
     double memory = 0;      // [bytes] a run; 0: none
 };
 
-// What a running run has reached, from the last row of its steps.csv.
+// Progress of a running run, from the last row of its steps.csv.
 struct LaneProgress {
     std::int64_t number = 0;
     double steps = 0, time = 0; // [s] simulated

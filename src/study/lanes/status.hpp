@@ -6,7 +6,7 @@
 
 namespace treacle::study {
 
-// How far a study is.
+// Progress of a study.
 struct StudyStatus {
     std::size_t asked = 0, done = 0, stopped_early = 0, failed = 0;
     std::vector<LaneProgress> running;

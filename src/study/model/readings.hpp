@@ -10,7 +10,7 @@ namespace treacle::study {
 // that is not there.
 std::vector<Figure> read_figures(const Study& study, const std::filesystem::path& run_folder);
 
-// Whether figures are those that the study reads, by their names; always where it names none.
+// True when figures are those that the study reads, by their names; always where it names none.
 bool are_read(const Study& study, const std::vector<Figure>& figures);
 
 // A statistic of a column over time [s]; the mean is the integral by the trapezoidal rule over the span, and of one row that

@@ -7,8 +7,8 @@
 
 namespace treacle::study {
 
-// How a run ended. One that stopped early is no failure: its objective had passed the cut that it was asked for with. The others but
-// `done` rank worst in a search. All but `done` are recorded with their reason.
+// Status with which a run ended. One that stopped early is no failure: its objective had passed the cut that it was
+// asked for with. The others but `done` rank worst in a search. All but `done` are recorded with their reason.
 enum class RunStatus { done, stopped_early, failed, bad_input, out_of_memory, killed, timed_out, hung };
 std::string word(RunStatus status);                   // "timed out"
 std::optional<RunStatus> run_status(const std::string& word);
@@ -31,7 +31,7 @@ struct Figure {
     double value = 0;
 };
 
-// What came of it.
+// Outcome of a run.
 struct RunOutcome {
     std::int64_t number = 0;
     RunStatus status = RunStatus::done;
@@ -46,7 +46,7 @@ struct RunOutcome {
     std::string folder;      // of another study, when the run is one of its; else empty
     double bound = 0;        // of `stopped_early`: what the objective is at least
 
-    // Whether it tells what is asked of a run that may stop above `cut`.
+    // True when it tells what is asked of a run that may stop above `cut`.
     bool answers(double cut) const { return status != RunStatus::stopped_early || bound > cut; }
 };
 

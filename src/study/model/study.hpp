@@ -33,7 +33,7 @@ struct Reading {
     void declare(Declaration& d);
 };
 
-// What is kept of a finished run besides its figures.
+// Files that are kept of a finished run besides its figures.
 enum class Keep { nothing, tables, everything };
 
 struct RunOptions {

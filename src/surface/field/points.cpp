@@ -83,7 +83,7 @@ void PointBuilder::sort_into_bins(const Lattice& lattice, const CellBox& window)
     const auto lattice_here = lattice;
     const int per_tile = lattice.bins_per_tile();
     Kokkos::parallel_for("treacle::clear_tiles", tiles + 1, KOKKOS_LAMBDA(int t) { tile(t) = 0; });
-    // Which tile, and which bin in it; points outside of the window count nowhere.
+    // Tile of a point, and bin in it; points outside of the window count nowhere.
     Kokkos::parallel_for("treacle::locate_points", n, KOKKOS_LAMBDA(int i) {
         const double x[3] = {x0(i), x1(i), x2(i)};
         int c[3] = {0, 0, 0}, b[3] = {0, 0, 0};

@@ -4,9 +4,9 @@
 
 namespace treacle::surface {
 
-// What the implicit function is summed over: the particles of this rank and its neighbours, and their mirror images
-// behind walls and in solids. Sorted into bins of two lattice cells, bin by bin of each tile; within a bin by id and
-// image, so that sums have the same order on any number of ranks.
+// Points that the implicit function is summed over: the particles of this rank and its neighbours, and their mirror
+// images behind walls and in solids. Sorted into bins of two lattice cells, bin by bin of each tile; within a bin by id
+// and image, so that sums have the same order on any number of ranks.
 struct Points {
     CellBox window;          // tiles
     Array<int> tile;         // [tiles of window] number among the tiles that hold points, -1: none

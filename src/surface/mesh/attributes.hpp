@@ -6,7 +6,7 @@ namespace treacle::surface {
 
 inline constexpr int most_liquids = 16;
 
-// Which fields of a store the vertices take their values from; -1: there is none.
+// Fields of a store that the vertices take their values from; -1: there is none.
 struct Sources {
     int velocity = -1, pressure = -1, liquid = -1;
     std::vector<int> scalars; // up to most_scalars

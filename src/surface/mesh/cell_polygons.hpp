@@ -34,7 +34,7 @@ KOKKOS_INLINE_FUNCTION constexpr int face_corner(int face, int turn) {
     return (side << axis) | (a << u) | (b << v);
 }
 
-// Whether the corners in the liquid of a face with two of them across are joined, from its values in turn.
+// True when the corners in the liquid of a face with two of them across are joined, from its values in turn.
 KOKKOS_INLINE_FUNCTION bool joined(const double value[4]) {
     const double a = value[0] * value[2], b = value[1] * value[3];
     return value[0] > 0 ? a > b : b > a;

@@ -14,7 +14,7 @@ struct HostPatch {
 };
 HostPatch to_host(const Patch& patch);
 
-// Which rank owns a vertex: that of the cell above the node from which its edge goes out.
+// Rank that owns a vertex: that of the cell above the node from which its edge goes out.
 class VertexOwners {
 public:
     VertexOwners(const Decomposition& decomposition, const Lattice& lattice);

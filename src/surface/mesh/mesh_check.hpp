@@ -6,7 +6,7 @@
 
 namespace treacle::surface {
 
-// What is wrong with a surface; all zero for a closed, oriented manifold. The same on every rank.
+// Faults of a surface; all zero for a closed, oriented manifold. The same on every rank.
 struct MeshFaults {
     std::int64_t open = 0;     // edges (2D: vertices) with a triangle on one side only
     std::int64_t crowded = 0;  // directed edges of more than one triangle: more than two at an edge, or turned against each other

@@ -47,7 +47,8 @@ Mesher::Mesher(const Comm& comm, const Domain& domain, const Options& options)
 
 Mesher::~Mesher() = default;
 
-// Whether a particle counts for nodes of the domain. Those that do not are farther behind a cut than the kernel reaches.
+// True when a particle counts for nodes of the domain. Those that do not are farther behind a cut than the kernel
+// reaches.
 bool Mesher::near_domain(const double* position) const {
     const double reach = 2 * options_.kernel_width * options_.spacing;
     for (std::size_t k = 0; k < static_cast<std::size_t>(domain_.dimensions); ++k) {

@@ -16,7 +16,7 @@ struct VertexValues {
 void number_mesh(const Comm& comm, const HostPatch& patch, const std::vector<char>& kept, const VertexOwners& owners,
                  const VertexValues& values, Mesh& mesh);
 
-// Of this rank's triangles [m2], in 2D of its segments [m].
+// Area of this rank's triangles [m2], in 2D length of its segments [m].
 double area_of(const Mesh& mesh);
 
 } // namespace treacle::surface

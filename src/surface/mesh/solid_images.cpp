@@ -14,7 +14,7 @@ struct Image {
     std::int64_t code;
 };
 
-// Whether a solid may be within the support of a particle in a tile, by the distance of the tile's middle.
+// Tiles with particles within whose support a solid may be, by the distance of the tile's middle.
 class NearTiles {
 public:
     NearTiles(const Lattice& lattice, double support) : lattice_(lattice), support_(support) {

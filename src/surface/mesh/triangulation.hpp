@@ -21,7 +21,7 @@ public:
     const Patch& build(const Lattice& lattice, const CellBox& box, const ImplicitFunction& function, int layers);
     Patch& patch() { return patch_; }
 
-    // What kernels see.
+    // Data for kernels.
     struct View {
         Lattice lattice;
         NodeField field;

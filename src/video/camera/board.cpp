@@ -46,8 +46,8 @@ void make_right_handed(Points& points, const Board& board) {
                      points.begin() + std::ptrdiff_t(row + 1) * board.columns);
 }
 
-// Whether the squares between the points are light and dark in turns: those of a grid that OpenCV finds where there is
-// none are not.
+// Least share of squares between the points that are light and dark in turns: those of a grid that OpenCV finds where
+// there is none are not.
 constexpr double least_alternating = 0.97;
 
 bool alternates(const cv::Mat& picture, const Points& points, const Board& board) {

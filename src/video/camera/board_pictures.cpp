@@ -85,7 +85,7 @@ BoardPicture look_at(const Photo& photo, const Board& board, const BoardSearch& 
                              : "write --board " + std::to_string(other.columns) + "x" + std::to_string(other.rows)});
 }
 
-// Whether the board of most of the first pictures has the size given. Searches for a wrong one would take minutes.
+// Checks that the board of most of the first pictures has the size given. Searches for a wrong one would take minutes.
 void check_size(const std::vector<std::filesystem::path>& paths, const Board& board) {
     if (board.kind != BoardKind::chessboard) return;
     std::map<std::array<int, 2>, std::size_t> votes;

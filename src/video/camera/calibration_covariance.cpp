@@ -39,7 +39,7 @@ Linearised linearise(const scene::Lens& lens, const scene::CameraPose& pose, con
             residual};
 }
 
-// What a picture adds to the normal equations of the lens when its pose is eliminated (Schur complement).
+// Addition of a picture to the normal equations of the lens when its pose is eliminated (Schur complement).
 struct Reduced {
     cv::Mat matrix, gradient; // [p][p], [p][1]
     double squares = 0;

@@ -4,7 +4,7 @@
 
 namespace treacle::video {
 
-// Where the board was seen: its points by picture, the parts of the picture without any shaded, outlines of the boards,
+// Coverage by the board: its points by picture, the parts of the picture without any shaded, outlines of the boards,
 // and the distortion as arrows of its true length from where an undistorted lens would see a point.
 Image draw_coverage(const Calibration& calibration);
 

@@ -18,7 +18,7 @@ struct TimedFrame {
     Image image;
 };
 
-// How a 2x2 signed permutation turns a stored picture upright: (x, y) -> (a x + c y, b x + d y).
+// Signed 2x2 permutation that turns a stored picture upright: (x, y) -> (a x + c y, b x + d y).
 struct Orientation {
     int a = 1, b = 0, c = 0, d = 1;
 
@@ -31,11 +31,11 @@ struct Orientation {
 // The picture turned.
 Image turn(const Image& image, const Orientation& orientation);
 
-// How the stored numbers follow from light.
+// Transfer from light to the stored numbers.
 enum class Transfer { unknown, gamma, linear, pq, hlg };
 enum class FieldOrder { progressive, interlaced, unknown };
 
-// What a clip's header and the stamps of its frames say. Sizes are those of upright frames.
+// Information of a clip's header and of the stamps of its frames. Sizes are those of upright frames.
 struct ClipInfo {
     std::string file, kind;       // kind: "H.264 video in mov,mp4,…", "12 PNG pictures"
     int width = 0, height = 0;    // [pixels]
@@ -51,7 +51,7 @@ struct ClipInfo {
 
     double rate() const;          // mean frames per second, 0 for fewer than two frames
     double median_interval() const; // [s]
-    // Whether intervals differ by more than 1 % and one tick.
+    // True when intervals differ by more than 1 % and one tick.
     bool variable_rate() const;
 };
 

@@ -44,7 +44,7 @@ public:
     std::filesystem::path finish();
 
     Codec codec() const;
-    // What the user should know: that another codec than the first one was taken; otherwise empty.
+    // Note for the user: that another codec than the first one was taken; otherwise empty.
     const std::string& message() const;
 
 private:

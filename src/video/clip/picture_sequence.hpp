@@ -4,7 +4,7 @@
 
 namespace treacle::video {
 
-// Whether the clip names a folder, a pattern or a single picture rather than a video.
+// True when the clip names a folder, a pattern or a single picture rather than a video.
 bool names_pictures(const std::filesystem::path& clip);
 
 // Pictures of one size in the order of the numbers in their names, turned upright by their own EXIF data.

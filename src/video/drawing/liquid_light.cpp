@@ -16,7 +16,7 @@ float mirrored(const Vec3f& direction, const Lamp& lamp, float lit) {
     return sky + 5.0f * disc * disc * (3 - 2 * disc) * lit;
 }
 
-// What a liquid's colour turns to with depth: the light that comes back has been filtered again and again.
+// Colour of a liquid with depth: the light that comes back has been filtered again and again.
 Vec3f deepened(const Vec3f& albedo, float share) {
     Vec3f deep;
     for (int k = 0; k < 3; ++k) deep[k] = 0.85f * albedo[k] * std::sqrt(std::max(albedo[k], 0.0f));

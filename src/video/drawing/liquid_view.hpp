@@ -34,7 +34,7 @@ struct LiquidPoints {
     std::span<const double> values;           // [n], or none
 };
 
-// How liquids are looked at.
+// View of liquids.
 struct LiquidScene {
     View view;
     DomainBox domain;
@@ -55,11 +55,11 @@ public:
     void add(const LiquidMesh& mesh);
     void add(const LiquidPoints& points);
 
-    // What has been added, as bytes for another rank, and what another rank has added.
+    // Packs what has been added, as bytes for another rank, and merges what another rank has added.
     std::vector<char> pack() const;
     void merge(std::span<const char> packed);
 
-    // What a sample sees.
+    // Data of a sample.
     struct Seen {
         float depth = far_away; // [m]
         Vec3f normal{0, 0, -1}; // unit, camera axes, on the camera's side

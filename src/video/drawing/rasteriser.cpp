@@ -63,7 +63,7 @@ void check(const ParticleLayer& layer) {
                                "the simulation has failed before this frame", "draw an earlier frame"});
 }
 
-// Whether a wall's particle stands between the camera and the inside of the domain.
+// True when a wall's particle stands between the camera and the inside of the domain.
 bool hides_inside(const Vec3& p, const DomainBox& box, const Vec3& camera, double margin) {
     for (int a = 0; a < box.dimensions; ++a) {
         if (camera[a] < box.min[a] && p[a] < box.min[a] + margin) return true;
@@ -102,7 +102,7 @@ PreparedLayer prepare(const ParticleLayer& layer, const RenderRequest& request, 
     return out;
 }
 
-// What one picture is made of.
+// Parts of one picture.
 struct Scene {
     const RenderRequest& request;
     Camera camera, fine; // per pixel and per sample
@@ -137,7 +137,7 @@ Fragment sphere_fragment(const Scene& scene, const PreparedLayer& layer, std::si
     return {point, (1 / radius) * (point - centre), layer.albedo(k), layer.gloss};
 }
 
-// Which pixels a layer adds to and how.
+// Pixels that a layer adds to, and how.
 struct Pass {
     DepthBuffer buffer;
     std::vector<float> open; // ambient occlusion per pixel of the picture

@@ -14,7 +14,7 @@ struct Lamp {
 Lamp lamp_of(const Camera& camera, const Vec3& world_up);
 Vec3 up_of(const DomainBox& domain); // z; in plane scenes y
 
-// What a ray meets, camera axes.
+// Point that a ray meets, in camera axes.
 struct Fragment {
     Vec3f point;  // [m]
     Vec3f normal; // unit, on the camera's side
@@ -27,10 +27,11 @@ struct Fragment {
 // Linear light that the fragment sends to the camera; diffuse, with a soft highlight.
 Vec3f shade(const Fragment& fragment, const Lamp& lamp);
 
-// Which points the lamp reaches.
+// Map of the points that the lamp reaches.
 class ShadowMap {
 public:
-    // Of what is among the spheres `around`, with casters of no larger radius than theirs. Points farther out are lit.
+    // Shadows on what is among the spheres `around`, with casters of no larger radius than theirs. Points farther out
+    // are lit.
     ShadowMap(const Lamp& lamp, std::span<const Sphere> around);
     void add(std::span<const Sphere> casters);
     // Depths of the lamp's nearest casters; the nearer of two maps of one lamp.

@@ -18,7 +18,7 @@ struct Sphere {
 constexpr float far_away = std::numeric_limits<float>::infinity();
 constexpr std::int32_t no_sphere = -1;
 
-// What each pixel sees first: [height][width].
+// Nearest surface of each pixel: [height][width].
 struct DepthBuffer {
     int width = 0, height = 0;
     std::vector<float> depth;         // [m] along the viewing direction, far_away where nothing is

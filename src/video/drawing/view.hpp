@@ -11,7 +11,7 @@ namespace treacle::video {
 
 enum class Projection { perspective, orthographic };
 
-// Where the camera stands and what it sees.
+// Pose of the camera, and what it shows.
 struct View {
     Vec3 position{0, -1, 0}; // [m]
     Vec3 target{0, 0, 0};    // [m], seen at the centre of the picture

@@ -7,7 +7,7 @@
 
 namespace treacle::video {
 
-// How a camera would see a scene: what stands between light and the numbers of a video. Light is linear, 1 is white.
+// Look of a scene in a camera: what stands between light and the numbers of a video. Light is linear, 1 is white.
 struct FilmLook {
     int width = 1280, height = 720;
     std::array<double, 3> background{0.6, 0.62, 0.65}; // mean light

@@ -27,7 +27,7 @@ struct FilmShot {
     double gloss = 0.1;  // light of highlights
 };
 
-// What stands between camera and liquid, in pixels: depth [height][width] [m], 1e30 where nothing is.
+// Obstacles between camera and liquid, in pixels: depth [height][width] [m], 1e30 where nothing is.
 using FilmDepth = std::vector<float>;
 
 struct FilmDrawing {

@@ -26,7 +26,7 @@ std::variant<Photo, Unreadable> read_photo(const std::filesystem::path& path);
 // All pictures that a list of files and folders names, folders sorted by name. InputError when there is none.
 std::vector<std::filesystem::path> list_pictures(const std::vector<std::filesystem::path>& given);
 
-// Whether the extension is that of a video.
+// True when the extension is that of a video.
 bool is_video(const std::filesystem::path& path);
 
 } // namespace treacle::video

@@ -46,7 +46,7 @@ double number(std::string word, bool decimal_comma, const std::string& where) {
     throw InputError({where, shorten(word) + " is no number", "a vector is expected here", "the file may be of another program, or damaged"});
 }
 
-// Which columns a vector has.
+// Columns of a vector.
 struct Columns {
     std::size_t x = 0, y = 1, u = 2, v = 3, count = 4;
     std::vector<std::size_t> invalid_above_zero; // flags, mask

@@ -25,7 +25,7 @@ struct PivField {
 // InputError with file and line for what is none of these, for no vectors, and for rows of unlike lengths.
 PivField read_piv_text(const std::filesystem::path& path);
 
-// What pixels and frames are worth; 0: not given.
+// Scale of pixels and frames; 0: not given.
 struct PivScale {
     double pixel = 0;    // [m]
     double interval = 0; // [s] between the pictures of a pair

@@ -20,7 +20,7 @@ constexpr double narrowest = 4;   // [pixels] of the search, or five deviations
 constexpr double tukey = 4.685;   // deviations beyond which a point has no weight
 constexpr double floor_noise = 0.1; // [pixels] of outlines of masks
 
-// Where the solid's outline lies along the normal of a point of the silhouette's outline.
+// Position of the solid's outline along the normal of a point of the silhouette's outline.
 struct Match {
     double displacement = 0; // [pixels] outward
     Vec3 foot{0, 0, 0};      // [m] the point of the solid that is seen there

@@ -18,7 +18,7 @@ struct SeenSolid {
     double radius = 0;    // [m]
 };
 
-// How a ray passes a solid: sphere tracing (Hart 1996).
+// Passage of a ray by a solid: sphere tracing (Hart 1996).
 struct Passing {
     bool hits = false;
     double at = 0;    // [m] along the ray: of the hit, or of the closest approach

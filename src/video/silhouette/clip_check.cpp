@@ -39,7 +39,7 @@ double median(std::vector<float> values) {
     return *middle;
 }
 
-// Of the difference of two frames at rest.
+// Noise by the difference of two frames at rest.
 double noise_of(const Image& a, const Image& b) {
     std::vector<float> sizes;
     for (std::size_t i = 1; i < a.pixels.size(); i += 3 * 7) // green
@@ -115,7 +115,7 @@ struct Survey {
         if (most_blocks >= least_blocks) measure_contour();
     }
 
-    // Of what differs most from the first frame.
+    // Measures the contour of what differs most from the first frame.
     void measure_contour() {
         cv::Mat grey, grey_first;
         cv::cvtColor(pixels_of(most), grey, cv::COLOR_RGB2GRAY);
@@ -140,7 +140,7 @@ std::int64_t count_dropped(const ClipInfo& info) {
         if (std::abs(ratio - 1) < 0.1) ++regular;
         if (ratio > 1.6 && std::abs(ratio - std::round(ratio)) < 0.15) dropped += std::llround(ratio) - 1;
     }
-    // Of a rate that is variable by nature no frame is missing.
+    // No frame is missing where the rate is variable by nature.
     return 10 * regular >= 7 * (std::ssize(info.stamps) - 1) ? dropped : 0;
 }
 

@@ -20,7 +20,7 @@ struct Finding {
     std::string text, cure;
 };
 
-// What a clip is like and what is wrong with it, before anything is run.
+// Properties and faults of a clip, before anything is run.
 struct ClipCheck {
     std::vector<std::int64_t> doubled; // frames that repeat the one before while the liquid moves
     std::int64_t dropped = 0;          // frames that are missing by the gaps of the stamps

@@ -68,8 +68,8 @@ cv::Mat larger(const cv::Mat& picture, const cv::Size& size) {
     return out;
 }
 
-// What a straight line through the weighted values near each pixel gives at that pixel: liquid is shaded, and its means stand
-// for places further in. Slopes that few pixels tell count less; none changes a value by more than 30 %.
+// Value at each pixel of a straight line through the weighted values near it: liquid is shaded, and its means stand for
+// places further in. Slopes that few pixels tell count less; none changes a value by more than 30 %.
 cv::Mat local_line(const cv::Mat& picture, const cv::Mat& weight, double reach, const cv::Mat& mean) {
     const double s = reach / scale;
     const int size = 2 * int(std::ceil(2.5 * s)) + 1;
@@ -207,7 +207,7 @@ void straighten(cv::Mat& share, double width) {
     }
 }
 
-// Of a Gaussian blur, whose profile is 1 / (sigma sqrt(2 pi)) steep at half its height.
+// Width of a Gaussian blur, whose profile is 1 / (sigma sqrt(2 pi)) steep at half its height.
 double width_of(const Shares& shares) {
     std::vector<float> steep;
     for (int y = 1; y + 1 < shares.share.rows; ++y)

@@ -7,7 +7,7 @@
 
 namespace treacle::video {
 
-// What a blurred contour is made of, near it.
+// Parts of a blurred contour, near it.
 struct RefinedContour {
     Mask mask;
     double edge_width = 0; // standard deviation of the blur across the contour [px]; 0: not measured
@@ -25,8 +25,8 @@ struct RefinedContour {
 RefinedContour refine_contour(const Image& frame, const std::vector<float>& background, const Mask& rough, MixingSpace mixing,
                               double edge_width);
 
-// How far a frame's blurred contours are from even, in light and in the numbers of the file: root mean square of the even
-// part of the mean profile along the contour's normals. Both 0 where the contour is too short to tell.
+// Deviation of a frame's blurred contours from even, in light and in the numbers of the file: root mean square of the
+// even part of the mean profile along the contour's normals. Both 0 where the contour is too short to tell.
 struct Unevenness {
     double light = 0, code = 0;
 };

@@ -4,7 +4,7 @@
 
 namespace treacle::video {
 
-// What cleaning took away or added.
+// Report of what cleaning took away or added.
 struct CleaningReport {
     int parts = 0;          // that are kept
     int specks = 0;         // dropped for their size or place

@@ -26,7 +26,7 @@ public:
     Registration(const Image& reference, const std::vector<unsigned char>& usable);
 
     FrameShift find(const Image& frame, const FrameShift& start) const;
-    // Whether there is texture to go by.
+    // True when there is texture to go by.
     bool possible() const { return possible_; }
 
 private:

@@ -17,7 +17,7 @@ cv::Mat grey_of(const Image& frame) {
     return grey;
 }
 
-// Whether most of the picture's edge is lighter than the level: the background is.
+// True when most of the picture's edge is lighter than the level: the background is.
 bool edge_is_light(const cv::Mat& grey, double level) {
     int light = 0, all = 0;
     for (int y = 0; y < grey.rows; ++y)

@@ -50,7 +50,7 @@ public:
     // The next frame's; nothing after the last. `frame` receives the picture, registered onto the first.
     std::optional<FrameSilhouette> next(TimedFrame& frame);
 
-    // What a user should know, so far: where the empty scene was taken from, which mixing was found, drift.
+    // Notes for a user, so far: where the empty scene was taken from, which mixing was found, drift.
     const std::vector<std::string>& notes() const;
 
 private:

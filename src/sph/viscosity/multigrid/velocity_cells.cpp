@@ -66,7 +66,7 @@ struct Smooth {
     }
 };
 
-// Of a level of keys, where a corner of a cell stands.
+// Key of a corner of a cell on a level of keys.
 template <int D>
 std::int64_t corner_key(const LatticeShape& shape, const int cell[3], int corner) {
     int place[3] = {cell[0], cell[1], cell[2]};

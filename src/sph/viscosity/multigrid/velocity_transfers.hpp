@@ -5,7 +5,7 @@
 // Between the levels of velocity cells, and between particles and the finest.
 namespace treacle::sph {
 
-// Of the cycle, beside the particles' own blocks, which see a part of what it does as well.
+// Fraction of the cycle, beside the particles' own blocks, which do a part of its work as well.
 inline constexpr float cycle_share = 0.8f;
 
 constexpr int power_of_3(int d) { return d == 0 ? 1 : 3 * power_of_3(d - 1); }
@@ -55,7 +55,7 @@ struct Members {
     Array<float> share{"treacle::velocity_shares", 0}; // [particles][corners]
 };
 
-// Of a place in a cell, from 0 to 1 along each axis.
+// Shares of a cell's corners at a position in the cell, from 0 to 1 along each axis.
 template <int D>
 void corner_shares(const double at[3], float share[corners<D>]) {
     share[0] = 1;

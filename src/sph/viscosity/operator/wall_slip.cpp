@@ -10,7 +10,7 @@ namespace {
 constexpr double least_wetting = 0.5;
 // Particles are not taken to be nearer to a surface than that many spacings.
 constexpr double least_height = 0.1;
-// Of a particle's volume, as in a corner of three walls.
+// Fraction of a particle's volume, as in a corner of three walls.
 constexpr double least_volume = 0.125;
 
 template <class Kernel>

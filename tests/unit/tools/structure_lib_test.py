@@ -1,0 +1,88 @@
+"""What tools/structure_lib finds in small trees: comments, tags, names, declarations, functions, places."""
+
+import pathlib
+import shutil
+import sys
+import tempfile
+import unittest
+
+TOOLS = pathlib.Path(__file__).resolve().parents[3] / "tools"
+sys.path.insert(0, str(TOOLS))
+
+from structure_lib import declarations, functions, places, sources, tags, vocabulary, words  # noqa: E402
+
+
+class StructureLib(unittest.TestCase):
+    def tree(self, files):
+        temporary = tempfile.TemporaryDirectory()
+        self.addCleanup(temporary.cleanup)
+        root = pathlib.Path(temporary.name)
+        for name, text in {"src/a/a.cpp": "", "kokkos/k.hpp": "", "mpi/m.hpp": "", **files}.items():
+            path = root / name
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_text(text)
+        return root
+
+    def test_neighbouring_lines_are_one_comment_and_strings_are_none(self):
+        text = '// One\n// comment.\nint a; // behind\nauto s = "// none";\n  // Two.\n'
+        self.assertEqual([(1, "One comment."), (5, "Two.")], [(one.line, one.text) for one in sources.comments(text)])
+        self.assertEqual([1, 2, 3, 5], [number for number, _ in sources.comment_text(text)])
+
+    def test_code_has_no_comments_and_keeps_its_lines(self):
+        self.assertEqual("int a;  \n\nb = 1'000;", sources.code("int a; /* c */ // d\n// e\nb = 1'000;"))
+        self.assertEqual("f();", sources.code('f("a // b");', strings=False))
+
+    def test_openings_without_a_noun_are_found(self):
+        root = self.tree({"src/a/b.hpp": "// What is left.\nint a;\n// The rest.\nint b;\n\n// Whatever it is.\n"})
+        count, found = words.without_a_noun(root)
+        self.assertEqual((3, ["src/a/b.hpp:1: What is left."]), (count, found))
+
+    def test_tags_have_a_row_and_a_source(self):
+        table = "| tag | formula |\n|---|---|\n| S1 | x |\n| S2, S3 | y |\n| (S4t) | z |\n\n| S9 | no tag |\n"
+        found = tags.check(self.tree({"src/a/README.md": table, "src/a/b.cpp": "// (S1)-(S3)\nf(S4); // (S5) and (S)\n"}))
+        self.assertEqual(4, found.rows)
+        self.assertEqual(["(S4t) of src/a/README.md:5"], found.without_source)
+        self.assertEqual(["(a.S5), 1 times, first src/a/b.cpp:2"], found.without_row)
+
+    def test_tags_of_two_modules_are_found_unless_they_name_theirs(self):
+        table = "| tag | formula |\n|---|---|\n| {} | x |\n"
+        same = tags.check(self.tree({"src/a/README.md": table.format("R1"), "src/b/README.md": table.format("R1")}))
+        self.assertEqual(1, len(same.twice))
+        named = tags.check(self.tree({"src/a/README.md": table.format("(a.R1)"), "src/b/README.md": table.format("(b.R1)"),
+                                      "src/a/x.cpp": "// (R1)\n", "src/b/x.cpp": "// (b.R1)\n"}))
+        self.assertEqual([], named.lines())
+
+    def test_names_are_whole_words_of_code_in_their_folder(self):
+        text = "// Quad\nQuad a; Quadric b;\nint slack;\n"
+        self.assertEqual([(2, "Quad")], vocabulary.names_in(text, "src/sph/a.hpp", {"Quad", "slack"}))
+        self.assertEqual([(2, "Quad"), (3, "slack")], vocabulary.names_in(text, "src/grid/a.hpp", {"Quad", "slack"}))
+
+    def test_parameters_are_counted(self):
+        for signature, count in (("()", 0), ("(void)", 0), ("(int a)", 1), ("(std::pair<int, int> a, const double b[3] = {1, 2})", 2),
+                                 ("(const std::function<double(int, int)>& f, int b) const", 2)):
+            self.assertEqual(count, functions.count_parameters(signature), signature)
+
+    @unittest.skipUnless(shutil.which("ctags"), "needs universal-ctags")
+    def test_declarations_without_a_comment_are_found(self):
+        text = ("// A scene.\nstruct Scene {\n    int count;\n    double spacing;\n\n    int bare;\n    int told; // [kg]\n\n    // Local.\n"
+                "    void f();\n    void g();\n\nprivate:\n    int hidden_;\n};\n\nvoid bare_too(int a);\n")
+        count = declarations.count(self.tree({"src/a/b.hpp": text}))
+        names = [line.split(": ")[1] for line in count.bare]
+        self.assertEqual((["bare_too", "spacing", "bare"], 8), (names, count.all))
+        self.assertEqual(["src/a/b.hpp:4: spacing"], count.numbers)
+
+    @unittest.skipUnless(shutil.which("ctags"), "needs universal-ctags")
+    def test_functions_are_measured(self):
+        sizes = functions.sizes(self.tree({"src/a/b.cpp": "int f() { return 1; }\n\nint g(int a) {\n    return a;\n}\n"}))
+        self.assertEqual([("g", 3, 1), ("f", 1, 0)], [(one.name, one.lines, one.parameters) for one in sizes.functions])
+
+    def test_places_name_files_and_what_is_in_them(self):
+        document = "## Where things are\n\n| question | path |\n|---|---|\n| where | `a.cpp`: `{}` → `{}` |\n"
+        for symbol, file, faults in (("run", "k.hpp", []), ("walk", "k.hpp", ["no walk in a.cpp"]), ("run", "gone.hpp", ["no file gone.hpp"])):
+            root = self.tree({"CONTRIBUTING.md": document.format(symbol, file), "src/a/a.cpp": "void run();\n"})
+            entry, = places.entries(root)
+            self.assertEqual([f"CONTRIBUTING.md:5: {fault}" for fault in faults], places.faults(root, entry))
+
+
+if __name__ == "__main__":
+    unittest.main()
