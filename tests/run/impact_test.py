@@ -54,6 +54,21 @@ time: {end: 0.3 s}
 output: {interval: 0.3 s}
 """
 
+COLUMN = """schema_version: 1
+domain:
+  dimensions: 2
+  min: [-0.15, -0.8]
+  max: [0.15, 0.25]
+  spacing: 1 cm
+  boundaries: {x_min: open, x_max: open, y_min: open, y_max: open}
+liquids: [{name: pitch, density: 1000, viscosity: 10000, shapes: [{box: {min: [-0.05, -0.5], max: [0.05, 0.2]}}]}]
+bodies:
+  - {name: left, slip: no_slip, shape: {box: {min: [-0.15, 0], max: [-0.05, 0.2]}}}
+  - {name: right, slip: no_slip, shape: {box: {min: [0.05, 0], max: [0.15, 0.2]}}}
+time: {end: 0.8}
+output: {interval: 0.8}
+"""
+
 FILM = """schema_version: 1
 domain: {min: [0, 0, 0], max: [0.5, 0.5, 0.6], spacing: 4 cm}
 liquids: [{name: water, density: 1000, shapes: [{box: {min: [0, 0, 0], max: [0.5, 0.5, 0.04]}}]}]
@@ -208,6 +223,21 @@ class Recoveries(Workplace):
                 layers = (place[middle, 1] * 16).astype(int)
                 slowest = min(velocity[middle, 0][layers == layer].mean() for layer in range(16))
                 self.assertLess(abs(slowest + 0.145), 0.035)
+
+    def test_a_hanging_column_stretches_by_troutons_law(self):
+        # Twice as much where nothing but pressures, which are not negative, kept its volume.
+        for ranks in (1, 3):
+            with self.subTest(ranks=ranks):
+                run = f"column_on_{ranks}"
+                self.run_text(COLUMN, ranks, run)
+                first, last = self.frame(run, 0)["position"][:, 1], self.frame(run)["position"][:, 1]
+                low = first < first.min() + 1e-4
+                over = first - first[low].mean()
+                middle = (over > 0.1) & (over < 0.35)
+                rate = 1000 * 9.81 * 0.8 / (4 * 1e4)
+                stretched = -numpy.log1p(-rate * over[middle]) / rate - over[middle]
+                grown = last[middle] - last[low].mean() - over[middle]
+                self.assertLess(abs(numpy.polyfit(stretched, grown, 1)[0] - 1), 0.07)
 
     def test_a_disc_pours_its_flow_rate(self):
         with open(self.path("disc.yaml"), "w") as file:

@@ -295,6 +295,8 @@ void ViscosityOptions::declare_others(Declaration& d) {
     d.integer("rheology_solves", rheology_solves, range_between(1, 1000),
               "Most solves of a step for that; what is left is taken up by the next step. 1: the viscosities are those of "
               "the last step.");
+    d.number("bulk", bulk, unit::none, range_between(0, 1000),
+             "Bulk viscosity, over the viscosity, of liquid that expands: pressures are never negative, and without it stretched liquid comes apart.");
     d.number("artificial", artificial, unit::none, range_at_least(0),
              "Coefficient alpha of Monaghan's artificial viscosity alpha h c, which acts between approaching "
              "particles.");

@@ -32,12 +32,16 @@ bool breaks_down(double product, solve::Outcome indefinite, solve::SolveReport& 
                                            : "the velocities are no longer finite";
     return true;
 }
+// Forms with gradients, in products without a matrix, at the velocities that the solve finds.
+bool resists_expansion(const ViscosityOptions& options) {
+    return ViscousOperator::has_tiles(options.form) && !options.assembled && options.integration == ViscosityIntegration::implicit;
+}
 } // namespace
 
 ImplicitViscosity::ImplicitViscosity(const Comm& comm, LiquidParticles& liquid, const ViscosityOptions& options,
                                      const CellGrid& grid, const std::vector<double>& friction,
                                      const std::vector<double>& slip_lengths, const std::vector<flow::FlowCurve>& rheology)
-    : operator_(liquid, slip_lengths), friction_(upload(friction)), rheology_("treacle::flow_curves", rheology.size()),
+    : operator_(liquid, slip_lengths, resists_expansion(options) ? options.bulk : 0), friction_(upload(friction)), rheology_("treacle::flow_curves", rheology.size()),
       direction_(liquid.store.add<Array3>("viscous_direction", "m/s", FieldRole::work)) {
     auto host = Kokkos::create_mirror_view(rheology_);
     for (std::size_t k = 0; k < rheology.size(); ++k) host(k) = rheology[k];
@@ -77,10 +81,13 @@ ImplicitViscosity::Result ImplicitViscosity::solve(const ViscousScene& step, con
     out.solve = freely ? step_explicitly(parts) : solve_implicitly(parts, bodies);
     const ViscousParts after{scene, bodies.load_points(), friction_, moved(bodies)};
     if (!freely && !last_product_is_of_u_) { // an explicit step's forces are those of its start
+        operator_.let_tension_act(true);
         operator_.multiply(after, scene.liquid.velocity_field(), ViscousOperator::Walls::moving, product_);
         ++out.solve.products;
     }
+    operator_.let_tension_act(false);
     out.loads = operator_.loads(after);
+    operator_.keep_tension(scene.liquid);
     if (rheology_.extent(0) > 0) operator_.thin(after, rheology_);
     out.solve.iteration_seconds = seconds_since(start);
     return out;
@@ -179,7 +186,9 @@ double ImplicitViscosity::find_residual(Progress& progress, bool nearly) {
     auto& liquid = parts.liquid;
     const auto inertia = relative_density(parts.constants, liquid);
     const ViscousParts now{parts, parts.points, parts.friction, moved(progress.bodies)};
+    operator_.let_tension_act(true);
     multiply(now, liquid.velocity_field(), ViscousOperator::Walls::moving, nearly);
+    operator_.let_tension_act(false);
     hold_rows(liquid, inertia, liquid.velocity(), product_);
     ++progress.report.products;
     last_product_is_of_u_ = !nearly;

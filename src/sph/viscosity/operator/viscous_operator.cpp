@@ -9,6 +9,9 @@ namespace treacle::sph {
 namespace {
 // Particles are not taken to be nearer to a surface than that many spacings.
 constexpr double least_height = 0.25;
+// Share of the tension that is kept to the next step: in liquid that is stretched evenly the bulk viscosity counts twenty times.
+constexpr double kept_tension = 0.95;
+constexpr double first_tension = 1e-30; // [1/s] of a particle that begins to be stretched: tells it from others
 
 // Velocity gradients G_i = N_i B_i^+, and of them Q_i = dt/m V (2 mu S_i B_i^+ - kappa mu G_i).
 template <class Kernel>
@@ -21,6 +24,8 @@ struct StressLoop : ViscousLoop<Kernel> {
     Array3 stress[3]; // columns
     bool rated;
     Array<double> rate;
+    Array<float> bulk; // zeta / mu of each particle, or empty
+    Array<double> tension, expansion; // s / mu, or empty; tr D
 
     KOKKOS_INLINE_FUNCTION void operator()(int block) const {
         each_row<Columns>(block, Base::fluid.count, [&](int i) { return sum_pairs(i); },
@@ -46,6 +51,8 @@ private:
         for (int k = 0; k < 3; ++k) fit.times(n[k], g[k]);
         double s[3][3];
         strain(spanned, g, s);
+        if (rated) rate(i) = math::sqrt(2 * contract(s));
+        if (bulk.size() > 0) resist_expansion(i, spanned, s);
         const double c = share(i);
         for (int k = 0; k < 3; ++k) {
             double q[3];
@@ -54,7 +61,17 @@ private:
                 stress[l](i, k) = c * (2 * q[l] - damping * g[k][l]);
             }
         }
-        if (rated) rate(i) = math::sqrt(2 * contract(s));
+    }
+    // S + (zeta tr S + s)/(2 mu) within the span.
+    KOKKOS_INLINE_FUNCTION void resist_expansion(int i, const Symmetric& span, double s[3][3]) const {
+        const double trace = s[0][0] + s[1][1] + s[2][2];
+        expansion(i) = trace;
+        if (bulk(i) == 0) return;
+        const double more = 0.5 * (static_cast<double>(bulk(i)) * trace + (tension.size() > 0 ? tension(i) : 0));
+        const double within[3][3] = {{span.xx, span.xy, span.xz}, {span.xy, span.yy, span.yz}, {span.xz, span.yz, span.zz}};
+        for (int k = 0; k < 3; ++k) {
+            for (int l = 0; l < 3; ++l) s[k][l] += more * within[k][l];
+        }
     }
     KOKKOS_INLINE_FUNCTION static double contract(const double s[3][3]) {
         double sum = 0;
@@ -236,10 +253,11 @@ void pack_motion(LiquidParticles& liquid, int u_field, const Constants& constant
     });
 }
 
-ViscousOperator::ViscousOperator(LiquidParticles& liquid, const std::vector<double>& slip_lengths) : slip_(slip_lengths) {
+ViscousOperator::ViscousOperator(LiquidParticles& liquid, const std::vector<double>& slip_lengths, double bulk) : slip_(slip_lengths) {
     const char* names[3] = {"viscous_stress_x", "viscous_stress_y", "viscous_stress_z"};
     for (int k = 0; k < 3; ++k) stress_[k] = liquid.store.add<Array3>(names[k], "m2/s", FieldRole::work);
     share_ = liquid.store.add<Array<double>>("viscous_share", "m2", FieldRole::work);
+    if (bulk > 0) tension_ = liquid.store.add<Array<double>>("tension_rate", "1/s", FieldRole::state);
 }
 
 ViscousWalls ViscousOperator::walls(const ViscousParts& parts, Walls which) const {
@@ -285,6 +303,7 @@ double ViscousOperator::prepare(const ViscousParts& parts, double dt) {
     for (auto* array : {&ground_, &smeared_share_}) reserve(*array, static_cast<std::size_t>(n));
     if (by_gradients(viscosity.form)) reserve(wall_sums_, static_cast<std::size_t>(n));
     const auto inlet = liquid.has_inlets() ? liquid.inlet() : Array<int>();
+    if (tension_ >= 0) find_stretched(liquid, viscosity.bulk);
     write_places(liquid, share);
     const auto fluid = gather_fluid(constants, liquid, parts.solid, parts.neighbours);
     // Rows are read several entries at a time, beyond their ends.
@@ -295,9 +314,34 @@ double ViscousOperator::prepare(const ViscousParts& parts, double dt) {
         Kokkos::parallel_for("treacle::viscous_prepare", n,
                              PrepareLoop<Kernel>{base, viscosity.form, constants.rest_volume, damping_,
                                                  relative_density(constants, liquid), share, slip_.any(), slip_.drag(),
-                                                 liquid.has_inlets(), inlet, correction_, block_, ground_, smeared_share_});
+                                                 liquid.has_inlets(), inlet, bulk_, correction_, block_, ground_, smeared_share_});
     });
     return most;
+}
+
+// Particles under tension resist expansion by a bulk viscosity.
+void ViscousOperator::find_stretched(const LiquidParticles& liquid, double bulk) {
+    const int n = liquid.store.owned();
+    reserve(bulk_, static_cast<std::size_t>(n));
+    reserve(trace_, static_cast<std::size_t>(n));
+    const auto tension = liquid.store.get<Array<double>>(tension_);
+    const auto to = bulk_;
+    const float factor = static_cast<float>(bulk);
+    Kokkos::parallel_for("treacle::stretched", n, KOKKOS_LAMBDA(int i) { to(i) = tension(i) > 0 ? factor : 0; });
+}
+
+void ViscousOperator::keep_tension(const LiquidParticles& liquid) const {
+    if (tension_ < 0) return;
+    const auto trace = trace_, tension = liquid.store.get<Array<double>>(tension_);
+    const auto bulk = bulk_;
+    Kokkos::parallel_for("treacle::keep_tension", liquid.store.owned(), KOKKOS_LAMBDA(int i) {
+        const double held = kept_tension * math::max(0.0, tension(i) + static_cast<double>(bulk(i)) * trace(i));
+        tension(i) = bulk(i) > 0 ? held : trace(i) > 0 ? first_tension : 0;
+    });
+}
+
+Array<double> ViscousOperator::tension(const LiquidParticles& liquid) const {
+    return tension_acts_ ? liquid.store.get<Array<double>>(tension_) : Array<double>();
 }
 
 void ViscousOperator::multiply(const ViscousParts& parts, int u_field, Walls which, const Array3& product) {
@@ -321,7 +365,7 @@ void ViscousOperator::multiply(const ViscousParts& parts, int u_field, Walls whi
         const Array3 rows[3] = {store.get<Array3>(stress_[0]), store.get<Array3>(stress_[1]), store.get<Array3>(stress_[2])};
         Kokkos::parallel_for("treacle::viscous_stress", row_blocks(fluid.count),
                              StressLoop<Kernel>{base, damping_, form == ViscosityForm::printed, share, correction_,
-                                                {rows[0], rows[1], rows[2]}, !parts.forces.rheology.empty(), rate_});
+                                                {rows[0], rows[1], rows[2]}, !parts.forces.rheology.empty(), rate_, bulk_, tension(liquid), trace_});
         parts.halo.gather(store, {stress_[0], stress_[1], stress_[2]});
         Kokkos::parallel_for("treacle::viscous_forces", row_blocks(fluid.count),
                              StressForceLoop<Kernel>{base, damping_, relative, share, {rows[0], rows[1], rows[2]}, product});

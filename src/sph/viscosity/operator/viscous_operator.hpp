@@ -12,7 +12,8 @@ namespace treacle::sph {
 class ViscousOperator {
 public:
     // Declares the fields that are exchanged. Slip lengths as in ForceOptions.
-    explicit ViscousOperator(LiquidParticles& liquid, const std::vector<double>& slip_lengths = {});
+    // bulk: resistance of stretched liquid to expansion, over the viscosity; 0: none.
+    explicit ViscousOperator(LiquidParticles& liquid, const std::vector<double>& slip_lengths = {}, double bulk = 0);
 
     // Collective: viscosities, gradient corrections and diagonal blocks for the present places and a step of dt [s].
     // Returns the largest dt/m V mu of all ranks [m2]; 0: C is the identity.
@@ -40,6 +41,12 @@ public:
     // Viscosities of the particles at the shear rates of the last multiply; forms with gradients only.
     void thin(const ViscousParts& parts, const Array<flow::FlowCurve>& curves) const;
 
+    // Tension s of stretched liquid (augmented Lagrangian, Fortin & Glowinski 1983): s + zeta tr D of the last multiply, never negative.
+    // Pressures hold no liquid together, since they are not negative either.
+    void keep_tension(const LiquidParticles& liquid) const;
+    // Whether products have the tension's force, which does not depend on u.
+    void let_tension_act(bool acts) { tension_acts_ = acts && tension_ >= 0; }
+
     // After prepare(): B_i^+ of the owned particles, whose elements are those of sph::Symmetric; dt/m V mu of owned and ghost
     // particles [m2]; and the solids.
     const Array6& correction() const { return correction_; }
@@ -61,6 +68,8 @@ public:
     std::size_t bytes() const;
 
 private:
+    void find_stretched(const LiquidParticles& liquid, double bulk);
+    Array<double> tension(const LiquidParticles& liquid) const; // or empty
     void write_tiles(LiquidParticles& liquid, const Array<double>& share, int dimensions);
     void exchange_tiles(const ViscousParts& parts, Walls which);
     void add_slip(const ViscousParts& parts, Walls which, const Array3& product) const;
@@ -71,6 +80,10 @@ private:
     int stress_[3] = {-1, -1, -1};   // fields: columns of Q_i [m2/s]
     WallSlip slip_;
     Array<double> rate_{"treacle::shear_rate", 0}; // of owned particles [1/s], where a viscosity depends on it
+    int tension_ = -1;               // field, with `viscosity.bulk`: s / mu [1/s]
+    bool tension_acts_ = false;
+    Array<float> bulk_{"treacle::bulk_viscosity", 0}; // over the viscosity, of owned particles
+    Array<double> trace_{"treacle::expansion", 0};     // tr D of the last multiply, of owned particles [1/s]
     int share_ = -1;                 // field: dt/m V mu [m2]
     Array<float> weights_{"treacle::viscous_weights", 0};
     Array4 wall_sums_{"treacle::viscous_wall_sums", 0}; // see ViscousLoop

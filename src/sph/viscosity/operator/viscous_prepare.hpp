@@ -20,6 +20,7 @@ struct PrepareLoop : ViscousLoop<Kernel> {
     Array<double> drag; // of walls along which the liquid slips
     bool has_inlets;
     Array<int> inlet;
+    Array<float> bulk; // over the viscosity, or empty
     Array6 correction;
     ViscousOperator::Blocks block;
     Array<float> ground, smeared_share;
@@ -104,7 +105,9 @@ private:
         Symmetric d = enclosed(fit, sums.strained);
         const double c = share(i), square = own[0] * own[0] + own[1] * own[1] + own[2] * own[2];
         const double both = d.xx + d.yy + d.zz + c * square + damping * sums.damped;
-        d.add_square(c, own[0], own[1], own[2]);
+        const double once = bulk.size() > 0 ? 1 + static_cast<double>(bulk(i)) : 1;
+        d.xx *= once, d.yy *= once, d.zz *= once, d.xy *= once, d.xz *= once, d.yz *= once;
+        d.add_square(once * c, own[0], own[1], own[2]);
         d.xx += both, d.yy += both, d.zz += both;
         return d;
     }

@@ -16,11 +16,12 @@ void write_places(const Array3& x, const Array<double>& share, int n, const Arra
     });
 }
 
-// B_i^+, and whether the neighbours spread in all directions: 1, or 0 where the span is to be looked at.
-void write_fits(const Array6& correction, int dimensions, int n, const Array8& fits) {
+// B_i^+, the bulk viscosity over the viscosity, and whether the neighbours spread in all directions: 1, or 0 where the span is to be looked at.
+void write_fits(const Array6& correction, const Array<float>& bulk, int dimensions, int n, const Array8& fits) {
     Kokkos::parallel_for("treacle::float_fits", n, KOKKOS_LAMBDA(int i) {
         for (int k = 0; k < 6; ++k) fits(i, k) = static_cast<float>(correction(i, k));
         const Symmetric span = range_of(read_symmetric(correction, i));
+        fits(i, 7) = bulk.size() > 0 ? bulk(i) : 0;
         fits(i, 6) = span.xx + span.yy + span.zz > dimensions - 0.5 ? 1 : 0;
     });
 }
@@ -80,6 +81,7 @@ struct TileStressLoop : ViscousLoop<Kernel> {
     Array6 correction;
     Array3 velocity;
     Array16 tiles;
+    Array<double> tension; // s / mu, or empty
 
     KOKKOS_INLINE_FUNCTION void operator()(int block) const {
         each_row<Tile>(block, Base::fluid.count, [&](int i) { return sum(i); }, [&](int i, const Tile& n) { finish(i, n); });
@@ -113,8 +115,21 @@ private:
             half.add(Tile::repeat<1>(within), g.all<1>());
             half.add(Tile::repeat<2>(within), g.all<2>());
         }
-        const Tile q = times(half + half.transposed(), inverse);
+        Tile twice = half + half.transposed();
+        if (fit[7] > 0) twice = resist_expansion(i, twice);
+        const Tile q = times(twice, inverse);
         return Tile(rows(i, 3)) * (q - Tile(damping) * g);
+    }
+    // As StressLoop::resist_expansion, of 2 S.
+    KOKKOS_INLINE_FUNCTION Tile resist_expansion(int i, const Tile& twice) const {
+        const Symmetric span = range_of(read_symmetric(correction, i));
+        const double within[9] = {span.xx, span.xy, span.xz, span.xy, span.yy, span.yz, span.xz, span.yz, span.zz};
+        float s[16];
+        twice.store(s);
+        const float held = tension.size() > 0 ? static_cast<float>(tension(i)) : 0;
+        const float more = 0.5f * fits(i, 7) * (s[0] + s[5] + s[10]) + held;
+        for (int k = 0; k < 9; ++k) s[4 * (k / 3) + k % 3] += more * static_cast<float>(within[k]);
+        return Tile::load(s);
     }
     // The matrix of columns a times the symmetric one of these rows.
     KOKKOS_INLINE_FUNCTION static Tile times(const Tile& a, const Tile rows[3]) {
@@ -177,7 +192,7 @@ void ViscousOperator::write_tiles(LiquidParticles& liquid, const Array<double>& 
     reserve(tiles_, static_cast<std::size_t>(n));
     reserve(fits_, static_cast<std::size_t>(liquid.store.owned()));
     write_places(liquid.store.position(), share, n, rows_, tiles_);
-    write_fits(correction_, dimensions, liquid.store.owned(), fits_);
+    write_fits(correction_, bulk_, dimensions, liquid.store.owned(), fits_);
     tiles_are_placed_ = true;
 }
 
@@ -208,7 +223,7 @@ void ViscousOperator::multiply_nearly(const ViscousParts& parts, int u_field, Wa
         const ViscousLoop<Kernel> base{kernel, fluid, walls(parts, which), weights_, wall_sums_};
         const int blocks = row_blocks(fluid.count);
         Kokkos::parallel_for("treacle::viscous_tile_stress", blocks,
-                             TileStressLoop<Kernel>{base, static_cast<float>(damping_), rows_, fits_, correction_, velocity, tiles_});
+                             TileStressLoop<Kernel>{base, static_cast<float>(damping_), rows_, fits_, correction_, velocity, tiles_, tension(liquid)});
         exchange_tiles(parts, which);
         Kokkos::parallel_for("treacle::viscous_tile_forces", blocks,
                              TileForceLoop<Kernel>{base, damping_, relative, share, velocity, tiles_, product});
