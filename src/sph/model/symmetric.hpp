@@ -135,4 +135,18 @@ KOKKOS_INLINE_FUNCTION Symmetric range_of(const Symmetric& a) {
     return apply_above(a, least, [](double) { return 1.0; });
 }
 
+// The symmetric part of a gradient within the span of the neighbours, in which a rotation has none.
+KOKKOS_INLINE_FUNCTION void strain(const Symmetric& spanned, const double g[3][3], double s[3][3]) {
+    double half[3][3]; // G is 0 across the span on the right already: only the left side is cut
+    for (int l = 0; l < 3; ++l) {
+        const double column[3] = {g[0][l], g[1][l], g[2][l]};
+        double cut[3];
+        spanned.times(column, cut);
+        for (int k = 0; k < 3; ++k) half[k][l] = cut[k];
+    }
+    for (int k = 0; k < 3; ++k) {
+        for (int l = 0; l < 3; ++l) s[k][l] = 0.5 * (half[k][l] + half[l][k]);
+    }
+}
+
 } // namespace treacle::sph

@@ -31,6 +31,26 @@ struct Member {
     Vec3 pulled, seen; // B^+ e, B^+ n
 };
 
+// A neighbour in the sums of a particle beside another viscosity.
+struct Neighbour {
+    double w, h, x[3];
+};
+
+// The stress where only one neighbour's difference is u, or all are, those of the walls as well, if the particle itself moves.
+void answer(const InterfaceLaw& law, const std::vector<Neighbour>& around, const Vec3& walls_pull, std::size_t moved,
+            const double u[3], InterfaceStress& out) {
+    InterfaceSums sums;
+    const bool itself = moved == around.size();
+    for (std::size_t k = 0; k < around.size(); ++k) {
+        if (itself || k == moved) sums.add(around[k].w, around[k].h, law.shape.normal, around[k].x, u);
+    }
+    for (int k = 0; k < 3 && itself; ++k) {
+        for (std::size_t l = 0; l < 3; ++l) sums.n[k][l] += u[k] * walls_pull[l];
+    }
+    double strained[3][3];
+    law(sums, strained, out);
+}
+
 // What a row takes from one rank.
 struct Contribution {
     int row, column; // global numbers
@@ -79,13 +99,26 @@ struct ViscousMatrix::Assembly {
     Array<double>::HostMirror share, volume;
     Array6::HostMirror correction;
     Array<float>::HostMirror weights;
+    Array<int>::HostMirror liquid_of;
+    bool several; // viscosities, where gradients are corrected
+    Array3::HostMirror normal; // see ViscousInterface
     int owned, total;
     int first; // global number of this rank's first row
     std::vector<std::size_t> offsets;
     std::vector<Member> members;                           // of the stress of each owned particle
     std::vector<std::vector<std::pair<int, int>>> seen_by; // (whose stress, which member) of each particle
-    std::vector<Contribution> contributions;               // to rows from elsewhere
+    // Of the owned particles beside another viscosity the derivatives of the force on each member by the velocity of each, but for what
+    // add_pairs() has of the pairs within their liquid; of all others none.
+    std::vector<std::vector<Block>> beside;
+    std::vector<Contribution> contributions; // to rows from elsewhere
 
+    double contrast(int i, int j) const {
+        return several && liquid_of(i) != liquid_of(j) ? viscous_contrast(share(i), share(j)) : 0;
+    }
+    // 0 where blocks_beside() has what the stress of i does to the pair.
+    double share_within(int i, int j) const {
+        return contrast(i, j) != 0 && is_normal(normal(i, 0), normal(i, 1), normal(i, 2)) ? 0 : share(i);
+    }
     template <class Visit>
     void each_pair(int i, const Visit& visit) const {
         std::int64_t k = liquid.offset(i);
@@ -96,6 +129,8 @@ struct ViscousMatrix::Assembly {
 
     template <class Kernel>
     void find_members(const Kernel& kernel);
+    void find_beside();
+    std::vector<Block> blocks_beside(int i, const InterfaceLaw& law) const;
     template <class Kernel>
     void add_pairs(const Kernel& kernel, int i, RowStorage& storage) const;
     void add_stresses(int i, RowStorage& storage) const;
@@ -146,6 +181,57 @@ void ViscousMatrix::Assembly::find_members(const Kernel& kernel) {
     }
 }
 
+void ViscousMatrix::Assembly::find_beside() {
+    const ViscousInterface& between = of.interface();
+    beside.assign(static_cast<std::size_t>(owned), {});
+    if (between.count == 0) return;
+    const auto rows_of = on_host(between.rows);
+    const auto shapes = on_host(between.shapes);
+    for (int row = 0; row < between.count; ++row) {
+        const int i = rows_of(row);
+        const InterfaceShape shape = read_shape(shapes, row);
+        if (!shape.has_normal()) continue;
+        const InterfaceLaw law{shape, read_symmetric(correction, i), share(i), of.damping()};
+        beside[static_cast<std::size_t>(i)] = blocks_beside(i, law);
+    }
+}
+
+// The law's answers to unit velocities of the members, in the order of find_members(): the neighbours, then i.
+std::vector<Block> ViscousMatrix::Assembly::blocks_beside(int i, const InterfaceLaw& law) const {
+    std::vector<Neighbour> around;
+    Vec3 walls_pull = members[offsets[static_cast<std::size_t>(i) + 1] - 1].force; // less the liquid's part of sum w x
+    each_pair(i, [&](double w, int j, double dx, double dy, double dz) {
+        around.push_back({w, contrast(i, j), {dx, dy, dz}});
+        for (std::size_t k = 0; k < 3; ++k) walls_pull[k] -= w * around.back().x[k];
+    });
+    const std::size_t own = around.size(), count = own + 1;
+    std::vector<Block> out(count * count);
+    for (std::size_t moved = 0; moved < count; ++moved) {
+        for (std::size_t l = 0; l < 3; ++l) {
+            const auto add = [&](std::size_t member, const double force[3]) {
+                for (std::size_t k = 0; k < 3; ++k) out[member * count + moved][3 * k + l] += force[k];
+            };
+            double u[3] = {0, 0, 0}, pulled[3];
+            u[l] = moved == own ? 1 : -1;
+            InterfacePull pull{};
+            answer(law, around, walls_pull, moved, u, pull.stress);
+            std::copy(std::begin(law.shape.normal), std::end(law.shape.normal), std::begin(pull.normal));
+            times(pull.stress.q, walls_pull.data(), pulled);
+            add(own, pulled);
+            for (std::size_t k = 0; k < own; ++k) {
+                const double still[3] = {0, 0, 0};
+                double force[3] = {0, 0, 0};
+                pull.damping = around[k].h != 0 ? law.damping * law.share : 0;
+                pull.add(around[k].w, around[k].h, around[k].x, moved == own || moved == k ? u : still, force);
+                add(own, force);
+                for (double& f : force) f = -f;
+                add(k, force);
+            }
+        }
+    }
+    return out;
+}
+
 // What acts between two particles without a stress: the forms by pairs, and the damping of checkerboards.
 template <class Kernel>
 void ViscousMatrix::Assembly::add_pairs(const Kernel& kernel, int i, RowStorage& storage) const {
@@ -169,7 +255,7 @@ void ViscousMatrix::Assembly::add_pairs(const Kernel& kernel, int i, RowStorage&
     };
     add_identity(relative_density(constants, parts.liquid)(i), storage.at(i));
     each_pair(i, [&](double w, int j, double dx, double dy, double dz) {
-        const Block one = pair(share(i) + share(j), w, {dx, dy, dz});
+        const Block one = pair(share_within(i, j) + share_within(j, i), w, {dx, dy, dz});
         add(one, 1, storage.at(i));
         add(one, -1, storage.at(j));
     });
@@ -189,6 +275,14 @@ void ViscousMatrix::Assembly::add_stresses(int i, RowStorage& storage) const {
     for (const auto& [j, which] : seen_by[static_cast<std::size_t>(i)]) {
         const auto begin = offsets[static_cast<std::size_t>(j)],
                    end = offsets[static_cast<std::size_t>(j) + 1];
+        if (const auto& blocks = beside[static_cast<std::size_t>(j)]; !blocks.empty()) {
+            for (auto k = begin; k < end; ++k) {
+                Block& to = storage.at(members[k].particle);
+                const Block& from = blocks[static_cast<std::size_t>(which) * (end - begin) + (k - begin)];
+                for (std::size_t l = 0; l < 9; ++l) to[l] += from[l];
+            }
+            continue;
+        }
         const Member& at = members[begin + static_cast<std::size_t>(which)];
         const Symmetric p = range_of(read_symmetric(correction, j));
         const Block projector{p.xx, p.xy, p.xz, p.xy, p.yy, p.yz, p.xz, p.yz, p.zz};
@@ -253,7 +347,10 @@ void ViscousMatrix::Assembly::append(std::vector<Contribution>& found, solve::Bl
 
 template <class Kernel>
 solve::BlockRows ViscousMatrix::Assembly::rows(const Kernel& kernel) {
-    if (by_gradients(form)) find_members(kernel);
+    if (by_gradients(form)) {
+        find_members(kernel);
+        find_beside();
+    }
     RowStorage storage(total);
     if (by_gradients(form)) {
         for (int i = owned; i < total; ++i) {
@@ -347,9 +444,13 @@ void ViscousMatrix::assemble(const ViscousParts& parts, const ViscousOperator& o
                       on_host(parts.liquid.volume()),
                       on_host(of.correction()),
                       on_host(of.weights()),
+                      on_host(parts.liquid.liquid()),
+                      of.interface().any,
+                      on_host(of.interface().any ? store.get<Array3>(of.interface().normal) : Array3()),
                       store.owned(),
                       store.total(),
                       first,
+                      {},
                       {},
                       {},
                       {},

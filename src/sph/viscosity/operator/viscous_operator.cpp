@@ -95,19 +95,6 @@ private:
         });
         return {{even[0] + odd[0], even[1] + odd[1], even[2] + odd[2]}};
     }
-    // The symmetric part of G within the span, in which a rotation has none.
-    KOKKOS_INLINE_FUNCTION static void strain(const Symmetric& spanned, const double g[3][3], double s[3][3]) {
-        double half[3][3]; // G is 0 across the span on the right already: only the left side is cut
-        for (int l = 0; l < 3; ++l) {
-            const double column[3] = {g[0][l], g[1][l], g[2][l]};
-            double cut[3];
-            spanned.times(column, cut);
-            for (int k = 0; k < 3; ++k) half[k][l] = cut[k];
-        }
-        for (int k = 0; k < 3; ++k) {
-            for (int l = 0; l < 3; ++l) s[k][l] = 0.5 * (half[k][l] + half[l][k]);
-        }
-    }
 };
 
 // C u of the forms with gradients.
@@ -316,6 +303,7 @@ double ViscousOperator::prepare(const ViscousParts& parts, double dt) {
                                                  relative_density(constants, liquid), share, slip_.any(), slip_.drag(),
                                                  liquid.has_inlets(), inlet, bulk_, correction_, block_, ground_, smeared_share_});
     });
+    prepare_interface(parts);
     return most;
 }
 
@@ -366,9 +354,12 @@ void ViscousOperator::multiply(const ViscousParts& parts, int u_field, Walls whi
         Kokkos::parallel_for("treacle::viscous_stress", row_blocks(fluid.count),
                              StressLoop<Kernel>{base, damping_, form == ViscosityForm::printed, share, correction_,
                                                 {rows[0], rows[1], rows[2]}, !parts.forces.rheology.empty(), rate_, bulk_, tension(liquid), trace_});
+        const Stresses stress{{rows[0], rows[1], rows[2]}};
+        stress_interface(parts, which, u_field, stress);
         parts.halo.gather(store, {stress_[0], stress_[1], stress_[2]});
         Kokkos::parallel_for("treacle::viscous_forces", row_blocks(fluid.count),
                              StressForceLoop<Kernel>{base, damping_, relative, share, {rows[0], rows[1], rows[2]}, product});
+        force_interface(parts, which, u_field, stress, product);
     });
     add_slip(parts, which, product);
 }
@@ -402,7 +393,7 @@ std::size_t ViscousOperator::bytes() const {
     const std::size_t doubles = correction_.span() + rate_.span() + wall_sums_.span();
     const std::size_t floats = weights_.span() + block_.span() + ground_.span() + smeared_share_.span() + tiles_.span() +
                                rows_.span() + fits_.span();
-    return sizeof(double) * doubles + sizeof(float) * floats + slip_.bytes();
+    return sizeof(double) * doubles + sizeof(float) * floats + slip_.bytes() + interface_.bytes();
 }
 
 } // namespace treacle::sph

@@ -1,6 +1,7 @@
 #pragma once
 #include "kokkos/tile.hpp"
 #include "sph/model/symmetric.hpp"
+#include "sph/viscosity/operator/viscous_interface.hpp"
 #include "sph/viscosity/operator/viscous_walls.hpp"
 #include "sph/viscosity/operator/wall_slip.hpp"
 
@@ -65,11 +66,19 @@ public:
     using Blocks = Kokkos::View<float* [6], Memory>;
     const Blocks& block() const { return block_; } // inverses of the diagonal blocks, nearly
 
+    // The particles beside another viscosity; of the corrected form, where liquids differ.
+    const ViscousInterface& interface() const { return interface_; }
+
     std::size_t bytes() const;
 
 private:
     void find_stretched(const LiquidParticles& liquid, double bulk);
     Array<double> tension(const LiquidParticles& liquid) const; // or empty
+    void prepare_interface(const ViscousParts& parts);
+    template <class Stress>
+    void stress_interface(const ViscousParts& parts, Walls which, int u_field, const Stress& stress);
+    template <class Stress>
+    void force_interface(const ViscousParts& parts, Walls which, int u_field, const Stress& stress, const Array3& product);
     void write_tiles(LiquidParticles& liquid, const Array<double>& share, int dimensions);
     void exchange_tiles(const ViscousParts& parts, Walls which);
     void add_slip(const ViscousParts& parts, Walls which, const Array3& product) const;
@@ -93,6 +102,7 @@ private:
     Array16 tiles_{"treacle::viscous_tiles", 0}; // see viscous_tiles.cpp
     Array8 rows_{"treacle::viscous_rows", 0}, fits_{"treacle::viscous_fits", 0};
     bool tiles_are_placed_ = false; // since prepare()
+    ViscousInterface interface_;
 };
 
 } // namespace treacle::sph

@@ -224,9 +224,11 @@ void ViscousOperator::multiply_nearly(const ViscousParts& parts, int u_field, Wa
         const int blocks = row_blocks(fluid.count);
         Kokkos::parallel_for("treacle::viscous_tile_stress", blocks,
                              TileStressLoop<Kernel>{base, static_cast<float>(damping_), rows_, fits_, correction_, velocity, tiles_, tension(liquid)});
+        stress_interface(parts, which, u_field, TileStresses{tiles_});
         exchange_tiles(parts, which);
         Kokkos::parallel_for("treacle::viscous_tile_forces", blocks,
                              TileForceLoop<Kernel>{base, damping_, relative, share, velocity, tiles_, product});
+        force_interface(parts, which, u_field, TileStresses{tiles_}, product);
     });
     add_slip(parts, which, product);
 }
