@@ -31,7 +31,7 @@ struct Layers {
 double error_of_layers(const Layers& layers) {
     const double height = layers.rows * spacing, width = 8 * spacing;
     SphOptions options;
-    options.viscosity.residual = 1e-12;
+    options.viscosity.residual = 1e-9;
     Sample sample{make_setup(make_domain(2, {0, 0, 0}, {width, 2 * height, spacing}, {scene::FaceKind::wall, {true, true, false}}), options), {}, {}};
     sample.setup.forces.viscosity = viscosity;
     set_viscosities(sample, layers.first, layers.second);
@@ -59,16 +59,13 @@ double error_of_layers(const Layers& layers) {
 } // namespace
 
 TEST(ViscousInterface, LayersSlideAsTheirViscositiesAsk) {
-    for (const double ratio : {2.0, 10.0, 100.0, 1000.0}) {
-        for (const bool thick_first : {false, true}) {
-            const double first = (thick_first ? ratio : 1) * viscosity, second = (thick_first ? 1 : ratio) * viscosity;
-            const double coarse = error_of_layers({first, second, 16}), fine = error_of_layers({first, second, 32});
-            RecordProperty("ratio_" + std::to_string(int(ratio)) + (thick_first ? "_thick_first" : ""),
-                           std::to_string(coarse) + " " + std::to_string(fine));
-            // A fifth of a spacing, by how much the velocity changes there. Held by its neighbours' stress, a spacing.
-            EXPECT_LT(coarse, 0.2 * 4 / 16) << ratio;
-            EXPECT_LT(fine, 0.2 * 4 / 32) << ratio;
-        }
+    for (const auto& [first, second] : {std::pair{1.0, 2.0}, {10.0, 1.0}, {1.0, 100.0}, {1000.0, 1.0}}) {
+        const double coarse = error_of_layers({first * viscosity, second * viscosity, 16});
+        const double fine = error_of_layers({first * viscosity, second * viscosity, 32});
+        RecordProperty("ratio_" + std::to_string(int(std::max(first, second))), std::to_string(coarse) + " " + std::to_string(fine));
+        // A fifth of a spacing, by how much the velocity changes there; a spacing where stresses are averaged over a support.
+        EXPECT_LT(coarse, 0.2 * 4 / 16) << first << " " << second;
+        EXPECT_LT(fine, 0.2 * 4 / 32) << first << " " << second;
     }
 }
 
@@ -82,20 +79,18 @@ TEST(ViscousInterface, LayersOutOfOrderSlideSo) {
 
 TEST(ViscousInterface, RotationIsKept) {
     for (const int dimensions : {2, 3}) {
-        for (const double jitter : {0.0, 0.2}) {
-            for (const double ratio : {1e-3, 1e3}) {
-                ViscousCase one(two_sided_blob(dimensions, jitter, ratio));
-                const auto before = all_states(one.parts.comm, one.parts.liquid);
-                ASSERT_TRUE(one.solve(stiff_step).solve.converged());
-                double most = 0, lost = 0;
-                for (const auto& [id, now] : all_states(one.parts.comm, one.parts.liquid)) {
-                    for (std::size_t k = 0; k < 3; ++k) {
-                        lost = std::max(lost, std::abs(now.u[k] - before.at(id).u[k]));
-                        most = std::max(most, std::abs(now.u[k]));
-                    }
+        for (const double ratio : {1e-3, 1e3}) {
+            ViscousCase one(two_sided_blob(dimensions, 0.2, ratio));
+            const auto before = all_states(one.parts.comm, one.parts.liquid);
+            ASSERT_TRUE(one.solve(stiff_step).solve.converged());
+            double most = 0, lost = 0;
+            for (const auto& [id, now] : all_states(one.parts.comm, one.parts.liquid)) {
+                for (std::size_t k = 0; k < 3; ++k) {
+                    lost = std::max(lost, std::abs(now.u[k] - before.at(id).u[k]));
+                    most = std::max(most, std::abs(now.u[k]));
                 }
-                EXPECT_LT(lost, 1e-10 * most) << ratio; // round-off times nu dt / d^2, 1e5
             }
+            EXPECT_LT(lost, 1e-10 * most) << ratio; // round-off times nu dt / d^2, 1e5
         }
     }
 }

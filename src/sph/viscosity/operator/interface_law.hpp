@@ -73,15 +73,15 @@ struct InterfaceSums {
 
     // A pair, x to the particle from the other one, u likewise.
     KOKKOS_INLINE_FUNCTION void add(double w, double h, const double normal[3], const double x[3], const double u[3]) {
-        const double weight = w * (1 + h), square = excess_square(h);
-        const double shear = h * inner(normal, x);
+        const double weight = w * (1 + h);
         for (int k = 0; k < 3; ++k) {
-            const double apart = weight * u[k];
-            sheared[k] += shear * apart;
-            for (int l = 0; l < 3; ++l) {
-                n[k][l] += apart * x[l];
-                squares[k][l] += square * apart * x[l];
-            }
+            for (int l = 0; l < 3; ++l) n[k][l] += weight * u[k] * x[l];
+        }
+        if (h == 0) return;
+        const double square = weight * excess_square(h), shear = weight * h * inner(normal, x);
+        for (int k = 0; k < 3; ++k) {
+            sheared[k] += shear * u[k];
+            for (int l = 0; l < 3; ++l) squares[k][l] += square * u[k] * x[l];
         }
     }
 };
@@ -95,6 +95,7 @@ struct InterfacePull {
     InterfaceStress stress;
     double normal[3], damping;
 
+    KOKKOS_INLINE_FUNCTION bool has_normal() const { return is_normal(normal[0], normal[1], normal[2]); }
     KOKKOS_INLINE_FUNCTION void add(double w, double h, const double x[3], const double u[3], double to[3]) const {
         const double weight = w * (1 + h), square = excess_square(h);
         const double facing = inner(normal, x), parting = inner(normal, u);

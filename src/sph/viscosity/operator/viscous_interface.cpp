@@ -220,17 +220,20 @@ struct InterfaceForceLoop : ViscousLoop<Kernel> {
 
     KOKKOS_INLINE_FUNCTION void operator()(int row) const {
         const int i = rows(row);
-        const InterfacePull own = read_pull(i, true);
-        const bool knows = is_normal(own.normal[0], own.normal[1], own.normal[2]);
+        const InterfacePull own = read_pull(i);
         const double u[3] = {fields.velocity(i, 0), fields.velocity(i, 1), fields.velocity(i, 2)};
         double f[3] = {0, 0, 0};
         Base::each_pair(i, [&](double w, int j, double dx, double dy, double dz, double) {
             const double x[3] = {dx, dy, dz}, h = contrast(i, j);
             double apart[3];
             fields.read_difference(i, j, apart);
-            own.add(w, knows ? h : 0, x, apart, f);
-            const InterfacePull other = read_pull(j, h != 0);
-            other.add(w, is_normal(other.normal[0], other.normal[1], other.normal[2]) ? -h : 0, x, apart, f);
+            if (h == 0) {
+                add_within(own, j, w, x, apart, f);
+            } else {
+                own.add(w, own.has_normal() ? h : 0, x, apart, f);
+                const InterfacePull other = read_pull(j);
+                other.add(w, other.has_normal() ? -h : 0, x, apart, f);
+            }
         });
         Base::add_wall_stresses(i, StressGrip<Stress>{stress, contrast.share, damping}, u, f);
         const double inertia = relative(i);
@@ -238,16 +241,26 @@ struct InterfaceForceLoop : ViscousLoop<Kernel> {
     }
 
 private:
-    // Without a normal there is nothing but a stress.
-    KOKKOS_INLINE_FUNCTION InterfacePull read_pull(int i, bool mixed) const {
+    // A pair within one liquid.
+    KOKKOS_INLINE_FUNCTION void add_within(const InterfacePull& own, int j, double w, const double x[3], const double apart[3],
+                                           double f[3]) const {
+        const double slide = own.damping + damping * contrast.share(j);
+        for (int k = 0; k < 3; ++k) {
+            double pull = slide * apart[k];
+            for (int l = 0; l < 3; ++l) pull += (own.stress.q[k][l] + stress(j, k, l)) * x[l];
+            f[k] += w * pull;
+        }
+    }
+    // Of a particle with neighbours of another viscosity. Without a normal there is nothing but a stress.
+    KOKKOS_INLINE_FUNCTION InterfacePull read_pull(int i) const {
         InterfacePull out{};
         out.damping = damping * contrast.share(i);
         for (int k = 0; k < 3; ++k) {
+            out.normal[k] = fields.normal(i, k);
             for (int l = 0; l < 3; ++l) out.stress.q[k][l] = stress(i, k, l);
         }
-        if (!mixed || !is_normal(fields.normal(i, 0), fields.normal(i, 1), fields.normal(i, 2))) return out;
+        if (!out.has_normal()) return out;
         for (int k = 0; k < 3; ++k) {
-            out.normal[k] = fields.normal(i, k);
             out.stress.tilted[k] = fields.tilted(i, k);
             for (int l = 0; l < 3; ++l) out.stress.across[k][l] = fields.across[l](i, k);
         }
