@@ -153,10 +153,10 @@ measurements: [{name: height, kind: height, axis: y, position: [0.31, 0]}]
 
 
 class Recoveries(Workplace):
-    def run_text(self, text, ranks, run="run"):
+    def run_text(self, text, ranks, run="run", **values):
         with open(self.path("scene.yaml"), "w") as file:
             file.write(text + METHOD)
-        self.run_scene(self.path("scene.yaml"), run, ranks, {})
+        self.run_scene(self.path("scene.yaml"), run, ranks, values)
         return self.steps(run)
 
     def test_a_free_block_that_meets_a_floor_gains_nothing(self):
@@ -229,7 +229,7 @@ class Recoveries(Workplace):
         for ranks in (1, 3):
             with self.subTest(ranks=ranks):
                 run = f"column_on_{ranks}"
-                self.run_text(COLUMN, ranks, run)
+                self.run_text(COLUMN, ranks, run, **{"method.viscosity.bulk": 4})
                 first, last = self.frame(run, 0)["position"][:, 1], self.frame(run)["position"][:, 1]
                 low = first < first.min() + 1e-4
                 over = first - first[low].mean()
