@@ -32,7 +32,8 @@ bool breaks_down(double product, solve::Outcome indefinite, solve::SolveReport& 
                                            : "the velocities are no longer finite";
     return true;
 }
-// Forms with gradients, in products without a matrix, at the velocities that the solve finds.
+
+// True of the forms with gradients, in products without a matrix, at the velocities that the solve finds.
 bool resists_expansion(const ViscosityOptions& options) {
     return ViscousOperator::has_tiles(options.form) && !options.assembled && options.integration == ViscosityIntegration::implicit;
 }
@@ -55,6 +56,7 @@ ImplicitViscosity::ImplicitViscosity(const Comm& comm, LiquidParticles& liquid, 
 }
 
 void ImplicitViscosity::start(const LiquidParticles& liquid) {
+    operator_.clear_tension(liquid);
     if (last_change_ >= 0) Kokkos::deep_copy(liquid.store.get<Array3>(last_change_), 0.0);
 }
 
@@ -81,11 +83,9 @@ ImplicitViscosity::Result ImplicitViscosity::solve(const ViscousScene& step, con
     out.solve = freely ? step_explicitly(parts) : solve_implicitly(parts, bodies);
     const ViscousParts after{scene, bodies.load_points(), friction_, moved(bodies)};
     if (!freely && !last_product_is_of_u_) { // an explicit step's forces are those of its start
-        operator_.let_tension_act(true);
-        operator_.multiply(after, scene.liquid.velocity_field(), ViscousOperator::Walls::moving, product_);
+        multiply_velocities(after, false);
         ++out.solve.products;
     }
-    operator_.let_tension_act(false);
     out.loads = operator_.loads(after);
     operator_.keep_tension(scene.liquid);
     if (rheology_.extent(0) > 0) operator_.thin(after, rheology_);
@@ -186,9 +186,7 @@ double ImplicitViscosity::find_residual(Progress& progress, bool nearly) {
     auto& liquid = parts.liquid;
     const auto inertia = relative_density(parts.constants, liquid);
     const ViscousParts now{parts, parts.points, parts.friction, moved(progress.bodies)};
-    operator_.let_tension_act(true);
-    multiply(now, liquid.velocity_field(), ViscousOperator::Walls::moving, nearly);
-    operator_.let_tension_act(false);
+    multiply_velocities(now, nearly);
     hold_rows(liquid, inertia, liquid.velocity(), product_);
     ++progress.report.products;
     last_product_is_of_u_ = !nearly;
@@ -288,6 +286,13 @@ bool ImplicitViscosity::multiplies_nearly(const ViscosityOptions& options) const
 void ImplicitViscosity::multiply(const ViscousParts& parts, int u_field, ViscousOperator::Walls walls, bool nearly) {
     if (nearly) operator_.multiply_nearly(parts, u_field, walls, product_);
     else operator_.multiply(parts, u_field, walls, product_);
+}
+
+// The product with the liquid's velocities, beside what does not depend on them: walls that move, and the tension.
+void ImplicitViscosity::multiply_velocities(const ViscousParts& parts, bool nearly) {
+    operator_.let_tension_act(true);
+    multiply(parts, parts.liquid.velocity_field(), ViscousOperator::Walls::moving, nearly);
+    operator_.let_tension_act(false);
 }
 
 // Products with the directions; returns p.C p of all ranks.

@@ -68,6 +68,7 @@ private:
     void solve_assembled(Progress& progress);
     bool multiplies_nearly(const ViscosityOptions& options) const;
     void multiply(const ViscousParts& parts, int u_field, ViscousOperator::Walls walls, bool nearly);
+    void multiply_velocities(const ViscousParts& parts, bool nearly);
     double multiply_directions(const ViscousParts& parts, bool nearly, std::vector<double>& body_product);
     double precondition(const LiquidParticles& liquid, const Array3& r, const Array3& z);
     double precondition(const LiquidParticles& liquid);

@@ -1,7 +1,7 @@
 #pragma once
 #include "sph/model/symmetric.hpp"
 
-// Where liquids of different viscosity meet, the shear rate jumps so that the traction does not: formulas in README, "Where liquids meet".
+// Stress beside an interface of viscosity, at which the shear rate jumps and the traction does not (src/sph/theory.md, Interfaces).
 namespace treacle::sph {
 
 KOKKOS_INLINE_FUNCTION double inner(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
@@ -23,7 +23,7 @@ KOKKOS_INLINE_FUNCTION void cut_columns(const double n[3], double a[3][3]) {
 
 // h = (mu_j - mu_i) / (mu_i + mu_j), of viscosities or shares. A pair of two liquids counts f = 1 + h times for i, 1 - h times for j.
 KOKKOS_INLINE_FUNCTION double viscous_contrast(double own, double other) { return own + other > 0 ? (other - own) / (own + other) : 0; }
-// The same of two particles, 0 within one liquid.
+// Contrast h of two particles, 0 within one liquid.
 struct ViscousContrast {
     bool any = false;
     Array<double> share; // dt/m V mu, ghosts' as well
@@ -38,7 +38,7 @@ KOKKOS_INLINE_FUNCTION double excess_square(double h) { return h * (2 + h); }
 
 KOKKOS_INLINE_FUNCTION bool is_normal(double x, double y, double z) { return x != 0 || y != 0 || z != 0; }
 
-// What lies around a particle beside an interface, of which its stress is made.
+// Moments of the neighbours around a particle beside an interface, of which its stress is made.
 struct InterfaceShape {
     enum { numbers = 18 };
     Symmetric spread, squares;             // B = sum w f x x^T with the solids; sum w f (f^2 - 1) x x^T
@@ -90,7 +90,7 @@ struct InterfaceSums {
 struct InterfaceStress {
     double q[3][3], tilted[3], across[3][3];
 };
-// What pairs of a particle read of it; `damping` is kappa c.
+// Stress, normal and damping kappa c of a particle, as its pairs read them.
 struct InterfacePull {
     InterfaceStress stress;
     double normal[3], damping;
@@ -106,7 +106,7 @@ struct InterfacePull {
     }
 };
 
-// The stress of a particle beside an interface: that of V mu (S:S + kappa/2 sum w f |r|^2), c = dt/m V mu (README). Writes S as well.
+// The stress of a particle beside an interface: that of V mu (S:S + kappa/2 sum w f |r|^2), c = dt/m V mu (src/sph/theory.md). Writes S as well.
 struct InterfaceLaw {
     InterfaceShape shape;
     Symmetric fit; // B^+

@@ -79,7 +79,7 @@ private:
     }
 };
 
-// What preconditions, as in PrepareLoop::stress_block. Of a thicker neighbour's stress a particle feels what its own viscosity lets it
+// Diagonal blocks of the preconditioner, as in PrepareLoop::stress_block. Of a thicker neighbour's stress a particle feels what its own viscosity lets it
 // have, where the neighbour knows of the interface.
 template <class Kernel>
 struct InterfaceBlockLoop : ViscousLoop<Kernel> {
@@ -147,7 +147,7 @@ private:
     }
 };
 
-// Where the columns of Q go: those of the products in double and in single precision.
+// Columns of Q, for the products in double and in single precision.
 KOKKOS_INLINE_FUNCTION void write_stress(const InterfaceStress& stress, const Stresses& to, int i) {
     for (int l = 0; l < 3; ++l) {
         for (int k = 0; k < 3; ++k) to.column[l](i, k) = stress.q[k][l];
@@ -251,7 +251,7 @@ private:
             f[k] += w * pull;
         }
     }
-    // Of a particle with neighbours of another viscosity. Without a normal there is nothing but a stress.
+    // Pull of a particle with neighbours of another viscosity. Without a normal there is nothing but a stress.
     KOKKOS_INLINE_FUNCTION InterfacePull read_pull(int i) const {
         InterfacePull out{};
         out.damping = damping * contrast.share(i);

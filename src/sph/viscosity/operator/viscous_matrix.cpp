@@ -107,7 +107,7 @@ struct ViscousMatrix::Assembly {
     std::vector<std::size_t> offsets;
     std::vector<Member> members;                           // of the stress of each owned particle
     std::vector<std::vector<std::pair<int, int>>> seen_by; // (whose stress, which member) of each particle
-    // Of the owned particles beside another viscosity the derivatives of the force on each member by the velocity of each, but for what
+    // Derivatives, for the owned particles beside another viscosity, of the force on each member by the velocity of each, but for what
     // add_pairs() has of the pairs within their liquid; of all others none.
     std::vector<std::vector<Block>> beside;
     std::vector<Contribution> contributions; // to rows from elsewhere

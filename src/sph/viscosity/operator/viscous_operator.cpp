@@ -328,6 +328,10 @@ void ViscousOperator::keep_tension(const LiquidParticles& liquid) const {
     });
 }
 
+void ViscousOperator::clear_tension(const LiquidParticles& liquid) const {
+    if (tension_ >= 0) Kokkos::deep_copy(liquid.store.get<Array<double>>(tension_), 0.0);
+}
+
 Array<double> ViscousOperator::tension(const LiquidParticles& liquid) const {
     return tension_acts_ ? liquid.store.get<Array<double>>(tension_) : Array<double>();
 }

@@ -8,8 +8,8 @@
 namespace treacle::sph {
 
 // C u = u - dt/m f(u) on the owned particles, f being the viscous force (dissertation, chapter 4) in the form that
-// `viscosity.form` names: matrix-free, and but for the printed form symmetric and positive definite (README, "Implicit
-// viscosity"). Of several liquids the first term has the relative density as a factor.
+// `viscosity.form` names: matrix-free, and but for the printed form symmetric and positive definite (src/sph/theory.md,
+// Implicit viscosity). Of several liquids the first term has the relative density as a factor.
 class ViscousOperator {
 public:
     // Declares the fields that are exchanged. Slip lengths as in ForceOptions.
@@ -45,6 +45,8 @@ public:
     // Tension s of stretched liquid (augmented Lagrangian, Fortin & Glowinski 1983): s + zeta tr D of the last multiply, never negative.
     // Pressures hold no liquid together, since they are not negative either.
     void keep_tension(const LiquidParticles& liquid) const;
+    // No particle is under tension, as at the start of a run.
+    void clear_tension(const LiquidParticles& liquid) const;
     // Whether products have the tension's force, which does not depend on u.
     void let_tension_act(bool acts) { tension_acts_ = acts && tension_ >= 0; }
 
