@@ -72,6 +72,83 @@ Cut best_cut(std::span<const double> histograms, double share, const CellBox& bo
     if (total > 0 || n <= 1) return best;
     return {longest, box.lo[longest] + std::clamp(static_cast<int>(std::lround(share * n)), 1, n - 1), 0};
 }
+// Weights of the layers of each part, along x, then y, then z.
+struct Histograms {
+    std::vector<std::size_t> start{0}; // of each part's three
+    std::vector<double> weight;
+
+    std::span<const double> of(std::size_t part) const { return std::span(weight).subspan(start[part], start[part + 1] - start[part]); }
+};
+
+// A level of the bisection: its open parts, how each is cut, and the parts that this leaves.
+struct Level {
+    std::vector<Part> parts, next;
+    std::vector<Cut> cuts;
+    std::vector<int> left, right; // of `next`, -1: not cut
+
+    explicit Level(std::vector<Part> open) : parts(std::move(open)), cuts(parts.size()), left(parts.size(), -1), right(parts.size(), -1) {}
+
+    // Cuts a part in two, the children of a node.
+    void split(std::size_t p, const Cut& cut, int node) {
+        const auto& part = parts[p];
+        const int middle = part.first + (part.last - part.first) / 2;
+        Part low{part.box, part.first, middle, node, true};
+        Part high{part.box, middle, part.last, node, false};
+        low.box.hi[cut.axis] = cut.at;
+        high.box.lo[cut.axis] = cut.at;
+        cuts[p] = cut;
+        left[p] = static_cast<int>(next.size());
+        next.push_back(low);
+        right[p] = static_cast<int>(next.size());
+        next.push_back(high);
+    }
+};
+
+// Cells with a weight, and the open part that each lies in; -1: in a box that is cut no more.
+struct WeightedCells {
+    std::span<const int> cells; // [n][3]
+    std::span<const double> weights;
+    std::vector<int> part_of;
+
+    WeightedCells(std::span<const int> places, std::span<const double> loads) : cells(places), weights(loads), part_of(loads.size(), 0) {}
+
+    // Collective: sums over all ranks.
+    Histograms histograms(const Comm& comm, const std::vector<Part>& parts) const {
+        Histograms out;
+        for (const auto& part : parts) {
+            std::size_t layers = 0;
+            for (int k = 0; k < 3; ++k) layers += static_cast<std::size_t>(extent(part.box, k));
+            out.start.push_back(out.start.back() + layers);
+        }
+        out.weight.assign(out.start.back(), 0.0);
+        for (std::size_t i = 0; i < weights.size(); ++i) {
+            if (part_of[i] < 0) continue;
+            const auto p = static_cast<std::size_t>(part_of[i]);
+            const auto& box = parts[p].box;
+            std::size_t from = out.start[p];
+            for (int k = 0; k < 3; ++k) {
+                const int layer = cells[3 * i + static_cast<std::size_t>(k)] - box.lo[k];
+                out.weight[from + static_cast<std::size_t>(layer)] += weights[i];
+                from += static_cast<std::size_t>(extent(box, k));
+            }
+        }
+        comm.sum(std::span(out.weight));
+        return out;
+    }
+    // Goes on to the parts of the next level.
+    void descend(const Level& level) {
+        for (std::size_t i = 0; i < weights.size(); ++i) {
+            if (part_of[i] < 0) continue;
+            const auto p = static_cast<std::size_t>(part_of[i]);
+            if (level.left[p] < 0) {
+                part_of[i] = -1;
+            } else {
+                const bool is_left = cells[3 * i + static_cast<std::size_t>(level.cuts[p].axis)] < level.cuts[p].at;
+                part_of[i] = is_left ? level.left[p] : level.right[p];
+            }
+        }
+    }
+};
 } // namespace
 
 Decomposition::Decomposition(const Comm& comm, const CellGrid& grid)
@@ -80,59 +157,25 @@ Decomposition::Decomposition(const Comm& comm, const CellGrid& grid)
 }
 
 void Decomposition::recut(std::span<const int> cells, std::span<const double> weights) {
-    const std::size_t n = weights.size();
-    std::vector<int> part_of(n, 0); // which open part each weighted cell lies in
+    WeightedCells weighted(cells, weights);
     std::vector<Part> parts{{grid_.all(), 0, comm_.size(), -1, false}};
     nodes_.clear();
     int root = -1;
     while (!parts.empty()) {
-        std::vector<std::size_t> start{0}; // of each part's three histograms
-        for (const auto& part : parts) {
-            std::size_t layers = 0;
-            for (int k = 0; k < 3; ++k) layers += static_cast<std::size_t>(extent(part.box, k));
-            start.push_back(start.back() + layers);
-        }
-        std::vector<double> histogram(start.back(), 0.0);
-        for (std::size_t i = 0; i < n; ++i) {
-            const int p = part_of[i];
-            if (p < 0) continue;
-            const auto u = static_cast<std::size_t>(p);
-            const auto& box = parts[u].box;
-            std::size_t from = start[u];
-            for (int k = 0; k < 3; ++k) {
-                const int layer = cells[3 * i + static_cast<std::size_t>(k)] - box.lo[k];
-                histogram[from + static_cast<std::size_t>(layer)] += weights[i];
-                from += static_cast<std::size_t>(extent(box, k));
-            }
-        }
-        comm_.sum(std::span(histogram));
-
-        std::vector<Part> next;
-        std::vector<int> left_of(parts.size(), -1), right_of(parts.size(), -1);
-        std::vector<Cut> cuts(parts.size());
-        for (std::size_t p = 0; p < parts.size(); ++p) {
-            const auto& part = parts[p];
+        Level level(std::move(parts));
+        const auto histograms = weighted.histograms(comm_, level.parts);
+        for (std::size_t p = 0; p < level.parts.size(); ++p) {
+            const auto& part = level.parts[p];
             const int ranks = part.last - part.first;
             int value = -1 - part.first;
             if (ranks == 1) {
                 boxes_[static_cast<std::size_t>(part.first)] = part.box;
             } else {
-                const int left_ranks = ranks / 2;
-                const double share = double(left_ranks) / ranks;
-                const auto cut = best_cut(std::span(histogram).subspan(start[p], start[p + 1] - start[p]),
-                                          share, part.box);
-                const int k = cut.axis;
-                cuts[p] = cut;
+                const double share = double(ranks / 2) / ranks;
+                const auto cut = best_cut(histograms.of(p), share, part.box);
                 value = static_cast<int>(nodes_.size());
-                nodes_.push_back({k, cut.at, 0, 0});
-                Part left{part.box, part.first, part.first + left_ranks, value, true};
-                Part right{part.box, part.first + left_ranks, part.last, value, false};
-                left.box.hi[k] = cut.at;
-                right.box.lo[k] = cut.at;
-                left_of[p] = static_cast<int>(next.size());
-                next.push_back(left);
-                right_of[p] = static_cast<int>(next.size());
-                next.push_back(right);
+                nodes_.push_back({cut.axis, cut.at, 0, 0});
+                level.split(p, cut, value);
             }
             if (part.parent < 0) {
                 root = value;
@@ -141,17 +184,8 @@ void Decomposition::recut(std::span<const int> cells, std::span<const double> we
                 (part.is_left ? parent.left : parent.right) = value;
             }
         }
-        for (std::size_t i = 0; i < n; ++i) {
-            if (part_of[i] < 0) continue;
-            const auto p = static_cast<std::size_t>(part_of[i]);
-            if (left_of[p] < 0) {
-                part_of[i] = -1;
-            } else {
-                const bool is_left = cells[3 * i + static_cast<std::size_t>(cuts[p].axis)] < cuts[p].at;
-                part_of[i] = is_left ? left_of[p] : right_of[p];
-            }
-        }
-        parts = std::move(next);
+        weighted.descend(level);
+        parts = std::move(level.next);
     }
     upload(nodes_, root);
 }

@@ -184,7 +184,7 @@ void GridStep::balance_momentum(StepReport& report, double kick) {
     auto loads = report.loads;
     for (std::size_t k = 0; k < report.viscous_loads.size(); ++k) loads[k] += report.viscous_loads[k];
     const auto before = loads;
-    balance_.end(comm_, balance_scene(), setup_.domain.gravity, kick, bodies_, loads);
+    balance_.end(comm_, balance_scene(), {setup_.domain.gravity, kick}, bodies_, loads);
     for (std::size_t k = 0; k < loads.size(); ++k) report.loads[k] += loads[k] - before[k];
 }
 

@@ -2,6 +2,7 @@
 
 #include "app/input/table_text.hpp"
 #include "app/setup/bodies.hpp"
+#include "app/setup/body_checks.hpp"
 #include "app/setup/build_scene.hpp"
 #include "app/setup/inflow.hpp"
 #include "grid/geometry/seeding.hpp"

@@ -57,12 +57,19 @@ bool is_constrained(const rigid::RigidBodies& bodies, std::size_t b) {
     return std::ranges::any_of(setup.joints, [b](const auto& joint) { return joint.body == b || joint.other == static_cast<int>(b); });
 }
 
+// Place of a label among those found, their number for none of them.
+std::size_t place_of(const std::vector<double>& found, double label) { return static_cast<std::size_t>(std::ranges::find(found, label) - found.begin()); }
+} // namespace
+
 // Connected cells and bodies on this rank, and the least number in each set over all ranks.
-struct Labels {
+struct MomentumBalance::Labels {
+    std::size_t cells;
     DisjointSets sets;
     std::vector<double> label; // [members], of the least member of a set
 
+    Labels(std::size_t of_window, std::size_t bodies) : cells(of_window) { sets.reset(cells + bodies); }
     double of(std::size_t i) { return label[sets.find(i)]; }
+    double of_body(std::size_t b) { return of(cells + b); }
     // Lowers the label of the set of i to `to`; true when it falls.
     bool lower(std::size_t i, double to) {
         auto& mine = label[sets.find(i)];
@@ -72,6 +79,7 @@ struct Labels {
     }
 };
 
+namespace {
 void mark_liquid(const MomentumBalance::Scene& scene, const Array<int>& liquid) {
     const CellBox window = scene.halo.window(), owned = scene.halo.owned();
     const CellList cells = scene.cells;
@@ -129,19 +137,9 @@ void join_cells(const MomentumBalance::Scene& scene, const Array<int>::HostMirro
 }
 } // namespace
 
-// Members are the cells of the window, then the bodies; on the host, where the sets are.
-void MomentumBalance::connect(const Comm& comm, const Scene& scene, const rigid::RigidBodies& bodies) {
-    const CellBox window = scene.halo.window();
-    const auto cells = static_cast<std::size_t>(window.size()), n = bodies.size();
-    reserve(label_, cells);
-    reserve(group_, cells);
-    mark_liquid(scene, group_);
-    scene.halo.gather({group_});
-    const auto liquid = on_host(group_);
-    Labels labels;
-    labels.sets.reset(cells + n);
-    std::vector<char> rests(cells, 0);
-    join_cells(scene, liquid, labels.sets, rests);
+// Collective: gives each set the least number of its members on all ranks. `liquid`: [window] 1: cells with liquid.
+void MomentumBalance::lower_labels(const Comm& comm, const Scene& scene, const Array<int>::HostMirror& liquid, Labels& labels) {
+    const std::size_t cells = labels.cells, n = labels.sets.size() - cells;
     // Numbers that no two members share but a body's on all ranks.
     const double before = double(comm.exclusive_sum(static_cast<std::int64_t>(cells)));
     const double all = double(comm.sum(static_cast<std::int64_t>(cells)));
@@ -163,25 +161,44 @@ void MomentumBalance::connect(const Comm& comm, const Scene& scene, const rigid:
         for (std::size_t b = 0; b < n; ++b) changed = labels.lower(cells + b, -of_body[b]) || changed;
         changed = comm.any(changed);
     }
-    // A group for each label of a body, in the order of the bodies.
+}
+
+// Makes a group for each label of a body, in the order of the bodies. Returns these labels.
+std::vector<double> MomentumBalance::group_bodies(Labels& labels, const rigid::RigidBodies& bodies) {
     std::vector<double> found;
     groups_.clear();
-    const auto group_of = [&](double of) { return static_cast<std::size_t>(std::ranges::find(found, of) - found.begin()); };
-    for (std::size_t b = 0; b < n; ++b) {
-        const double of = labels.of(cells + b);
-        const auto g = group_of(of);
+    for (std::size_t b = 0; b < bodies.size(); ++b) {
+        const double of = labels.of_body(b);
+        const auto g = place_of(found, of);
         if (g == found.size()) {
             found.push_back(of);
             groups_.emplace_back();
         }
         if (bodies.moves(b)) groups_[g].bodies.push_back(b);
     }
+    return found;
+}
+
+// Members are the cells of the window, then the bodies; on the host, where the sets are.
+void MomentumBalance::connect(const Comm& comm, const Scene& scene, const rigid::RigidBodies& bodies) {
+    const auto cells = static_cast<std::size_t>(scene.halo.window().size());
+    reserve(label_, cells);
+    reserve(group_, cells);
+    mark_liquid(scene, group_);
+    scene.halo.gather({group_});
+    const auto liquid = on_host(group_);
+    Labels labels(cells, bodies.size());
+    std::vector<char> rests(cells, 0);
+    join_cells(scene, liquid, labels.sets, rests);
+    lower_labels(comm, scene, liquid, labels);
+    const auto found = group_bodies(labels, bodies);
     std::vector<std::int64_t> touches(2 * groups_.size(), 0); // something at rest; liquid
     auto group = Kokkos::create_mirror_view(group_);
     for (std::size_t i = 0; i < cells; ++i) {
+        const bool wet = liquid(i) != 0; // read first: on a host build both are the same numbers
         group(i) = -1;
-        if (label(i) < 0) continue;
-        const auto g = group_of(labels.of(i));
+        if (!wet) continue;
+        const auto g = place_of(found, labels.of(i));
         if (g == groups_.size()) continue;
         group(i) = static_cast<int>(g);
         touches[2 * g] += rests[i];
@@ -310,8 +327,7 @@ Eigen::Matrix<double, 6, Eigen::Dynamic> motions(const MacGrid& grid) {
 }
 } // namespace
 
-void MomentumBalance::end(const Comm& comm, const Scene& scene, const Vec3& gravity, double kick, rigid::RigidBodies& bodies,
-                          std::span<double> loads) {
+void MomentumBalance::end(const Comm& comm, const Scene& scene, const Kick& kick, rigid::RigidBodies& bodies, std::span<double> loads) {
     const auto kept = motions(scene.grid);
     std::vector<double> pushed(6 * bodies.size(), 0.0);
     bool any = false;
@@ -322,13 +338,13 @@ void MomentumBalance::end(const Comm& comm, const Scene& scene, const Vec3& grav
         const auto load = [&](std::size_t b) { return loads.subspan(6 * b, 6); };
         const Vec3 moment{after.moment[0], after.moment[1], after.moment[2]};
         Vector6 missing;
-        missing << kick * after.mass * vector(gravity), kick * vector(moment).cross(vector(gravity));
+        missing << kick.time * after.mass * vector(kick.gravity), kick.time * vector(moment).cross(vector(kick.gravity));
         for (int k = 0; k < 6; ++k) missing[k] -= after.momentum[static_cast<std::size_t>(k)] - group.before.momentum[static_cast<std::size_t>(k)];
-        for (const auto b : group.bodies) missing -= kick * about_origin(bodies.pose(b).centre, load(b));
+        for (const auto b : group.bodies) missing -= kick.time * about_origin(bodies.pose(b).centre, load(b));
         if (!group.free) {
             // Momentum that the liquid did not get was not given, as long as one body alone can have given it.
             if (group.bodies.size() != 1 || bodies.dynamic(group.bodies[0])) continue;
-            const Vector6 change = kept * (kept.transpose() * missing) / kick;
+            const Vector6 change = kept * (kept.transpose() * missing) / kick.time;
             const auto& centre = bodies.pose(group.bodies[0]).centre;
             const Eigen::Vector3d force = change.head<3>(), torque = change.tail<3>() - vector(centre).cross(force);
             for (int k = 0; k < 3; ++k) load(group.bodies[0])[static_cast<std::size_t>(k)] += force[k];
@@ -345,7 +361,7 @@ void MomentumBalance::end(const Comm& comm, const Scene& scene, const Vec3& grav
         move(scene, static_cast<int>(g), velocity, spin);
         for (const auto b : group.bodies) {
             const auto& centre = bodies.pose(b).centre;
-            const Vector6 given = mass_of(bodies, b) * motion / kick;
+            const Vector6 given = mass_of(bodies, b) * motion / kick.time;
             const Eigen::Vector3d force = given.head<3>(), torque = given.tail<3>() - vector(centre).cross(force);
             for (int k = 0; k < 3; ++k) {
                 pushed[6 * b + static_cast<std::size_t>(k)] = force[k];
@@ -356,7 +372,7 @@ void MomentumBalance::end(const Comm& comm, const Scene& scene, const Vec3& grav
         }
         any = true;
     }
-    if (any) bodies.push(pushed, kick);
+    if (any) bodies.push(pushed, kick.time);
 }
 
 } // namespace treacle::grid

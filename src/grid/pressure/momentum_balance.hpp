@@ -34,9 +34,12 @@ public:
     // the velocities of before.
     void begin(const Comm& comm, const Scene& scene, const rigid::RigidBodies& bodies);
     // Collective. `loads`: what the step has put on each body, mean over its kick, 6 numbers each [N], [N m], about their
-    // centres; they become those that balance. `gravity` [m/s2] acted for `kick` [s].
-    void end(const Comm& comm, const Scene& scene, const Vec3& gravity, double kick, rigid::RigidBodies& bodies,
-             std::span<double> loads);
+    // centres; they become those that balance.
+    struct Kick {
+        const Vec3& gravity; // [m/s2]
+        double time;         // that it acted for [s]
+    };
+    void end(const Comm& comm, const Scene& scene, const Kick& kick, rigid::RigidBodies& bodies, std::span<double> loads);
 
     std::size_t bytes() const { return sizeof(double) * label_.span() + sizeof(int) * group_.span(); }
 
@@ -57,7 +60,10 @@ private:
         bool free = false;     // nor a body that is led, or that joints or locks hold
         Sums before;
     };
+    struct Labels;
     void connect(const Comm& comm, const Scene& scene, const rigid::RigidBodies& bodies);
+    void lower_labels(const Comm& comm, const Scene& scene, const Array<int>::HostMirror& liquid, Labels& labels);
+    std::vector<double> group_bodies(Labels& labels, const rigid::RigidBodies& bodies);
 
     Array<double> label_{"treacle::momentum_label", 0}; // [window] the least number of what hangs together, -1: no liquid
     Array<int> group_{"treacle::momentum_group", 0};    // [window] of groups_, -1

@@ -37,8 +37,8 @@ std::map<int, int> windows_of(std::size_t experiment, const EvaluatedRun& run, c
 }
 } // namespace
 
-Drift drift_of(std::size_t experiment, const EvaluatedRun& run, const Layout& layout, const Fit& whole, const Vector& gradient, const Matrix& view, const Matrix& information,
-               const std::vector<int>& blocks) {
+Drift drift_of(std::size_t experiment, const WholeFit& all) {
+    const auto& [run, layout, whole, gradient, view, information, blocks] = all;
     const auto window_by_frame = windows_of(experiment, run, layout, whole.weights.cwiseProduct(gradient.cwiseAbs2()));
     if (window_by_frame.empty()) return {};
     std::vector<Eigen::Index> rows;
@@ -74,7 +74,7 @@ Drift drift_of(std::size_t experiment, const EvaluatedRun& run, const Layout& la
     slope.tail(view_count) += priors.bottomRightCorner(view_count, view_count) * away;
     part.x = -part.inverse * slope;
     part.left = r + g * part.x;
-    const Matrix changes = block_changes(part, g, priors, own_blocks);
+    const Matrix changes = block_changes({part, g, own_blocks}, priors);
     const Matrix by_priors = part.inverse.topRows(window_count);
     const Matrix covariance = changes.leftCols(window_count).transpose() * changes.leftCols(window_count) + by_priors * priors * by_priors.transpose();
     // Straight line by least squares over the windows' numbers.

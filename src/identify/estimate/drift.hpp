@@ -3,9 +3,19 @@
 
 namespace treacle::identify {
 
+// Fit to all frames.
+struct WholeFit {
+    const EvaluatedRun& run;
+    const Layout& layout;
+    const Fit& fit;
+    Vector gradient;           // [rows] of the residuals by the parameter
+    const Matrix& view;        // [rows][views' parameters]
+    Matrix information;        // on the views' parameters
+    const std::vector<int>& blocks;
+};
+
 // Drift of the answer over the frames of an experiment, of one parameter, by a linear model with a parameter for each of four windows that tell about as much, and the view of the
-// experiment within its priors; weights are those of the fit to all. gradient: [rows] of the residuals by the parameter.
-Drift drift_of(std::size_t experiment, const EvaluatedRun& run, const Layout& layout, const Fit& whole, const Vector& gradient, const Matrix& view, const Matrix& information,
-               const std::vector<int>& blocks);
+// experiment within its priors; weights are those of the fit to all.
+Drift drift_of(std::size_t experiment, const WholeFit& all);
 
 } // namespace treacle::identify

@@ -41,7 +41,17 @@ double& part_of(VarianceParts& parts, ViewPart part) {
     return parts.instrument;
 }
 
-VarianceParts parts_of(Eigen::Index k, Eigen::Index p, const Matrix& changes, const Fit& fit, const Matrix& g, const Matrix& information, const EvaluatedRun& run) {
+// What the variance is found from: the fit, its gradient, the priors' information, and what leaving out each block changes.
+struct Spread {
+    const Fit& fit;
+    const Matrix& g;
+    const Matrix& information;
+    Matrix changes; // [blocks][parameters]
+};
+
+// Parts of the variance of the parameter k of p.
+VarianceParts parts_of(Eigen::Index k, Eigen::Index p, const Spread& spread, const EvaluatedRun& run) {
+    const auto& [fit, g, information, changes] = spread;
     VarianceParts out;
     const Matrix& a = fit.inverse;
     const Vector moves = g * a.col(k);
@@ -60,9 +70,9 @@ VarianceParts parts_of(Eigen::Index k, Eigen::Index p, const Matrix& changes, co
 }
 
 // Covariance of the parameters, by blocks and by the priors of views and ranges.
-Matrix covariance_of(const Matrix& changes, const Fit& fit, const Matrix& information, Eigen::Index p) {
-    const Matrix moves = changes.leftCols(p), by_priors = fit.inverse.topRows(p);
-    return moves.transpose() * moves + by_priors * information * by_priors.transpose();
+Matrix covariance_of(const Spread& spread, Eigen::Index p) {
+    const Matrix moves = spread.changes.leftCols(p), by_priors = spread.fit.inverse.topRows(p);
+    return moves.transpose() * moves + by_priors * spread.information * by_priors.transpose();
 }
 
 // Standard deviation of each parameter if every point had the noise of its segment, independent of its neighbours, and the view were known.
@@ -123,7 +133,7 @@ double residual_objective(const EvaluatedRun& run, const std::vector<ViewInforma
     const auto layout = layout_of(run, {}, {});
     if (layout.rows.empty()) return 1e300;
     const auto r = displacements(run, layout), size = sizes(run, layout);
-    const auto best = fit(r, view_matrix(run, layout), size, prior_matrix(priors, 0), layout, {true, bend, {}, 0});
+    const auto best = fit({r, view_matrix(run, layout), size, prior_matrix(priors, 0)}, layout, {true, bend, {}, 0});
     double sum = best.x.dot(prior_matrix(priors, 0) * best.x);
     for (Eigen::Index i = 0; i < r.size(); ++i) {
         const double u = std::abs(best.left[i]);
@@ -144,7 +154,7 @@ std::vector<double> search_residuals(const EvaluatedRun& run, const std::vector<
     if (layout.rows.empty()) return {};
     const auto size = sizes(run, layout);
     const auto information = prior_matrix(priors, 0);
-    const auto best = fit(displacements(run, layout), view_matrix(run, layout), size, information, layout, {true, bend, {}, 0});
+    const auto best = fit({displacements(run, layout), view_matrix(run, layout), size, information}, layout, {true, bend, {}, 0});
     for (std::size_t i = 0; i < layout.rows.size(); ++i) {
         out[first[layout.rows[i].experiment] + layout.rows[i].segment] = std::sqrt(size[Eigen::Index(i)]) * best.left[Eigen::Index(i)];
     }
@@ -159,7 +169,7 @@ std::vector<double> misfits_of_run(const EvaluatedRun& run, const std::vector<Vi
     std::vector<double> squares(run.experiments.size(), 0.0), frames(run.experiments.size(), 0.0), out;
     const auto layout = layout_of(run, {}, {});
     if (layout.rows.empty()) return std::vector<double>(run.experiments.size(), std::nan(""));
-    const auto best = fit(displacements(run, layout), view_matrix(run, layout), sizes(run, layout), prior_matrix(priors, 0), layout, {true, bend, {}, 0});
+    const auto best = fit({displacements(run, layout), view_matrix(run, layout), sizes(run, layout), prior_matrix(priors, 0)}, layout, {true, bend, {}, 0});
     for (const auto& [key, sum] : squares_by_frame(run, layout, best.left)) {
         squares[key.first] += sum[0] / sum[1];
         frames[key.first] += 1;
@@ -187,97 +197,137 @@ double ninety_percent(const VarianceParts& parts, double freedom) {
     return z + (z3 + z) / (4 * n) + (5 * z5 + 16 * z3 + 3 * z) / (96 * n * n) + (3 * z7 + 19 * z5 + 17 * z3 - 15 * z) / (384 * n * n * n);
 }
 
+namespace {
+// What the answer is found from.
+struct Given {
+    const std::vector<EvaluatedRun>& runs;
+    const std::vector<ViewInformation>& priors;
+    const std::vector<std::vector<EvaluatedRun>>& finer;
+    const RangePrior& range;
+};
+
+class Estimator {
+public:
+    Estimator(const Given& given, const EvaluatedRun& best, const Layout& layout)
+        : given_(given), best_(best), layout_(layout), p_(given.runs.front().point.size()), bounded_(given.range.lower.size() == p_),
+          size_(sizes(best, layout)), views_(view_matrix(best, layout)), information_(prior_matrix(given.priors, p_)),
+          g_(views_.rows(), p_ + views_.cols()) {
+        if (bounded_) information_.diagonal().head(p_) = given.range.information();
+    }
+
+    Estimate find() {
+        out_.point = best_.point;
+        settle({});
+        find_blocks();
+        const Fit spread = p_ == 1 ? dilute_one() : dilute_several();
+        tell_variance({spread, g_, information_, block_changes({spread, g_, blocks_}, information_)});
+        tell_fit();
+        if (p_ == 1) tell_drifts();
+        return out_;
+    }
+
+private:
+    // Rounds of the local model and its fit, until the point stays.
+    void settle(const std::vector<double>& dilution) {
+        const auto& range = given_.range;
+        for (int round = 0; round < 12; ++round) {
+            model_ = local_model(given_.runs, layout_, out_.point);
+            for (const auto& rung : given_.finer) correct(model_, rung, layout_, out_.point);
+            g_ << model_.gradient, views_;
+            Vector pull = Vector::Zero(g_.cols());
+            if (bounded_) pull.head(p_) = range.information().cwiseProduct(out_.point - range.centre());
+            result_ = fit({model_.value, g_, size_, information_}, layout_, {false, 3, dilution, p_, pull});
+            const Vector before = out_.point;
+            // Not far beyond the runs, where the model is a guess.
+            out_.point += result_.x.head(p_) / std::max(1.0, result_.x.head(p_).cwiseAbs().maxCoeff() / 0.5);
+            if (bounded_) out_.point = out_.point.cwiseMax(range.lower).cwiseMin(range.upper);
+            const Vector step = out_.point - before;
+            if (step.cwiseAbs().maxCoeff() < 1e-6) break;
+        }
+    }
+    void find_blocks() {
+        const auto sector = sectors(best_, layout_);
+        out_.block_frames = correlation_frames(best_, layout_, result_.left, sector);
+        blocks_ = blocks_of(best_, layout_, sector, 2 * out_.block_frames);
+        out_.blocks = std::size_t(*std::ranges::max_element(blocks_)) + 1;
+        // Segments that share their noise must not outvote what is known of the view.
+        dilution_ = inflation({result_, g_, blocks_}, block_changes({result_, g_, blocks_}, information_), layout_, p_);
+    }
+    Matrix view_information() const { return information_.bottomRightCorner(views_.cols(), views_.cols()); }
+    std::vector<double> excess() const { return excesses(result_.x.tail(result_.x.size() - p_), view_information(), best_); }
+    void dilute(const std::vector<double>& excess) {
+        for (std::size_t e = 0; e < excess.size(); ++e) dilution_[e] *= std::max(1.0, std::min(10.0, excess[e]));
+    }
+    Fit dilute_one() {
+        settle(dilution_);
+        for (int round = 0; round < most_rounds && std::ranges::max(excess()) > 1; ++round) {
+            dilute(excess());
+            settle(dilution_);
+        }
+        return result_;
+    }
+    // Several parameters can do what the resolution does to the view, if this is held: they leave by the valley in which they trade with
+    // each other. So the view is free within its priors, and dilution widens the region alone, by the same for all experiments: with
+    // one of its own the one that the model explains worse would be given up for the others.
+    Fit dilute_several() {
+        dilute(excess());
+        std::ranges::fill(dilution_, std::ranges::max(dilution_));
+        return fit({model_.value, g_, size_, information_}, layout_, {false, 3, dilution_, p_, {}});
+    }
+    void tell_variance(const Spread& spread) {
+        out_.covariance = covariance_of(spread, p_);
+        for (Eigen::Index k = 0; k < p_; ++k) {
+            out_.parts.push_back(parts_of(k, p_, spread, best_));
+            const auto squares = spread.changes.col(k).array().square();
+            out_.freedom.push_back(std::max(1.0, squares.sum() * squares.sum() / std::max(1e-300, squares.square().sum()) - 1));
+        }
+        const double deviation = std::sqrt(out_.parts.front().total());
+        const double slope = model_.gradient.col(0).norm();
+        out_.curvature = slope > 0 ? 0.5 * deviation * model_.square.norm() / slope : 0;
+    }
+    void tell_fit() {
+        const auto& noise = result_.noise;
+        out_.naive = naive_deviations(best_, layout_, model_.gradient, noise);
+        for (std::size_t e = 0; e < given_.priors.size(); ++e) out_.view.push_back(result_.x.segment(p_ + Eigen::Index(e) * view_count, view_count));
+        for (std::size_t e = 0; e < layout_.experiments; ++e) out_.noise.push_back(noise[e] * usual_noise(best_.experiments[e].kind));
+        out_.runs = model_.runs;
+        out_.dilution = dilution_;
+        for (std::size_t e = 0; e < layout_.experiments; ++e) {
+            constexpr double half_quantile = 1.353; // of chi square of one degree of freedom, 90 %
+            out_.alike = std::max(out_.alike, half_quantile * dilution_[e] * noise[e] * noise[e] / double(layout_.rows.size()));
+        }
+        tell_misfit(out_, best_, layout_, result_.left);
+    }
+    void tell_drifts() {
+        const WholeFit all{best_, layout_, result_, model_.gradient.col(0), views_, view_information(), blocks_};
+        for (std::size_t e = 0; e < layout_.experiments; ++e) out_.drifts.push_back(drift_of(e, all));
+    }
+
+    Given given_;
+    const EvaluatedRun& best_;
+    const Layout& layout_;
+    Eigen::Index p_;
+    bool bounded_;
+    Vector size_;
+    Matrix views_, information_, g_;
+    LocalModel model_;
+    Fit result_;
+    std::vector<int> blocks_;
+    std::vector<double> dilution_; // per experiment
+    Estimate out_;
+};
+} // namespace
+
 Estimate estimate(const std::vector<EvaluatedRun>& runs, const std::vector<ViewInformation>& priors, const std::vector<std::vector<EvaluatedRun>>& finer, const RangePrior& range) {
     if (runs.empty()) throw InputError({"identify", "has no good run", "all have failed", "look at their reasons in the table"});
-    const auto p = runs.front().point.size();
-    const auto* best = &least_of(finer.empty() ? runs : finer.back(), priors);
-    const auto layout = layout_of(*best, runs, finer);
+    const auto& best = least_of(finer.empty() ? runs : finer.back(), priors);
+    const auto layout = layout_of(best, runs, finer);
     if (layout.rows.empty()) {
         throw InputError({"identify", "finds nothing to compare: no contour in the masks, no vector in the liquid",
                           "masks hold no liquid, or only specks and what touches the rim; or sheets lie where no run has liquid",
                           "look at the masks or fields, and at from and to"});
     }
-    const auto size = sizes(*best, layout);
-    const auto views = view_matrix(*best, layout);
-    auto information = prior_matrix(priors, p);
-    const bool bounded = range.lower.size() == p;
-    if (bounded) information.diagonal().head(p) = range.information();
-
-    Estimate out;
-    out.point = best->point;
-    Fit result;
-    LocalModel model;
-    Matrix g(views.rows(), p + views.cols());
-    const auto settle = [&](const std::vector<double>& dilution) {
-        for (int round = 0; round < 12; ++round) {
-            model = local_model(runs, layout, out.point);
-            for (const auto& rung : finer) correct(model, rung, layout, out.point);
-            g << model.gradient, views;
-            Vector pull = Vector::Zero(g.cols());
-            if (bounded) pull.head(p) = range.information().cwiseProduct(out.point - range.centre());
-            result = fit(model.value, g, size, information, layout, {false, 3, dilution, p, pull});
-            const Vector before = out.point;
-            // Not far beyond the runs, where the model is a guess.
-            out.point += result.x.head(p) / std::max(1.0, result.x.head(p).cwiseAbs().maxCoeff() / 0.5);
-            if (bounded) out.point = out.point.cwiseMax(range.lower).cwiseMin(range.upper);
-            const Vector step = out.point - before;
-            if (step.cwiseAbs().maxCoeff() < 1e-6) break;
-        }
-    };
-    settle({});
-    const auto sector = sectors(*best, layout);
-    out.block_frames = correlation_frames(*best, layout, result.left, sector);
-    const auto blocks = blocks_of(*best, layout, sector, 2 * out.block_frames);
-    out.blocks = std::size_t(*std::ranges::max_element(blocks)) + 1;
-    // Segments that share their noise must not outvote what is known of the view.
-    auto dilution = inflation(result, g, block_changes(result, g, information, blocks), blocks, layout, p);
-    const auto far = [&] { return excesses(result.x.tail(result.x.size() - p), information.bottomRightCorner(views.cols(), views.cols()), *best); };
-    const auto dilute = [&](const std::vector<double>& excess) {
-        for (std::size_t e = 0; e < excess.size(); ++e) dilution[e] *= std::max(1.0, std::min(10.0, excess[e]));
-    };
-    Fit spread;
-    if (p == 1) {
-        settle(dilution);
-        for (int round = 0; round < most_rounds && std::ranges::max(far()) > 1; ++round) {
-            dilute(far());
-            settle(dilution);
-        }
-        spread = result;
-    } else {
-        // Several parameters can do what the resolution does to the view, if this is held: they leave by the valley in which they trade with
-        // each other. So the view is free within its priors, and dilution widens the region alone, by the same for all experiments: with
-        // one of its own the one that the model explains worse would be given up for the others.
-        dilute(far());
-        std::ranges::fill(dilution, std::ranges::max(dilution));
-        spread = fit(model.value, g, size, information, layout, {false, 3, dilution, p, {}});
-    }
-
-    const Matrix changes = block_changes(spread, g, information, blocks);
-    out.covariance = covariance_of(changes, spread, information, p);
-    for (Eigen::Index k = 0; k < p; ++k) {
-        out.parts.push_back(parts_of(k, p, changes, spread, g, information, *best));
-        const auto squares = changes.col(k).array().square();
-        out.freedom.push_back(std::max(1.0, squares.sum() * squares.sum() / std::max(1e-300, squares.square().sum()) - 1));
-    }
-    out.naive = naive_deviations(*best, layout, model.gradient, result.noise);
-    for (std::size_t e = 0; e < priors.size(); ++e) out.view.push_back(result.x.segment(p + Eigen::Index(e) * view_count, view_count));
-    for (std::size_t e = 0; e < layout.experiments; ++e) out.noise.push_back(result.noise[e] * usual_noise(best->experiments[e].kind));
-    out.runs = model.runs;
-    out.dilution = dilution;
-    for (std::size_t e = 0; e < layout.experiments; ++e) {
-        constexpr double half_quantile = 1.353; // of chi square of one degree of freedom, 90 %
-        out.alike = std::max(out.alike, half_quantile * dilution[e] * result.noise[e] * result.noise[e] / double(layout.rows.size()));
-    }
-    const double deviation = std::sqrt(out.parts.front().total());
-    const double slope = model.gradient.col(0).norm();
-    out.curvature = slope > 0 ? 0.5 * deviation * model.square.norm() / slope : 0;
-    tell_misfit(out, *best, layout, result.left);
-    if (p == 1) {
-        for (std::size_t e = 0; e < layout.experiments; ++e) {
-            out.drifts.push_back(drift_of(e, *best, layout, result, model.gradient.col(0), views, information.bottomRightCorner(views.cols(), views.cols()), blocks));
-        }
-    }
-    return out;
+    return Estimator({runs, priors, finer, range}, best, layout).find();
 }
 
 } // namespace treacle::identify

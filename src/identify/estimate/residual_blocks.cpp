@@ -85,7 +85,8 @@ std::vector<int> blocks_of(const EvaluatedRun& run, const Layout& layout, const 
     return out;
 }
 
-Matrix block_changes(const Fit& fit, const Matrix& g, const Matrix& information, const std::vector<int>& blocks) {
+Matrix block_changes(const BlockedFit& blocked, const Matrix& information) {
+    const auto& [fit, g, blocks] = blocked;
     const int count = *std::ranges::max_element(blocks) + 1;
     const auto n = g.cols();
     std::vector<Matrix> shares(std::size_t(count), Matrix::Zero(n, n));
@@ -102,7 +103,8 @@ Matrix block_changes(const Fit& fit, const Matrix& g, const Matrix& information,
     return out * (count > 1 ? std::sqrt(double(count - 1) / double(count)) : 1.0);
 }
 
-std::vector<double> inflation(const Fit& fit, const Matrix& g, const Matrix& changes, const std::vector<int>& blocks, const Layout& layout, Eigen::Index p) {
+std::vector<double> inflation(const BlockedFit& blocked, const Matrix& changes, const Layout& layout, Eigen::Index p) {
+    const auto& [fit, g, blocks] = blocked;
     const Matrix weighted = fit.weights.cwiseProduct(fit.left).asDiagonal() * g;
     const Matrix moves = weighted * fit.inverse.leftCols(p);
     Matrix independent = Matrix::Zero(Eigen::Index(layout.experiments), p), by_blocks = independent;

@@ -9,9 +9,15 @@ int correlation_frames(const EvaluatedRun& run, const Layout& layout, const Vect
 std::vector<int> sectors(const EvaluatedRun& run, const Layout& layout);
 // Block of each row: neighbouring frames, a sector.
 std::vector<int> blocks_of(const EvaluatedRun& run, const Layout& layout, const std::vector<int>& sector, int frames_each);
+// A fit, the gradient [rows][parameters] of its model, and the block of each row.
+struct BlockedFit {
+    const Fit& fit;
+    const Matrix& g;
+    const std::vector<int>& blocks;
+};
 // (I4) Change of the parameters by leaving out each block, [blocks][parameters]: (A - A_b)^-1 G_b^T W_b r_b.
-Matrix block_changes(const Fit& fit, const Matrix& g, const Matrix& information, const std::vector<int>& blocks);
+Matrix block_changes(const BlockedFit& blocked, const Matrix& information);
 // Variance of the parameters by the blocks of each experiment over that by its independent segments, the largest, at least 1.
-std::vector<double> inflation(const Fit& fit, const Matrix& g, const Matrix& changes, const std::vector<int>& blocks, const Layout& layout, Eigen::Index p);
+std::vector<double> inflation(const BlockedFit& blocked, const Matrix& changes, const Layout& layout, Eigen::Index p);
 
 } // namespace treacle::identify

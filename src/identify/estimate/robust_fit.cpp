@@ -37,7 +37,8 @@ std::vector<double> robust_scales(const Vector& residuals, const Layout& layout,
 }
 } // namespace
 
-Fit fit(const Vector& r, const Matrix& g, const Vector& size, const Matrix& information, const Layout& layout, const FitOptions& options) {
+Fit fit(const LinearModel& model, const Layout& layout, const FitOptions& options) {
+    const auto& [r, g, size, information] = model;
     Fit out;
     out.x = Vector::Zero(g.cols());
     out.weights = size;

@@ -18,7 +18,13 @@ struct FitOptions {
     Vector pull = {};             // slope of what is known beside the residuals; empty: none
 };
 
-// size: [rows] weights before those of Huber; information: [columns][columns] of the priors.
-Fit fit(const Vector& r, const Matrix& g, const Vector& size, const Matrix& information, const Layout& layout, const FitOptions& options);
+struct LinearModel {
+    const Vector& r;
+    const Matrix& g;
+    const Vector& size;        // [rows] weights before those of Huber
+    const Matrix& information; // [columns][columns] of the priors
+};
+
+Fit fit(const LinearModel& model, const Layout& layout, const FitOptions& options);
 
 } // namespace treacle::identify

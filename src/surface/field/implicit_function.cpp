@@ -107,6 +107,16 @@ constexpr int block_edge = tile_edge + 2 * most_taps;   // nodes that a tile's a
 struct Taps {
     double weight[3][2 * most_taps + 1];
     int reach[3];
+
+    Taps(const Lattice& lattice, double h) {
+        for (int k = 0; k < 3; ++k) {
+            const double to_h = lattice.step[k] / h;
+            reach[k] = k < lattice.dimensions ? std::min(most_taps, static_cast<int>(std::ceil(2 / to_h)) - 1) : 0;
+            double sum = 0;
+            for (int m = -reach[k]; m <= reach[k]; ++m) sum += weight[k][m + reach[k]] = cubic_spline(m * to_h);
+            for (int m = 0; m <= 2 * reach[k]; ++m) weight[k][m] /= sum;
+        }
+    }
 };
 
 // Number of a node behind a wall's face: that of its mirror image.
@@ -116,52 +126,52 @@ KOKKOS_INLINE_FUNCTION int mirrored(const Lattice& l, int axis, int node) {
     return node;
 }
 
-// The smoothed indicator of a line of nodes along x, from `reach` before a tile to `reach` behind it.
-KOKKOS_INLINE_FUNCTION void read_line(const NodeField& field, const Lattice& l, int tile, int y, int z, int reach, double width,
-                                      double* line) {
-    const bool plain = (!l.mirror[0][0] || tile_edge * tile - reach >= l.lo[0]) &&
-                       (!l.mirror[1][0] || tile_edge * (tile + 1) + reach - 1 <= l.hi[0]);
-    const int count = tile_edge + 2 * reach;
-    if (plain) {
-        for (int t = tile - 1; t <= tile + 1; ++t) {
-            const int node[3] = {tile_edge * t, y, z};
-            const int s = field.slot(node);
-            const int begin = math::max(0, tile_edge * (t - tile) + reach);
-            const int end = math::min(count, tile_edge * (t - tile + 1) + reach);
-            if (s < 0) {
-                for (int i = begin; i < end; ++i) line[i] = s == tile_full ? far : -far;
-            } else {
-                const double* from = &field.value(std::int64_t(s) * field.nodes() + field.local(node));
-                for (int i = begin; i < end; ++i) line[i] = from[i - reach - tile_edge * (t - tile)];
+struct LineReader {
+    NodeField field;
+    Lattice lattice;
+    int reach;
+    double width;
+
+    // The smoothed indicator of a line of nodes along x, from `reach` before a tile to `reach` behind it.
+    KOKKOS_INLINE_FUNCTION void read(int tile, int y, int z, double* line) const {
+        const bool plain = (!lattice.mirror[0][0] || tile_edge * tile - reach >= lattice.lo[0]) &&
+                           (!lattice.mirror[1][0] || tile_edge * (tile + 1) + reach - 1 <= lattice.hi[0]);
+        const int count = tile_edge + 2 * reach;
+        if (plain) {
+            for (int t = tile - 1; t <= tile + 1; ++t) {
+                const int node[3] = {tile_edge * t, y, z};
+                const int s = field.slot(node);
+                const int begin = math::max(0, tile_edge * (t - tile) + reach);
+                const int end = math::min(count, tile_edge * (t - tile + 1) + reach);
+                if (s < 0) {
+                    for (int i = begin; i < end; ++i) line[i] = s == tile_full ? far : -far;
+                } else {
+                    const double* from = &field.value(std::int64_t(s) * field.nodes() + field.local(node));
+                    for (int i = begin; i < end; ++i) line[i] = from[i - reach - tile_edge * (t - tile)];
+                }
+            }
+        } else {
+            for (int i = 0; i < count; ++i) {
+                const int node[3] = {mirrored(lattice, 0, tile_edge * tile + i - reach), y, z};
+                line[i] = field.at(node);
             }
         }
-    } else {
-        for (int i = 0; i < count; ++i) {
-            const int node[3] = {mirrored(l, 0, tile_edge * tile + i - reach), y, z};
-            line[i] = field.at(node);
-        }
+        for (int i = 0; i < count; ++i) line[i] = math::min(1.0, math::max(0.0, 0.5 + line[i] / width));
     }
-    for (int i = 0; i < count; ++i) line[i] = math::min(1.0, math::max(0.0, 0.5 + line[i] / width));
-}
+};
 } // namespace
 
 // Van Cittert: F += (u - B_h * H[F]) / B_h(0), with H the indicator of F > 0 smoothed over the interface's width. Nodes
 // behind walls mirror those before them.
 void ImplicitFunction::deconvolve(const Lattice& lattice, const Options& options) {
     const int dimensions = lattice.dimensions, depth = lattice.depth();
-    Taps taps;
-    for (int k = 0; k < 3; ++k) {
-        const double to_h = lattice.step[k] / (options.kernel_width * options.spacing);
-        taps.reach[k] = k < dimensions ? std::min(most_taps, static_cast<int>(std::ceil(2 / to_h)) - 1) : 0;
-        double sum = 0;
-        for (int m = -taps.reach[k]; m <= taps.reach[k]; ++m) sum += taps.weight[k][m + taps.reach[k]] = cubic_spline(m * to_h);
-        for (int m = 0; m <= 2 * taps.reach[k]; ++m) taps.weight[k][m] /= sum;
-    }
-    const double slope = (2.0 / 3) / options.kernel_width, width = options.interface_width;
+    const Taps taps(lattice, options.kernel_width * options.spacing);
+    const double slope = (2.0 / 3) / options.kernel_width;
     const auto field = field_;
     const auto fraction = fraction_, next = next_;
     const auto own = own_slots_, tiles = tiles_;
     const auto l = lattice;
+    const LineReader reader{field_, lattice, taps.reach[0], options.interface_width};
     Kokkos::parallel_for("treacle::deconvolve", own_, KOKKOS_LAMBDA(int item) {
         const int s = own(item);
         int c[3];
@@ -173,7 +183,7 @@ void ImplicitFunction::deconvolve(const Lattice& lattice, const Options& options
             const int node_z = dimensions == 3 ? mirrored(l, 2, tile_edge * c[2] + z - rz) : 0;
             for (int y = 0; y < tile_edge + 2 * ry; ++y) {
                 double line[block_edge];
-                read_line(field, l, c[0], mirrored(l, 1, tile_edge * c[1] + y - ry), node_z, rx, width, line);
+                reader.read(c[0], mirrored(l, 1, tile_edge * c[1] + y - ry), node_z, line);
                 double sum[tile_edge] = {0, 0, 0, 0, 0, 0, 0, 0};
                 for (int m = 0; m <= 2 * rx; ++m) {
                     for (int i = 0; i < tile_edge; ++i) sum[i] += taps.weight[0][m] * line[i + m];

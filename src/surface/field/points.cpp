@@ -69,7 +69,8 @@ void PointBuilder::mirror_at_walls(const Lattice& lattice, double support, int a
     n_ += added;
 }
 
-void PointBuilder::sort_into_bins(const Lattice& lattice, const CellBox& window) {
+// Tile and bin in it of each point; points outside of the window count nowhere.
+void PointBuilder::locate_points(const Lattice& lattice, const CellBox& window) {
     const int n = n_;
     const int tiles = static_cast<int>(window.size());
     auto& p = points_;
@@ -81,9 +82,7 @@ void PointBuilder::sort_into_bins(const Lattice& lattice, const CellBox& window)
     const auto bin = bin_, slot = slot_;
     const auto x0 = x_[0], x1 = x_[1], x2 = x_[2];
     const auto lattice_here = lattice;
-    const int per_tile = lattice.bins_per_tile();
     Kokkos::parallel_for("treacle::clear_tiles", tiles + 1, KOKKOS_LAMBDA(int t) { tile(t) = 0; });
-    // Tile of a point, and bin in it; points outside of the window count nowhere.
     Kokkos::parallel_for("treacle::locate_points", n, KOKKOS_LAMBDA(int i) {
         const double x[3] = {x0(i), x1(i), x2(i)};
         int c[3] = {0, 0, 0}, b[3] = {0, 0, 0};
@@ -100,6 +99,14 @@ void PointBuilder::sort_into_bins(const Lattice& lattice, const CellBox& window)
         if (inside) tile(slot(i)) = 1;
     });
     p.tiles = static_cast<int>(counts_to_offsets(p.tile, tiles));
+}
+
+void PointBuilder::sort_into_bins(int per_tile) {
+    const int n = n_;
+    const int tiles = static_cast<int>(points_.window.size());
+    auto& p = points_;
+    const auto tile = p.tile;
+    const auto bin = bin_, slot = slot_;
     bins_ = p.tiles * per_tile;
     reserve(p.begin, static_cast<std::size_t>(bins_ + 1));
     const auto begin = p.begin;
@@ -124,16 +131,21 @@ void PointBuilder::sort_into_bins(const Lattice& lattice, const CellBox& window)
             if (tile(t + 1) == tile(t)) tile(t) = -1;
         }
     });
-    order_bins();
+}
 
+void PointBuilder::pack_points(const Lattice& lattice) {
+    auto& p = points_;
     for (auto& place : p.place) reserve(place, static_cast<std::size_t>(p.count));
     reserve(p.row, static_cast<std::size_t>(p.count));
     reserve(p.original, static_cast<std::size_t>(p.count));
     reserve(p.liquid, static_cast<std::size_t>(p.count));
+    const auto order = order_;
+    const auto x0 = x_[0], x1 = x_[1], x2 = x_[2];
     const auto q0 = p.place[0], q1 = p.place[1], q2 = p.place[2];
     const auto row = p.row, original = p.original, liquid = p.liquid, liquid_of_row = liquid_of_row_;
     const auto source = source_;
     const auto image = image_;
+    const auto lattice_here = lattice;
     Kokkos::parallel_for("treacle::pack_points", p.count, KOKKOS_LAMBDA(int k) {
         const int i = order(k);
         const auto& l = lattice_here;
@@ -168,7 +180,10 @@ const Points& PointBuilder::build(const ParticleStore& store, const PointFields&
                                   double support) {
     take_particles(store, fields);
     for (int k = 0; k < lattice.dimensions; ++k) mirror_at_walls(lattice, support, k);
-    sort_into_bins(lattice, window);
+    locate_points(lattice, window);
+    sort_into_bins(lattice.bins_per_tile());
+    order_bins();
+    pack_points(lattice);
     return points_;
 }
 

@@ -49,8 +49,10 @@ public:
     // Kernels (public for nvcc).
     void take_particles(const ParticleStore& store, const PointFields& fields);
     void mirror_at_walls(const Lattice& lattice, double support, int axis);
-    void sort_into_bins(const Lattice& lattice, const CellBox& window);
+    void locate_points(const Lattice& lattice, const CellBox& window);
+    void sort_into_bins(int per_tile);
     void order_bins();
+    void pack_points(const Lattice& lattice);
 
 private:
     void reserve_points(int n);

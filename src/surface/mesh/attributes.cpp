@@ -26,34 +26,46 @@ Particles views(const ParticleStore& store, const Sources& sources) {
     for (std::size_t k = 0; k < sources.scalars.size(); ++k) out.scalar[k] = store.get<Array<double>>(sources.scalars[k]);
     return out;
 }
-} // namespace
+// Weighted sums over the particles around a vertex.
+struct VertexSums {
+    double weight = 0, velocity[3] = {0, 0, 0}, pressure = 0, liquids[most_liquids] = {}, scalars[most_scalars] = {};
 
-void Attributes::interpolate(const Patch& patch, const ParticleStore& store, const Sources& sources,
-                             const Lattice& lattice, const Points& points, const Options& options) {
-    const auto n = static_cast<std::size_t>(patch.vertices);
-    reserve(velocity_, 3 * n);
-    reserve(pressure_, n);
-    reserve(liquid_, n);
-    reserve(scalars_, sources.scalars.size() * n);
-    const auto from = views(store, sources);
-    const auto position = patch.position, out_velocity = velocity_, out_pressure = pressure_;
-    const auto out_scalars = scalars_;
-    const std::int64_t vertices = patch.vertices;
-    const auto out_liquid = liquid_;
-    const auto l = lattice;
-    const auto p = points;
-    const auto px = p.place[0], py = p.place[1], pz = p.place[2];
-    const int dimensions = lattice.dimensions, per_tile = lattice.bins_per_tile();
-    const double widths[2] = {0.8 * options.spacing, options.kernel_width * options.spacing};
-    Kokkos::parallel_for("treacle::surface_attributes", patch.vertices, KOKKOS_LAMBDA(int v) {
-        double sum = 0, u[3] = {0, 0, 0}, pressure = 0, weights[most_liquids] = {}, scalars[most_scalars] = {};
-        for (int attempt = 0; attempt < 2 && sum == 0; ++attempt) {
+    KOKKOS_INLINE_FUNCTION void add(const Particles& from, int row, double w) {
+        weight += w;
+        if (from.has_velocity) {
+            for (int k = 0; k < 3; ++k) velocity[k] += w * from.velocity(row, k);
+        }
+        for (int k = 0; k < from.scalars; ++k) scalars[k] += w * from.scalar[k](row);
+        if (from.has_pressure) pressure += w * from.pressure(row);
+        if (from.has_liquid) liquids[math::min(math::max(from.liquid(row), 0), most_liquids - 1)] += w;
+    }
+    // The one with most weight.
+    KOKKOS_INLINE_FUNCTION int liquid() const {
+        int which = 0;
+        for (int k = 1; k < most_liquids; ++k) {
+            if (liquids[k] > liquids[which]) which = k;
+        }
+        return which;
+    }
+};
+
+struct AttributeLoop {
+    Particles from;
+    Lattice lattice;
+    Points points;
+    double widths[2]; // of the kernel, the second where the first reaches nothing [m]
+    int per_tile;
+    std::int64_t vertices;
+    Array<double> position, velocity, pressure, scalars;
+    Array<int> liquid;
+
+    KOKKOS_INLINE_FUNCTION void add_around(int v, double h, VertexSums& sums) const {
+        const int dimensions = lattice.dimensions;
         double x[3] = {0, 0, 0}, to_h[3] = {0, 0, 0};
-        const double h = widths[attempt];
         int first[3] = {0, 0, 0}, last[3] = {0, 0, 0};
         for (int k = 0; k < dimensions; ++k) {
-            x[k] = (position(3 * std::int64_t(v) + k) - l.grid.origin[k]) / l.step[k];
-            to_h[k] = l.step[k] / h;
+            x[k] = (position(3 * std::int64_t(v) + k) - lattice.grid.origin[k]) / lattice.step[k];
+            to_h[k] = lattice.step[k] / h;
             const double support = 2 / to_h[k];
             first[k] = static_cast<int>(math::floor((x[k] - support) / 2));
             last[k] = static_cast<int>(math::floor((x[k] + support) / 2));
@@ -62,39 +74,44 @@ void Attributes::interpolate(const Patch& patch, const ParticleStore& store, con
             for (int by = first[1]; by <= last[1]; ++by) {
                 for (int tx = first[0] >> 2; tx <= last[0] >> 2; ++tx) {
                     const int t[3] = {tx, by >> 2, dimensions == 3 ? bz >> 2 : 0};
-                    if (!p.window.contains(t)) continue;
-                    const int tile = p.tile(p.window.index(t[0], t[1], t[2]));
+                    if (!points.window.contains(t)) continue;
+                    const int tile = points.tile(points.window.index(t[0], t[1], t[2]));
                     if (tile < 0) continue;
                     const int row = tile * per_tile + bins_edge * ((by & 3) + bins_edge * (dimensions == 3 ? bz & 3 : 0));
-                    const int begin = p.begin(row + math::max(first[0] - 4 * tx, 0));
-                    const int end = p.begin(row + math::min(last[0] - 4 * tx, 3) + 1);
+                    const int begin = points.begin(row + math::max(first[0] - 4 * tx, 0));
+                    const int end = points.begin(row + math::min(last[0] - 4 * tx, 3) + 1);
                     for (int i = begin; i < end; ++i) {
-                        if (p.original(i) == 0) continue;
-                        double w = cubic_spline((x[0] - px(i)) * to_h[0]) * cubic_spline((x[1] - py(i)) * to_h[1]);
-                        if (dimensions == 3) w *= cubic_spline((x[2] - pz(i)) * to_h[2]);
-                        if (w == 0) continue;
-                        const int r = p.row(i);
-                        sum += w;
-                        if (from.has_velocity) {
-                            for (int k = 0; k < 3; ++k) u[k] += w * from.velocity(r, k);
-                        }
-                        for (int k = 0; k < from.scalars; ++k) scalars[k] += w * from.scalar[k](r);
-                        if (from.has_pressure) pressure += w * from.pressure(r);
-                        if (from.has_liquid) weights[math::min(math::max(from.liquid(r), 0), most_liquids - 1)] += w;
+                        if (points.original(i) == 0) continue;
+                        double w = cubic_spline((x[0] - points.place[0](i)) * to_h[0]) * cubic_spline((x[1] - points.place[1](i)) * to_h[1]);
+                        if (dimensions == 3) w *= cubic_spline((x[2] - points.place[2](i)) * to_h[2]);
+                        if (w != 0) sums.add(from, points.row(i), w);
                     }
                 }
             }
         }
-        }
-        int which = 0;
-        for (int k = 1; k < most_liquids; ++k) {
-            if (weights[k] > weights[which]) which = k;
-        }
-        for (int k = 0; k < 3; ++k) out_velocity(3 * std::int64_t(v) + k) = sum > 0 ? u[k] / sum : 0;
-        for (int k = 0; k < from.scalars; ++k) out_scalars(k * vertices + v) = sum > 0 ? scalars[k] / sum : 0;
-        out_pressure(v) = sum > 0 ? pressure / sum : 0;
-        out_liquid(v) = which;
-    });
+    }
+    KOKKOS_INLINE_FUNCTION void operator()(int v) const {
+        VertexSums sums;
+        for (int attempt = 0; attempt < 2 && sums.weight == 0; ++attempt) add_around(v, widths[attempt], sums);
+        const double sum = sums.weight;
+        for (int k = 0; k < 3; ++k) velocity(3 * std::int64_t(v) + k) = sum > 0 ? sums.velocity[k] / sum : 0;
+        for (int k = 0; k < from.scalars; ++k) scalars(k * vertices + v) = sum > 0 ? sums.scalars[k] / sum : 0;
+        pressure(v) = sum > 0 ? sums.pressure / sum : 0;
+        liquid(v) = sums.liquid();
+    }
+};
+} // namespace
+
+void Attributes::interpolate(const Patch& patch, const SourceParticles& sources, const Lattice& lattice, const Points& points,
+                             const Options& options) {
+    const auto n = static_cast<std::size_t>(patch.vertices);
+    reserve(velocity_, 3 * n);
+    reserve(pressure_, n);
+    reserve(liquid_, n);
+    reserve(scalars_, sources.fields.scalars.size() * n);
+    const AttributeLoop loop{views(sources.store, sources.fields), lattice, points, {0.8 * options.spacing, options.kernel_width * options.spacing},
+                             lattice.bins_per_tile(), patch.vertices, patch.position, velocity_, pressure_, scalars_, liquid_};
+    Kokkos::parallel_for("treacle::surface_attributes", patch.vertices, loop);
 }
 
 } // namespace treacle::surface

@@ -12,12 +12,18 @@ struct Sources {
     std::vector<int> scalars; // up to most_scalars
 };
 
+// The store, and its fields of these.
+struct SourceParticles {
+    const ParticleStore& store;
+    const Sources& fields;
+};
+
 // (SV1) Values at the vertices: means of the particles around them, weighted with the splines of the implicit function; of the
 // liquids the one with most weight.
 class Attributes {
 public:
-    void interpolate(const Patch& patch, const ParticleStore& store, const Sources& sources, const Lattice& lattice,
-                     const Points& points, const Options& options);
+    void interpolate(const Patch& patch, const SourceParticles& sources, const Lattice& lattice, const Points& points,
+                     const Options& options);
 
     const Array<double>& velocity() const { return velocity_; } // [vertices * 3]
     const Array<double>& pressure() const { return pressure_; } // [vertices]

@@ -181,12 +181,12 @@ const Mesh& Mesher::build(const ParticleRows& particles, const Solids& solids) {
     auto& patch = triangulation_.patch();
     smoothing_.smooth(patch, options_.smoothing_passes);
     const auto normals = smoothing_.normals(patch);
-    attributes_.interpolate(patch, store_, sources_, lattice_, points, options_);
+    attributes_.interpolate(patch, {store_, sources_}, lattice_, points, options_);
 
     const auto host = to_host(patch);
     const VertexOwners owners(*decomposition_, lattice_);
     const auto kept = find_components(comm_, host, owners, options_.spacing, options_.min_volume, summary_);
-    number_mesh(comm_, host, kept, owners, {normals, attributes_.velocity(), attributes_.pressure(), attributes_.liquid(), attributes_.scalars(), options_.scalars}, mesh_);
+    number_mesh(comm_, {host, kept}, owners, {normals, attributes_.velocity(), attributes_.pressure(), attributes_.liquid(), attributes_.scalars(), options_.scalars}, mesh_);
     summary_.area = comm_.sum(area_of(mesh_));
     return mesh_;
 }

@@ -12,6 +12,7 @@ struct Request {
     std::vector<std::int64_t> keys;
     std::vector<int> rows; // of the patch
 };
+using Requests = std::map<int, Request>; // by the rank that is asked
 
 std::vector<std::int64_t> words(const Message& message) {
     std::vector<std::int64_t> out(message.bytes.size() / sizeof(std::int64_t));
@@ -23,82 +24,119 @@ Message message_of(int rank, const std::vector<std::int64_t>& values) {
     std::memcpy(out.bytes.data(), values.data(), out.bytes.size());
     return out;
 }
-} // namespace
 
-void number_mesh(const Comm& comm, const HostPatch& patch, const std::vector<char>& kept, const VertexOwners& owners,
-                 const VertexValues& values, Mesh& mesh) {
-    const auto n = static_cast<std::size_t>(patch.vertices);
-    std::vector<char> used(n, 0); // 1: by a triangle of this rank, 2: asked for by another
+// Vertices of the patch that the mesh has, in the mesh's order.
+struct Numbering {
+    std::vector<int> order;  // rows of the patch
+    std::vector<int> row_of; // place of each vertex of the patch in the order, -1: not in the mesh
+
+    explicit Numbering(std::size_t n) : row_of(n, -1) {}
+    void add(int vertex) {
+        row_of[static_cast<std::size_t>(vertex)] = static_cast<int>(order.size());
+        order.push_back(vertex);
+    }
+};
+
+// visit(corners) for the triangles of the patch that are kept.
+template <class Visit>
+void each_kept(const KeptPatch& kept, const Visit& visit) {
+    const auto& patch = kept.patch;
     for (int t = 0; t < patch.triangles; ++t) {
-        if (kept[static_cast<std::size_t>(t)] == 0) continue;
-        for (int k = 0; k < patch.per; ++k) used[static_cast<std::size_t>(patch.corner[static_cast<std::size_t>(patch.per * t + k)])] = 1;
+        if (kept.kept[static_cast<std::size_t>(t)] != 0) visit(&patch.corner[static_cast<std::size_t>(patch.per * t)]);
     }
-    std::map<int, Request> requests;
-    std::vector<char> mine(n, 1);
-    if (comm.size() > 1) {
-        for (std::size_t v = 0; v < n; ++v) {
-            if (used[v] == 0) continue;
-            const int rank = owners.owner(patch.key[v]);
-            if (rank == comm.rank()) continue;
-            mine[v] = 0;
-            requests[rank].keys.push_back(patch.key[v]);
-            requests[rank].rows.push_back(static_cast<int>(v));
-        }
+}
+
+std::vector<char> used_by_triangles(const KeptPatch& kept) {
+    std::vector<char> used(static_cast<std::size_t>(kept.patch.vertices), 0);
+    each_kept(kept, [&](const int* corner) {
+        for (int k = 0; k < kept.patch.per; ++k) used[static_cast<std::size_t>(corner[k])] = 1;
+    });
+    return used;
+}
+
+// Used vertices that other ranks own.
+Requests requests_to_owners(const Comm& comm, const HostPatch& patch, const VertexOwners& owners, const std::vector<char>& used) {
+    Requests out;
+    if (comm.size() == 1) return out;
+    for (std::size_t v = 0; v < used.size(); ++v) {
+        if (used[v] == 0) continue;
+        const int rank = owners.owner(patch.key[v]);
+        if (rank == comm.rank()) continue;
+        out[rank].keys.push_back(patch.key[v]);
+        out[rank].rows.push_back(static_cast<int>(v));
     }
+    return out;
+}
+
+// Collective: sends the requests, and returns those of other ranks.
+std::vector<Message> exchange_requests(const Comm& comm, const Requests& requests) {
     std::vector<Message> outgoing;
     for (const auto& [rank, request] : requests) outgoing.push_back(message_of(rank, request.keys));
-    const auto asked = comm.size() > 1 ? exchange_sparse(comm, outgoing) : std::vector<Message>();
+    return comm.size() > 1 ? exchange_sparse(comm, outgoing) : std::vector<Message>();
+}
+
+// Vertices of the patch by their keys.
+std::unordered_map<std::int64_t, int> rows_by_key(const HostPatch& patch) {
     std::unordered_map<std::int64_t, int> rows;
-    if (!asked.empty()) {
-        rows.reserve(n);
-        for (std::size_t v = 0; v < n; ++v) rows.emplace(patch.key[v], static_cast<int>(v));
-    }
+    rows.reserve(static_cast<std::size_t>(patch.vertices));
+    for (std::size_t v = 0; v < static_cast<std::size_t>(patch.vertices); ++v) rows.emplace(patch.key[v], static_cast<int>(v));
+    return rows;
+}
+
+// Collective: numbers this rank's own vertices, those that others ask for among them, and asks the owners for the numbers of the rest.
+Numbering number_vertices(const Comm& comm, const KeptPatch& kept, const VertexOwners& owners, Mesh& mesh) {
+    const auto& patch = kept.patch;
+    auto used = used_by_triangles(kept);
+    const auto requests = requests_to_owners(comm, patch, owners, used);
+    const auto asked = exchange_requests(comm, requests);
+    const auto rows = asked.empty() ? std::unordered_map<std::int64_t, int>() : rows_by_key(patch);
     for (const auto& message : asked) {
-        for (const auto key : words(message)) {
-            auto& use = used[static_cast<std::size_t>(rows.at(key))];
-            if (use == 0) use = 2;
-        }
+        for (const auto key : words(message)) used[static_cast<std::size_t>(rows.at(key))] = 1;
     }
-    std::vector<int> order, row_of(n, -1);
-    for (std::size_t v = 0; v < n; ++v) {
-        if (used[v] == 0 || mine[v] == 0) continue;
-        row_of[v] = static_cast<int>(order.size());
-        order.push_back(static_cast<int>(v));
+    for (const auto& [rank, request] : requests) {
+        for (const int v : request.rows) used[static_cast<std::size_t>(v)] = 0; // numbered by its owner
     }
-    mesh.owned = static_cast<std::int64_t>(order.size());
+    Numbering out(used.size());
+    for (std::size_t v = 0; v < used.size(); ++v) {
+        if (used[v] != 0) out.add(static_cast<int>(v));
+    }
+    mesh.owned = static_cast<std::int64_t>(out.order.size());
     mesh.first_vertex = comm.exclusive_sum(mesh.owned);
     mesh.total_vertices = comm.sum(mesh.owned);
+    mesh.global.clear();
+    for (std::int64_t v = 0; v < mesh.owned; ++v) mesh.global.push_back(mesh.first_vertex + v);
+    if (comm.size() == 1) return out;
     std::vector<Message> answers;
     for (const auto& message : asked) {
         auto keys = words(message);
-        for (auto& key : keys) key = mesh.first_vertex + row_of[static_cast<std::size_t>(rows.at(key))];
+        for (auto& key : keys) key = mesh.first_vertex + out.row_of[static_cast<std::size_t>(rows.at(key))];
         answers.push_back(message_of(message.rank, keys));
     }
-    mesh.global.clear();
-    for (std::int64_t v = 0; v < mesh.owned; ++v) mesh.global.push_back(mesh.first_vertex + v);
-    if (comm.size() > 1) {
-        for (const auto& message : exchange_sparse(comm, answers)) {
-            const auto numbers = words(message);
-            const auto& request = requests.at(message.rank);
-            for (std::size_t k = 0; k < numbers.size(); ++k) {
-                row_of[static_cast<std::size_t>(request.rows[k])] = static_cast<int>(order.size());
-                order.push_back(request.rows[k]);
-                mesh.global.push_back(numbers[k]);
-            }
+    for (const auto& message : exchange_sparse(comm, answers)) {
+        const auto numbers = words(message);
+        const auto& request = requests.at(message.rank);
+        for (std::size_t k = 0; k < numbers.size(); ++k) {
+            out.add(request.rows[k]);
+            mesh.global.push_back(numbers[k]);
         }
     }
+    return out;
+}
+
+// Collective.
+void number_triangles(const Comm& comm, const KeptPatch& kept, const Numbering& numbering, Mesh& mesh) {
     mesh.triangles.clear();
-    for (int t = 0; t < patch.triangles; ++t) {
-        if (kept[static_cast<std::size_t>(t)] == 0) continue;
+    each_kept(kept, [&](const int* corner) {
         auto& triangle = mesh.triangles.emplace_back(std::array<int, 3>{-1, -1, -1});
-        for (int k = 0; k < patch.per; ++k) {
-            triangle[static_cast<std::size_t>(k)] = row_of[static_cast<std::size_t>(patch.corner[static_cast<std::size_t>(patch.per * t + k)])];
-        }
-    }
+        for (int k = 0; k < kept.patch.per; ++k) triangle[static_cast<std::size_t>(k)] = numbering.row_of[static_cast<std::size_t>(corner[k])];
+    });
     const auto triangles = static_cast<std::int64_t>(mesh.triangles.size());
     mesh.first_triangle = comm.exclusive_sum(triangles);
     mesh.total_triangles = comm.sum(triangles);
+}
 
+void copy_values(const HostPatch& patch, const VertexValues& values, const std::vector<int>& order, Mesh& mesh) {
+    const auto n = static_cast<std::size_t>(patch.vertices);
     const auto normal = on_host(values.normal), velocity = on_host(values.velocity), pressure = on_host(values.pressure);
     const auto liquid = on_host(values.liquid);
     const auto scalar = on_host(values.scalar);
@@ -122,6 +160,13 @@ void number_mesh(const Comm& comm, const HostPatch& patch, const std::vector<cha
         mesh.key[v] = patch.key[from];
         for (std::size_t k = 0; k < mesh.scalars.size(); ++k) mesh.scalars[k][v] = scalar(k * n + from);
     }
+}
+} // namespace
+
+void number_mesh(const Comm& comm, const KeptPatch& kept, const VertexOwners& owners, const VertexValues& values, Mesh& mesh) {
+    const auto numbering = number_vertices(comm, kept, owners, mesh);
+    number_triangles(comm, kept, numbering, mesh);
+    copy_values(kept.patch, values, numbering.order, mesh);
 }
 
 double area_of(const Mesh& mesh) {

@@ -11,10 +11,15 @@ struct VertexValues {
     int scalars = 0;
 };
 
+// Triangles of the patch that the mesh has.
+struct KeptPatch {
+    const HostPatch& patch;
+    const std::vector<char>& kept; // [triangles of the patch] 0: dropped
+};
+
 // Collective: the kept triangles of this rank and their vertices, numbered over all ranks: each rank's own vertices follow
 // those of the ranks before it; the numbers of others' vertices are asked of their owners.
-void number_mesh(const Comm& comm, const HostPatch& patch, const std::vector<char>& kept, const VertexOwners& owners,
-                 const VertexValues& values, Mesh& mesh);
+void number_mesh(const Comm& comm, const KeptPatch& kept, const VertexOwners& owners, const VertexValues& values, Mesh& mesh);
 
 // Area of this rank's triangles [m2], in 2D length of its segments [m].
 double area_of(const Mesh& mesh);

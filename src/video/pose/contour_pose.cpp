@@ -149,65 +149,99 @@ PoseVector change_between(const scene::CameraPose& from, const scene::CameraPose
     return {w[0], w[1], w[2], t[0], t[1], t[2]};
 }
 
+class ContourRefinement {
+public:
+    ContourRefinement(const CameraRecord& start, const SeenSolid& solid, const Silhouette& silhouette, const ContourPoseOptions& options)
+        : start_(start), solid_(solid), silhouette_(silhouette), options_(options), contour_(find_contour(silhouette.mask)),
+          prior_(prior_of(start, options)), pose_(*start.pose), search_(options.search), deviation_(options.search) {}
+
+    double overlap_now() const { return overlap(look_at(unchecked_camera(start_.lens, pose_), {solid_}).mask(), silhouette_.mask); }
+    void run() {
+        for (int round = 0; round < rounds; ++round) {
+            const auto camera = unchecked_camera(start_.lens, pose_);
+            // Far from the end a part of the outline will do.
+            const bool fine = round + last_rounds >= rounds;
+            match(camera, fine ? 1 : std::max<std::size_t>(1, contour_.size() / 150));
+            const PoseVector to_start = change_between(pose_, *start_.pose);
+            if (fine) {
+                fit_ = fit_outline(fitting_equations(camera, contour_, matches_, deviation_), prior_, to_start);
+                normal_ = equations(camera, contour_, matches_, deviation_, start_.covariance.has_value());
+                if (round + 1 < rounds) pose_ = changed(pose_, fit_.change);
+            } else {
+                step(camera, to_start);
+            }
+            search_ = std::min(std::max({0.75 * search_, narrowest, 5 * deviation_}), options_.search);
+        }
+    }
+    void tell(ContourPose& out) const {
+        out.estimate.pose = pose_;
+        out.estimate.covariance = covariance_of(covariance());
+        std::size_t fitting = 0;
+        double squares = 0, weights = 0;
+        for (const auto& match : matches_) {
+            const double w = weight_of(match.displacement, deviation_);
+            fitting += w > 0;
+            squares += w * match.displacement * match.displacement;
+            weights += w;
+        }
+        out.estimate.noise = std::max(fit_.deviation, 0.0);
+        out.estimate.rms = std::sqrt(squares / std::max(weights, 1e-300));
+        out.mean = normal_.mean;
+        out.correlation = fit_.correlation;
+        out.pieces = fit_.pieces;
+        out.points = contour_.size();
+        out.fitting = double(fitting) / double(contour_.size());
+    }
+
+private:
+    void match(const scene::CameraModel& camera, std::size_t stride) {
+        matches_ = match_outlines(camera, solid_, contour_, search_, stride);
+        if (matches_.size() < 20)
+            throw InputError({silhouette_.name, "the outline of " + solid_.name + " lies nowhere near that of the silhouette",
+                              "the pose is too far off, or the frame shows something else", "look at the overlay; give a better pose by points"});
+        deviation_ = spread_of(matches_);
+    }
+    // Coarse step, of points that are taken to have one correlation.
+    void step(const scene::CameraModel& camera, const PoseVector& to_start) {
+        normal_ = equations(camera, contour_, matches_, deviation_, false);
+        const double variance = deviation_ * deviation_ * coarse_correlation;
+        const cv::Matx<double, 6, 1> step =
+            inverse((1 / variance) * normal_.information + prior_) * ((1 / variance) * normal_.gradient + PoseVector((prior_ * to_start).val));
+        pose_ = changed(pose_, PoseVector(step.val));
+    }
+    PoseMatrix covariance() const {
+        PoseMatrix out = fit_.covariance;
+        if (start_.covariance) {
+            const cv::Matx<double, 6, 12> by_lens = inverse(normal_.information) * normal_.across;
+            out += by_lens * cv::Matx<double, 12, 12>(start_.covariance->values.data()) * by_lens.t();
+        }
+        return out;
+    }
+
+    const CameraRecord& start_;
+    const SeenSolid& solid_;
+    const Silhouette& silhouette_;
+    const ContourPoseOptions& options_;
+    std::vector<ContourPoint> contour_;
+    PoseMatrix prior_;
+    scene::CameraPose pose_;
+    double search_, deviation_; // [pixels]
+    std::vector<Match> matches_;
+    Normal normal_;
+    OutlineFit fit_;
+};
+
 } // namespace
 
 ContourPose refine_on_contour(const CameraRecord& given, const SeenSolid& solid, const Silhouette& silhouette, const ContourPoseOptions& options) {
     const auto start = for_pictures(given, silhouette.mask.width, silhouette.mask.height, silhouette.name);
     if (!start.pose) (void)start.model(); // says that it has none
-    const auto contour = find_contour(silhouette.mask);
-    const PoseMatrix prior = prior_of(start, options);
+    ContourRefinement refinement(start, solid, silhouette, options);
     ContourPose out;
-    auto& pose = out.estimate.pose = *start.pose;
-    out.overlap_before = overlap(look_at(unchecked_camera(start.lens, pose), {solid}).mask(), silhouette.mask);
-    double search = options.search, deviation = search;
-    std::vector<Match> matches;
-    Normal normal;
-    OutlineFit fit;
-    for (int round = 0; round < rounds; ++round) {
-        const auto camera = unchecked_camera(start.lens, pose);
-        // Far from the end a part of the outline will do.
-        const bool fine = round + last_rounds >= rounds;
-        matches = match_outlines(camera, solid, contour, search, fine ? 1 : std::max<std::size_t>(1, contour.size() / 150));
-        if (matches.size() < 20)
-            throw InputError({silhouette.name, "the outline of " + solid.name + " lies nowhere near that of the silhouette",
-                              "the pose is too far off, or the frame shows something else", "look at the overlay; give a better pose by points"});
-        deviation = spread_of(matches);
-        const PoseVector to_start = change_between(pose, *start.pose);
-        if (fine) {
-            fit = fit_outline(fitting_equations(camera, contour, matches, deviation), prior, to_start);
-            normal = equations(camera, contour, matches, deviation, start.covariance.has_value());
-            if (round + 1 < rounds) pose = changed(pose, fit.change);
-        } else {
-            normal = equations(camera, contour, matches, deviation, false);
-            const double variance = deviation * deviation * coarse_correlation;
-            const cv::Matx<double, 6, 1> step =
-                inverse((1 / variance) * normal.information + prior) * ((1 / variance) * normal.gradient + PoseVector((prior * to_start).val));
-            pose = changed(pose, PoseVector(step.val));
-        }
-        search = std::min(std::max({0.75 * search, narrowest, 5 * deviation}), options.search);
-    }
-    PoseMatrix covariance = fit.covariance;
-    if (start.covariance) {
-        const cv::Matx<double, 6, 12> by_lens = inverse(normal.information) * normal.across;
-        covariance += by_lens * cv::Matx<double, 12, 12>(start.covariance->values.data()) * by_lens.t();
-    }
-    out.estimate.covariance = covariance_of(covariance);
-    std::size_t fitting = 0;
-    double squares = 0, weights = 0;
-    for (const auto& match : matches) {
-        const double w = weight_of(match.displacement, deviation);
-        fitting += w > 0;
-        squares += w * match.displacement * match.displacement;
-        weights += w;
-    }
-    out.estimate.noise = std::max(fit.deviation, 0.0);
-    out.estimate.rms = std::sqrt(squares / std::max(weights, 1e-300));
-    out.mean = normal.mean;
-    out.correlation = fit.correlation;
-    out.pieces = fit.pieces;
-    out.points = contour.size();
-    out.fitting = double(fitting) / double(contour.size());
-    out.overlap_after = overlap(look_at(unchecked_camera(start.lens, pose), {solid}).mask(), silhouette.mask);
+    out.overlap_before = refinement.overlap_now();
+    refinement.run();
+    refinement.tell(out);
+    out.overlap_after = refinement.overlap_now();
     if (out.fitting < 0.2)
         throw InputError({silhouette.name, "only " + format_number(std::round(100 * out.fitting)) + " % of the silhouette's outline meets that of " + solid.name,
                           "the pose is too far off, or the frame shows something else", "look at the overlay; give a better pose by points"});

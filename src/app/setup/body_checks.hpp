@@ -1,0 +1,14 @@
+#pragma once
+#include "app/setup/geometry.hpp"
+#include "base/text/error.hpp"
+
+namespace treacle::app {
+
+// Refuses bodies at the start: dynamic ones inside of others or of walls, or thinner than a spacing; moving ones
+// without an extent; dynamic ones that cannot move.
+void check_bodies(const Input& input, const Geometry& geometry, std::vector<Diagnostic>& problems);
+
+// Warnings, one sentence each: overlaps of bodies that no force moves, extreme densities.
+std::vector<std::string> body_notes(const Input& input, const Geometry& geometry);
+
+} // namespace treacle::app
