@@ -62,18 +62,14 @@ void CellHalo::connect(const Decomposition& decomposition, const CellBox& active
 
 namespace {
 template <class View>
-void unpack_places(const View& field, const Array<int>& places, int n, const Array<double>& buffer, int width,
-                   int column) {
-    Kokkos::parallel_for("treacle::unpack_places", n, KOKKOS_LAMBDA(int k) {
-        unpack_row(field, places(k), &buffer(std::int64_t(k) * width + column));
-    });
+void unpack_places(const View& field, const Array<int>& places, int n, const BufferColumns& from) {
+    Kokkos::parallel_for("treacle::unpack_places", n, KOKKOS_LAMBDA(int k) { unpack_row(field, places(k), from.row(k)); });
 }
 
 // Rows [first, last) of the message onto their owners; within one slice each owner appears once.
-void add_places(const Array<double>& field, const Array<int>& places, std::int64_t first, std::int64_t last,
-                const Array<double>& buffer, int width, int column) {
+void add_places(const Array<double>& field, const Array<int>& places, std::int64_t first, std::int64_t last, const BufferColumns& from) {
     Kokkos::parallel_for("treacle::add_places", static_cast<int>(last - first), KOKKOS_LAMBDA(int k) {
-        field(places(first + k)) += buffer((first + k) * width + column);
+        field(places(first + k)) += *from.row(first + k);
     });
 }
 
@@ -94,8 +90,8 @@ void carry(const Passage& passage, const Fields& fields) {
     reserve(passage.send, static_cast<std::size_t>(passage.outgoing.rows() * width));
     reserve(passage.receive, static_cast<std::size_t>(passage.incoming.rows() * width));
     int column = 0;
-    for (const auto& field : fields) pack_rows(field, passage.from, n_send, passage.send, width, column++);
-    exchange_slices(passage.comm, passage.outgoing, passage.send, passage.incoming, passage.receive, width);
+    for (const auto& field : fields) pack_rows(field, passage.from, n_send, {passage.send, width, column++});
+    exchange_slices(passage.comm, {passage.outgoing, passage.send}, {passage.incoming, passage.receive}, width);
 }
 } // namespace
 
@@ -105,8 +101,7 @@ void CellHalo::bring(const Fields& fields) {
     carry({comm_, outgoing_, sent_, send_, incoming_, receive_}, fields);
     int column = 0;
     for (const auto& field : fields) {
-        unpack_places(field, received_, static_cast<int>(incoming_.rows()), receive_,
-                      static_cast<int>(fields.size()), column++);
+        unpack_places(field, received_, static_cast<int>(incoming_.rows()), {receive_, static_cast<int>(fields.size()), column++});
     }
 }
 
@@ -133,7 +128,7 @@ void CellHalo::gather_blocks(const Array<double>& values, int width) {
     reserve(send_, static_cast<std::size_t>(outgoing_.rows() * width));
     reserve(receive_, static_cast<std::size_t>(incoming_.rows() * width));
     pack_blocks(values, sent_, static_cast<int>(outgoing_.rows()), send_, width);
-    exchange_slices(comm_, outgoing_, send_, incoming_, receive_, width);
+    exchange_slices(comm_, {outgoing_, send_}, {incoming_, receive_}, width);
     unpack_blocks(values, received_, static_cast<int>(incoming_.rows()), receive_, width);
 }
 
@@ -144,7 +139,7 @@ void CellHalo::scatter(std::initializer_list<Array<double>> values) {
     for (std::size_t k = 0; k + 1 < outgoing_.offsets.size(); ++k) {
         int column = 0;
         for (const auto& field : values) {
-            add_places(field, sent_, outgoing_.offsets[k], outgoing_.offsets[k + 1], send_, width, column++);
+            add_places(field, sent_, outgoing_.offsets[k], outgoing_.offsets[k + 1], {send_, width, column++});
         }
     }
 }

@@ -50,14 +50,14 @@ std::vector<Message> exchange_sparse(const Comm& comm, const std::vector<Message
     return incoming;
 }
 
-void exchange_slices(const Comm& comm, const Slices& outgoing, const Array<double>& send, const Slices& incoming,
-                     const Array<double>& receive, int width) {
+void exchange_slices(const Comm& comm, const SlicedBuffer& send, const SlicedBuffer& receive, int width) {
+    const auto &outgoing = send.slices, &incoming = receive.slices;
     const MPI_Comm mpi = native(comm);
     // Without an MPI that reads device memory the buffers pass through the host; on a host build these are
     // the buffers themselves.
-    auto host_send = Kokkos::create_mirror_view(send);
-    auto host_receive = Kokkos::create_mirror_view(receive);
-    Kokkos::deep_copy(host_send, send);
+    auto host_send = Kokkos::create_mirror_view(send.buffer);
+    auto host_receive = Kokkos::create_mirror_view(receive.buffer);
+    Kokkos::deep_copy(host_send, send.buffer);
     std::vector<MPI_Request> requests;
     requests.reserve(outgoing.ranks.size() + incoming.ranks.size());
     const auto slice = [&](const Slices& slices, std::size_t k) {
@@ -75,7 +75,7 @@ void exchange_slices(const Comm& comm, const Slices& outgoing, const Array<doubl
                   &requests.emplace_back());
     }
     MPI_Waitall(static_cast<int>(requests.size()), requests.data(), MPI_STATUSES_IGNORE);
-    Kokkos::deep_copy(receive, host_receive);
+    Kokkos::deep_copy(receive.buffer, host_receive);
 }
 
 } // namespace treacle

@@ -26,7 +26,10 @@ struct Slices {
     std::vector<std::int64_t> offsets{0};
     std::int64_t rows() const { return offsets.back(); }
 };
-void exchange_slices(const Comm& comm, const Slices& outgoing, const Array<double>& send, const Slices& incoming,
-                     const Array<double>& receive, int width);
+struct SlicedBuffer {
+    const Slices& slices;
+    const Array<double>& buffer; // [rows][width]
+};
+void exchange_slices(const Comm& comm, const SlicedBuffer& send, const SlicedBuffer& receive, int width);
 
 } // namespace treacle

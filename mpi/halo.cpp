@@ -136,11 +136,14 @@ void Halo::rebuild(ParticleStore& store, CellList& cells) {
 }
 
 namespace {
-void shift_rows(const Array3& x, int first, int n, double dx, double dy, double dz) {
+struct Offset {
+    double along[3]; // [m]
+    bool is_none() const { return along[0] == 0 && along[1] == 0 && along[2] == 0; }
+};
+
+void shift_rows(const Array3& x, int first, int n, const Offset& by) {
     Kokkos::parallel_for("treacle::shift_images", n, KOKKOS_LAMBDA(int i) {
-        x(first + i, 0) += dx;
-        x(first + i, 1) += dy;
-        x(first + i, 2) += dz;
+        for (int k = 0; k < 3; ++k) x(first + i, k) += by.along[k];
     });
 }
 } // namespace
@@ -148,11 +151,11 @@ void shift_rows(const Array3& x, int first, int n, double dx, double dy, double 
 void Halo::shift_images(const ParticleStore& store) {
     const auto x = store.position();
     for (std::size_t k = 0; k < incoming_offset_.size(); ++k) {
-        const double dx = incoming_offset_[k][0], dy = incoming_offset_[k][1], dz = incoming_offset_[k][2];
-        if (dx == 0 && dy == 0 && dz == 0) continue;
+        const Offset by{incoming_offset_[k][0], incoming_offset_[k][1], incoming_offset_[k][2]};
+        if (by.is_none()) continue;
         const int first = store.owned() + static_cast<int>(incoming_.offsets[k]);
         const int n = static_cast<int>(incoming_.offsets[k + 1] - incoming_.offsets[k]);
-        shift_rows(x, first, n, dx, dy, dz);
+        shift_rows(x, first, n, by);
     }
 }
 
@@ -173,14 +176,14 @@ void Halo::gather(const ParticleStore& store, std::initializer_list<int> fields)
     int column = 0;
     for (const int field : fields) {
         const auto& info = store.fields()[static_cast<std::size_t>(field)];
-        std::visit([&](const auto& view) { pack_rows(view, rows_, n_send, send_, width, column); }, info.array);
+        std::visit([&](const auto& view) { pack_rows(view, rows_, n_send, {send_, width, column}); }, info.array);
         column += components(info);
     }
-    exchange_slices(comm_, outgoing_, send_, incoming_, receive_, width);
+    exchange_slices(comm_, {outgoing_, send_}, {incoming_, receive_}, width);
     column = 0;
     for (const int field : fields) {
         const auto& info = store.fields()[static_cast<std::size_t>(field)];
-        std::visit([&](const auto& view) { unpack_rows(view, store.owned(), n_receive, receive_, width, column); },
+        std::visit([&](const auto& view) { unpack_rows(view, store.owned(), n_receive, {receive_, width, column}); },
                    info.array);
         column += components(info);
     }
@@ -189,19 +192,14 @@ void Halo::gather(const ParticleStore& store, std::initializer_list<int> fields)
 namespace {
 // Rows [first, last) of the message onto their owners; within one slice each owner appears once.
 template <class View>
-void add_rows(const View& field, const Array<int>& rows, std::int64_t first, std::int64_t last,
-              const Array<double>& buffer, int width, int column) {
+void add_rows(const View& field, const Array<int>& rows, std::int64_t first, std::int64_t last, const BufferColumns& from) {
     const int n = static_cast<int>(last - first);
-    Kokkos::parallel_for("treacle::add_rows", n, KOKKOS_LAMBDA(int k) {
-        add_row(field, rows(first + k), &buffer((first + k) * width + column));
-    });
+    Kokkos::parallel_for("treacle::add_rows", n, KOKKOS_LAMBDA(int k) { add_row(field, rows(first + k), from.row(first + k)); });
 }
 
 template <class View>
-void pack_ghosts(const View& field, int first, int n, const Array<double>& buffer, int width, int column) {
-    Kokkos::parallel_for("treacle::pack_ghosts", n, KOKKOS_LAMBDA(int k) {
-        pack_row(field, first + k, &buffer(std::int64_t(k) * width + column));
-    });
+void pack_ghosts(const View& field, int first, int n, const BufferColumns& to) {
+    Kokkos::parallel_for("treacle::pack_ghosts", n, KOKKOS_LAMBDA(int k) { pack_row(field, first + k, to.row(k)); });
 }
 
 template <class Work>
@@ -224,17 +222,17 @@ void Halo::scatter(const ParticleStore& store, std::initializer_list<int> fields
     for (const int field : fields) {
         const auto& info = store.fields()[static_cast<std::size_t>(field)];
         visit_doubles(info, [&](const auto& view) {
-            pack_ghosts(view, store.owned(), n_ghosts, receive_, width, column);
+            pack_ghosts(view, store.owned(), n_ghosts, {receive_, width, column});
         });
         column += components(info);
     }
-    exchange_slices(comm_, incoming_, receive_, outgoing_, send_, width);
+    exchange_slices(comm_, {incoming_, receive_}, {outgoing_, send_}, width);
     for (std::size_t k = 0; k + 1 < outgoing_.offsets.size(); ++k) {
         column = 0;
         for (const int field : fields) {
             const auto& info = store.fields()[static_cast<std::size_t>(field)];
             visit_doubles(info, [&](const auto& view) {
-                add_rows(view, rows_, outgoing_.offsets[k], outgoing_.offsets[k + 1], send_, width, column);
+                add_rows(view, rows_, outgoing_.offsets[k], outgoing_.offsets[k + 1], {send_, width, column});
             });
             column += components(info);
         }

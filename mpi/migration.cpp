@@ -22,7 +22,7 @@ void pack_state(const ParticleStore& store, const Array<int>& rows, int n, const
     int column = 0;
     for (const auto& field : store.fields()) {
         if (field.role != FieldRole::state) continue;
-        std::visit([&](const auto& view) { pack_rows(view, rows, n, buffer, width, column); }, field.array);
+        std::visit([&](const auto& view) { pack_rows(view, rows, n, {buffer, width, column}); }, field.array);
         column += components(field);
     }
 }
@@ -32,7 +32,7 @@ void unpack_state(const ParticleStore& store, int first, int n, const Array<doub
     int column = 0;
     for (const auto& field : store.fields()) {
         if (field.role != FieldRole::state) continue;
-        std::visit([&](const auto& view) { unpack_rows(view, first, n, buffer, width, column); }, field.array);
+        std::visit([&](const auto& view) { unpack_rows(view, first, n, {buffer, width, column}); }, field.array);
         column += components(field);
     }
 }

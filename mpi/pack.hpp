@@ -57,20 +57,22 @@ KOKKOS_INLINE_FUNCTION void add_row(const View& field, int row, const double* wo
     }
 }
 
-// Rows rows(k) of a field to columns [column, ...) of buffer [n][width], and back to rows first + k.
+// Columns [column, ...) of a buffer [n][width], those of one field.
+struct BufferColumns {
+    Array<double> buffer; // [n][width]
+    int width, column;    // of a row, in doubles; the first of the field
+    KOKKOS_INLINE_FUNCTION double* row(std::int64_t k) const { return &buffer(k * width + column); }
+};
+
+// Rows rows(k) of a field to a buffer, and back to rows first + k.
 template <class View>
-void pack_rows(const View& field, const Array<int>& rows, int n, const Array<double>& buffer, int width,
-               int column) {
-    Kokkos::parallel_for("treacle::pack", n, KOKKOS_LAMBDA(int k) {
-        pack_row(field, rows(k), &buffer(std::int64_t(k) * width + column));
-    });
+void pack_rows(const View& field, const Array<int>& rows, int n, const BufferColumns& to) {
+    Kokkos::parallel_for("treacle::pack", n, KOKKOS_LAMBDA(int k) { pack_row(field, rows(k), to.row(k)); });
 }
 
 template <class View>
-void unpack_rows(const View& field, int first, int n, const Array<double>& buffer, int width, int column) {
-    Kokkos::parallel_for("treacle::unpack", n, KOKKOS_LAMBDA(int k) {
-        unpack_row(field, first + k, &buffer(std::int64_t(k) * width + column));
-    });
+void unpack_rows(const View& field, int first, int n, const BufferColumns& from) {
+    Kokkos::parallel_for("treacle::unpack", n, KOKKOS_LAMBDA(int k) { unpack_row(field, first + k, from.row(k)); });
 }
 
 } // namespace treacle

@@ -67,14 +67,20 @@ void pack(const Array<float>& values, const Array<int>& rows, std::int64_t n, in
     });
 }
 
-void sum_copies(const Array<int>& copied, const Array<int>& offsets, const Array<int>& entries, const Array<double>& receive,
-                int n, int width, const Array<float>& values) {
-    Kokkos::parallel_for("treacle::sum_shared", n, KOKKOS_LAMBDA(int k) {
-        const std::int64_t row = std::int64_t(copied(k)) * width;
+// Rows that other ranks have too; entries of a row in the order of its ranks, -1: this rank's own.
+struct Copies {
+    Array<int> row, offset, entry;
+    int count;
+};
+
+void sum_copies(const Copies& copies, const Array<double>& receive, int width, const Array<float>& values) {
+    Kokkos::parallel_for("treacle::sum_shared", copies.count, KOKKOS_LAMBDA(int k) {
+        const std::int64_t row = std::int64_t(copies.row(k)) * width;
         for (int c = 0; c < width; ++c) {
             double sum = 0;
-            for (int e = offsets(k); e < offsets(k + 1); ++e) {
-                sum += entries(e) < 0 ? values(row + c) : receive(std::int64_t(entries(e)) * width + c);
+            for (int e = copies.offset(k); e < copies.offset(k + 1); ++e) {
+                const int entry = copies.entry(e);
+                sum += entry < 0 ? values(row + c) : receive(std::int64_t(entry) * width + c);
             }
             values(row + c) = static_cast<float>(sum);
         }
@@ -140,8 +146,8 @@ void SharedRows::add(const Array<float>& values, int width) {
     reserve(send_, static_cast<std::size_t>(slices_.rows() * width));
     reserve(receive_, static_cast<std::size_t>(slices_.rows() * width));
     pack(values, rows_, slices_.rows(), width, send_);
-    exchange_slices(comm_, slices_, send_, slices_, receive_, width);
-    sum_copies(copied_, offsets_, entries_, receive_, copies_, width, values);
+    exchange_slices(comm_, {slices_, send_}, {slices_, receive_}, width);
+    sum_copies({copied_, offsets_, entries_, copies_}, receive_, width, values);
 }
 
 std::size_t SharedRows::bytes() const {

@@ -125,12 +125,11 @@ void write_layer(const LayerPlaces& layer, const NewParticles& to, int first) {
 }
 } // namespace
 
-void LayerSource::add(ParticleStore& store, const Fields& fields, const CellGrid& grid, const CellBox& own, std::size_t inlet,
-                      std::int64_t layer, double time) const {
-    const auto& from = setup_.inlets[inlet];
-    LayerPlaces places{points_[inlet], {}, box_, grid, own};
+void LayerSource::add(ParticleStore& store, const Fields& fields, const CellGrid& grid, const CellBox& own, const Layer& layer) const {
+    const auto& from = setup_.inlets[layer.inlet];
+    LayerPlaces places{points_[layer.inlet], {}, box_, grid, own};
     NewParticles to{};
-    const double along = place_of(from, layers_, layer, time);
+    const double along = place_of(from, layers_, layer.number, layer.time);
     for (std::size_t k = 0; k < 3; ++k) {
         places.middle[k] = from.centre[k] + along * from.direction[k];
         to.speed[k] = from.speed * from.direction[k];
@@ -149,8 +148,8 @@ void LayerSource::add(ParticleStore& store, const Fields& fields, const CellGrid
     to.viscosity = store.get<Array<double>>(fields.viscosity);
     to.resistance = from.viscosity;
     to.which = from.liquid;
-    to.number = static_cast<int>(inlet) + 1;
-    to.first_id = id_of(inlet, layer);
+    to.number = static_cast<int>(layer.inlet) + 1;
+    to.first_id = id_of(layer.inlet, layer.number);
     to.stride = static_cast<std::int64_t>(setup_.inlets.size());
     write_layer(places, to, first);
 }

@@ -68,10 +68,15 @@ public:
     const InflowSetup& setup() const { return setup_; }
     const Layers& layers() const { return layers_; }
 
-    // Appends the particles of one layer that lie in a rank's own cells, where they are at the time [s], with the inlet's
+    // A layer of an inlet, where it is at a time.
+    struct Layer {
+        std::size_t inlet;
+        std::int64_t number;
+        double time; // [s]
+    };
+    // Appends the particles of one layer that lie in a rank's own cells, with the inlet's
     // velocity; all other state is zero. Ghosts are dropped.
-    void add(ParticleStore& store, const Fields& fields, const CellGrid& grid, const CellBox& own, std::size_t inlet,
-             std::int64_t layer, double time) const;
+    void add(ParticleStore& store, const Fields& fields, const CellGrid& grid, const CellBox& own, const Layer& layer) const;
 
 private:
     std::int64_t id_of(std::size_t inlet, std::int64_t layer) const;

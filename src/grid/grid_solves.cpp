@@ -55,7 +55,7 @@ void GridStep::find_viscosities() {
     const auto n = static_cast<std::size_t>(window.size());
     if (setup_.viscosity_varies) {
         halo_.gather(particles_.store, {particles_.viscosity_field()});
-        harmonic_viscosities(grid_, particles_, cells_, particle_mass_, window, viscosities_.cell, viscosities_.edge); // (R3)
+        harmonic_viscosities(grid_, {particles_, cells_, particle_mass_}, window, viscosities_.cell, viscosities_.edge); // (R3)
         auto& edge = viscosities_.edge.axis;
         if (grid_.dimensions == 2) {
             cells_halo_.gather({viscosities_.cell, edge[2]});
@@ -235,11 +235,12 @@ void GridStep::together(StepReport& report, double dt) {
 // Velocities beyond the liquid's own faces, as far as particles may come in a step.
 void GridStep::continue_velocity(const WallGrip& grip) {
     const auto faces = pressure_.describe(pressure_scene());
-    mark_solved(faces, fractions_.face_wet, least_wet, grip.viscosity, grid_.dx, known_);
-    continue_changes(grid_, cells_halo_, faces, {start_, mass_, scratch_, reached_}, known_, velocity_); // (A6)
+    const FaceScene scene{grid_, cells_halo_, faces};
+    mark_solved(faces, {fractions_.face_wet, least_wet}, grip.viscosity, grid_.dx, known_);
+    continue_changes(scene, {start_, mass_, scratch_, reached_}, known_, velocity_); // (A6)
     const int reach = static_cast<int>(std::ceil(setup_.options.cfl)) + 1;
     extrapolate(grid_, cells_halo_, velocity_, known_, reach);
-    turn_along_solids(grid_, cells_halo_, solids_, faces, grip, velocity_, scratch_); // (A2)
+    turn_along_solids(scene, solids_, grip, velocity_, scratch_); // (A2)
 }
 
 } // namespace treacle::grid

@@ -93,7 +93,7 @@ void GridStep::place_particles() {
 void GridStep::particles_to_grid() {
     auto& p = particles_;
     halo_.gather(p.store, {p.velocity_field(), p.affine_field(0), p.affine_field(1), p.affine_field(2), p.liquid_field()});
-    particles_to_faces(grid_, p, cells_, particle_mass_, cells_halo_.window(), mass_, velocity_);
+    particles_to_faces(grid_, {p, cells_, particle_mass_}, cells_halo_.window(), mass_, velocity_);
     gather_faces(grid_, cells_halo_, mass_);
     gather_faces(grid_, cells_halo_, velocity_);
     mark_faces(grid_, cells_halo_.window(), mass_, 0, known_);

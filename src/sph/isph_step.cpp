@@ -140,10 +140,8 @@ void IsphStep::refresh() {
 void IsphStep::accelerate(StepReport& report, double dt) {
     bodies_.rigid.begin(dt);
     bodies_.set_velocities(solid_);
-    report.viscous_loads = apply_forces(setup_.options, explicit_forces_, setup_.constants, liquid_, solid_, neighbours_, dt,
-                                        bodies_.load_points());
-    apply_skin_friction(setup_.options, setup_.constants, liquid_, solid_, neighbours_,
-                        {setup_.forces.skin_friction, bodies_.load_points(), dt}, report.viscous_loads);
+    report.viscous_loads = apply_forces(parts(), explicit_forces_, dt, bodies_.load_points());
+    apply_skin_friction(parts(), {setup_.forces.skin_friction, bodies_.load_points(), dt}, report.viscous_loads);
     if (surface_tension_) surface_tension_->accelerate(parts(), dt);
     if (inflow_) inflow_->hold(liquid_);
 }
@@ -212,11 +210,10 @@ void IsphStep::spread(int times) {
 void IsphStep::push_by_pressure(StepReport& report, double dt) {
     compute_loads(setup_.constants, liquid_);
     halo_.gather(liquid_.store, {liquid_.load_field()});
-    auto loads = apply_pressure(setup_.options, setup_.constants, liquid_, solid_, neighbours_,
-                                bodies_.load_points(), dt);
+    auto loads = apply_pressure(parts(), bodies_.load_points(), dt);
     for (std::size_t k = 0; k < report.loads.size(); ++k) loads[k] += report.loads[k]; // of DFSPH's other solve
     if (setup_.options.pressure.wall_contact == WallContact::stop) {
-        report.stopped = stop_at_walls(setup_.constants, liquid_, solid_, neighbours_, {bodies_.load_points(), dt}, loads);
+        report.stopped = stop_at_walls(parts(), {bodies_.load_points(), dt}, loads);
     }
     report.loads = std::move(loads);
     if (inflow_) inflow_->hold(liquid_);

@@ -70,10 +70,10 @@ void StepPressure::predict_roles(const PressureParts& parts, StepReport& report,
     const auto& [options, constants, comm, liquid, solid, neighbours, halo, cells, driven] = parts.step;
     const bool answering = implicit_bodies(options, parts.bodies);
     if (answering) {
-        response_.build(options, constants, liquid, solid, neighbours, parts.bodies);
+        response_.build(parts.step, parts.bodies);
         response_.apply_to_pressure(comm, liquid);
     }
-    report.roles = predict(options, constants, liquid, solid, neighbours, last_pressures_, dt, answering ? Answer::bodies : Answer::none);
+    report.roles = predict(parts.step, last_pressures_, dt, answering ? Answer::bodies : Answer::none);
     last_pressures_ = LastPressures::known;
     if (parts.inflow) {
         parts.inflow->close(liquid);
@@ -165,7 +165,7 @@ void StepPressure::find_by_iisph(const PressureParts& parts, StepReport& report,
     const auto& step = parts.step;
     const auto first = report.pressure; // of DFSPH
     const bool answering = implicit_bodies(options_, parts.bodies);
-    if (answering) response_.build(options_, constants_, step.liquid, step.solid, step.neighbours, parts.bodies);
+    if (answering) response_.build(step, parts.bodies);
     iisph_.give_way(answering ? &response_ : nullptr);
     report.pressure = iisph_.solve(step, dt, report.roles);
     iisph_.give_way(nullptr); // a shift of places does not move them
@@ -196,7 +196,7 @@ void StepPressure::remove_divergence(const PressureParts& parts, StepReport& rep
     const auto& step = parts.step;
     report.pressure = iisph_.solve_divergence(step, dt, step.liquid.store.get<Array<double>>(divergence_field_));
     if (!report.pressure.converged()) fail(report.pressure, particles(step), "method.pressure.solver: isph");
-    report.loads = apply_pressure(options_, constants_, step.liquid, step.solid, step.neighbours, parts.bodies.load_points(), dt);
+    report.loads = apply_pressure(step, parts.bodies.load_points(), dt);
     step.halo.gather(step.liquid.store, {step.liquid.velocity_field()});
 }
 

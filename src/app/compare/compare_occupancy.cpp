@@ -15,9 +15,16 @@ struct ThreadPlaces {
     std::vector<double> film, run;
 };
 
+// A film, the run drawn as it, and the folder that the run's masks go to.
+struct DrawnFilm {
+    FilmDrawer& drawer;
+    const Experiment& experiment;
+    const std::filesystem::path& masks;
+};
+
 // Sums of the frames [begin, end), whose masks are kept. Collective; `places` are those of this rank's frames, and 0 for others.
-OccupancyWindow sum_window(const Comm& comm, FilmDrawer& film, const Experiment& experiment, std::size_t begin, std::size_t end, const std::filesystem::path& masks,
-                           ThreadPlaces& places) {
+OccupancyWindow sum_window(const Comm& comm, const DrawnFilm& drawn_film, std::size_t begin, std::size_t end, ThreadPlaces& places) {
+    auto& film = drawn_film.drawer;
     const auto& frames = film.frames();
     const auto& lens = film.camera().lens();
     OccupancyWindow out(lens.width, lens.height);
@@ -31,11 +38,11 @@ OccupancyWindow sum_window(const Comm& comm, FilmDrawer& film, const Experiment&
                 out.step = one.step;
             };
             const auto drawn = film.draw(k);
-            video::write_mask(masks / frames[k].mask.filename(), drawn.now.mask);
+            video::write_mask(drawn_film.masks / frames[k].mask.filename(), drawn.now.mask);
             add(drawn);
             places.film[k] = identify::thread_place(mask);
             places.run[k] = identify::thread_place(drawn.now.mask);
-            if (experiment.occupancy.mirror != identify::MirrorAxis::none) add(film.draw_mirrored(k));
+            if (drawn_film.experiment.occupancy.mirror != identify::MirrorAxis::none) add(film.draw_mirrored(k));
         }
     });
     for (auto* sum : {&out.film, &out.now, &out.later}) comm.sum(sum->numbers());
@@ -59,7 +66,7 @@ void compare_occupancy(const Comm& comm, const identify::StudyFile& file, const 
     identify::RunResiduals residuals;
     residuals.kind = identify::ExperimentKind::occupancy;
     for (const auto& [begin, end] : windows) {
-        sums.push_back(sum_window(comm, *film, experiment, begin, end, masks, places));
+        sums.push_back(sum_window(comm, {*film, experiment, masks}, begin, end, places));
         residuals.frames.push_back(identify::compare_window(sums.back(), experiment.occupancy.levels, film->camera()));
         residuals.observed.push_back(sums.back().frame);
     }

@@ -39,10 +39,16 @@ identify::CurveFit fit_over_flow(const identify::ViscositiesByRate& measured, co
     return flow.empty() ? identify::fit_flow_curve(measured) : identify::fit_flow_curve(measured, flow.quantile(0.05), flow.quantile(0.95));
 }
 
+// The study's scenes with these words of the parameters, and more keys that are changed.
+struct TrialScenes {
+    study::Point words;
+    std::vector<std::string> changes;
+};
+
 // Asks for the runs, and waits; numbers of runs that failed are told with their reasons.
-void run_trial(const identify::StudyFile& file, identify::Trial& trial, const study::Point& words, const std::vector<std::string>& changes, study::StudyRuns& runs,
-               const study::SceneReader& read_scene, identify::ComparedCurve& out, identify::Identification& found) {
-    for (const auto& scene : file.study.scenes) trial.runs.push_back(runs.ask(study::candidate_of(file.study, scene, words, read_scene, changes)));
+void run_trial(const AskedStudy& asked, const TrialScenes& trial_scenes, identify::Trial& trial, identify::ComparedCurve& out, identify::Identification& found) {
+    const auto& [file, runs, read_scene] = asked;
+    for (const auto& scene : file.study.scenes) trial.runs.push_back(runs.ask(study::candidate_of(file.study, scene, trial_scenes.words, read_scene, trial_scenes.changes)));
     found.end = runs.run(trial.runs);
     if (found.end == study::StudyEnd::stopped) return;
     for (const auto number : trial.runs) {
@@ -77,8 +83,10 @@ std::vector<std::string> keys_of_law(const identify::CurveFit& law, const std::s
     return {"liquids." + liquid + ".viscosity=" + digits(law.consistency, 6) + " Pa.s", "liquids." + liquid + ".rheology={" + block + "}"};
 }
 
-identify::ComparedCurve run_at_curve(const identify::StudyFile& file, const identify::Priors& priors, const MeasuredCurve& measured, study::StudyRuns& runs,
-                                     const study::SceneReader& read_scene, identify::Identification& found, Log& log) {
+identify::ComparedCurve run_at_curve(const AskedStudy& asked, const identify::Priors& priors, const MeasuredCurve& measured, identify::Identification& found,
+                                     Log& log) {
+    const auto& file = asked.file;
+    auto& runs = asked.runs;
     identify::ComparedCurve out;
     auto liquids = rheological_liquids(file);
     std::erase_if(liquids, [&](const auto& name) { return !measured.is_of(name); });
@@ -105,7 +113,7 @@ identify::ComparedCurve run_at_curve(const identify::StudyFile& file, const iden
     }
     try {
         const auto liquid = liquid_at(file, out.liquid, answer->values);
-        run_trial(file, trial, words, keys_of_law(*out.fit, out.liquid, liquid->rheology), runs, read_scene, out, found);
+        run_trial(asked, {words, keys_of_law(*out.fit, out.liquid, liquid->rheology)}, trial, out, found);
     } catch (const Error& error) {
         out.problem = error.what();
         return out;

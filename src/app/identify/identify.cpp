@@ -35,7 +35,7 @@ IdentifiedStudy identified_study(const IdentifyRequest& request) {
     study::check_launcher(file.study);
     study::StudyRuns runs(file.study, {out.folder, this_program(), {}}, log);
     out.answer = identify::identify(file, priors, runs, scenes.reader(), log);
-    if (out.measured && out.answer.estimate) out.compared = run_at_curve(file, priors, *out.measured, runs, scenes.reader(), out.answer, log);
+    if (out.measured && out.answer.estimate) out.compared = run_at_curve({file, runs, scenes.reader()}, priors, *out.measured, out.answer, log);
     std::vector<std::int64_t> of_parameters; // runs that the values of the parameters tell whole
     std::map<std::int64_t, std::filesystem::path> folders;
     for (const auto& run : runs.journal().runs()) {

@@ -15,7 +15,7 @@ bool any_dynamic(const Input& input);
 // Points on a body's surface, those of planes in the domain only.
 scene::SurfaceSampling on_surface(const Geometry& geometry, const scene::SolidRegion& region);
 
-// Where nothing falls, what rests needs no points to touch others with.
+// Contacts that a body may have: without any, one that rests needs no points to touch others with.
 enum class Contacts { possible, none };
 // A body of the scene by its number, as in make_bodies().
 rigid::BodySetup make_body(const scene::Body& body, std::size_t number, const Geometry& geometry, Contacts contacts);

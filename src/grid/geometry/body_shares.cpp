@@ -23,10 +23,15 @@ struct FewShares {
     }
 };
 
+// Distances [fine nodes] from the solids [m], the numbers of these, and which of them move.
+struct NodeSolids {
+    Array<double> distance;
+    Array<int> number, moves;
+};
+
 // The parts of the cube around a face that are of bodies that move. A solid part belongs to the solids nearest to its
 // corners, by how deep those lie.
-KOKKOS_INLINE_FUNCTION void find_shares(const PartSum& parts, const Array<double>& solid, const Array<int>& number,
-                                        const Array<int>& moves, int axis, const int c[3], FewShares& out) {
+KOKKOS_INLINE_FUNCTION void find_shares(const PartSum& parts, const NodeSolids& solids, int axis, const int c[3], FewShares& out) {
     const Places& places = parts.places;
     const int used = places.nodes.used(), node = face_place(axis);
     for (int p = 0; p < used; ++p) {
@@ -45,17 +50,16 @@ KOKKOS_INLINE_FUNCTION void find_shares(const PartSum& parts, const Array<double
             for (int k = 0; k < 8; ++k) {
                 const int z = places.up[2] ? f[2] + (k >> 2) : 0;
                 const int at = places.nodes.index(f[0] + (k & 1), f[1] + (k >> 1 & 1), z);
-                const double depth = -solid(at);
+                const double depth = -solids.distance(at);
                 if (depth <= 0) continue;
                 if (pass == 0) total += depth;
-                else if (number(at) >= 0 && moves(number(at))) out.add(number(at), volume * depth / total);
+                else if (solids.number(at) >= 0 && solids.moves(solids.number(at))) out.add(solids.number(at), volume * depth / total);
             }
         }
     }
 }
 
-void count_shares(const PartSum& parts, const Array<double>& solid, const Array<int>& number, const Array<int>& moves,
-                  int axis, const Array<int>& first) {
+void count_shares(const PartSum& parts, const NodeSolids& solids, int axis, const Array<int>& first) {
     const CellBox window = parts.places.nodes.window;
     Kokkos::parallel_for("treacle::count_body_shares", static_cast<int>(window.size()), KOKKOS_LAMBDA(int i) {
         int c[3];
@@ -63,14 +67,13 @@ void count_shares(const PartSum& parts, const Array<double>& solid, const Array<
         FewShares found;
         if (parts.places.has_places(c)) {
             const int kind = parts.kind(c);
-            if (kind == cut_place || shares_of(kind).fluid == 0) find_shares(parts, solid, number, moves, axis, c, found);
+            if (kind == cut_place || shares_of(kind).fluid == 0) find_shares(parts, solids, axis, c, found);
         }
         first(i) = found.count;
     });
 }
 
-void write_shares(const PartSum& parts, const Array<double>& solid, const Array<int>& number, const Array<int>& moves,
-                  int axis, const BodyShares& out) {
+void write_shares(const PartSum& parts, const NodeSolids& solids, int axis, const BodyShares& out) {
     const CellBox window = parts.places.nodes.window;
     Kokkos::parallel_for("treacle::write_body_shares", static_cast<int>(window.size()), KOKKOS_LAMBDA(int i) {
         const int begin = out.first(i), end = out.first(i + 1);
@@ -78,7 +81,7 @@ void write_shares(const PartSum& parts, const Array<double>& solid, const Array<
         int c[3];
         window.cell(i, c);
         FewShares found;
-        find_shares(parts, solid, number, moves, axis, c, found);
+        find_shares(parts, solids, axis, c, found);
         for (int k = begin; k < end; ++k) {
             out.body(k) = found.body[k - begin];
             out.share(k) = found.share[k - begin];
@@ -91,13 +94,14 @@ void FractionBuilder::build_body_shares(const FineNodes& nodes, const Array<doub
                                         const Array<int>& moves, BodyShares shares[3]) const {
     const auto n = static_cast<std::size_t>(nodes.window.size());
     const PartSum parts{Places(nodes, {}), slot_, parts_};
+    const NodeSolids solids{solid, number, moves};
     for (int a = 0; a < nodes.dimensions; ++a) {
         reserve(shares[a].first, n + 1);
-        count_shares(parts, solid, number, moves, a, shares[a].first);
+        count_shares(parts, solids, a, shares[a].first);
         const auto entries = static_cast<std::size_t>(counts_to_offsets(shares[a].first, static_cast<int>(n)));
         reserve(shares[a].body, entries);
         reserve(shares[a].share, entries);
-        write_shares(parts, solid, number, moves, a, shares[a]);
+        write_shares(parts, solids, a, shares[a]);
     }
 }
 

@@ -58,12 +58,13 @@ KOKKOS_INLINE_FUNCTION CubeShares sample_middle(const double solid[8], const dou
     return {fluid, inside, fluid * inside};
 }
 
-void clip_parts(const Places& places, const Array<double>& solid, const Array<double>& liquid, bool sample,
-                const Array<int>& slot, const Array<double>& parts) {
+void clip_parts(const PartSum& to, const Array<double>& solid, const Array<double>& liquid, FractionMethod method) {
+    const Places places = to.places;
     const CellBox window = places.nodes.window;
     const int used = places.nodes.used();
+    const bool sample = method == FractionMethod::supersampled;
     Kokkos::parallel_for("treacle::clip_parts", static_cast<int>(window.size()), KOKKOS_LAMBDA(int i) {
-        if (slot(i) < 0) return;
+        if (to.slot(i) < 0) return;
         int c[3];
         window.cell(i, c);
         for (int p = 0; p < used; ++p) {
@@ -72,7 +73,7 @@ void clip_parts(const Places& places, const Array<double>& solid, const Array<do
             places.solid_corners(solid, f, s);
             places.corners(liquid, f, 1, l);
             const CubeShares shares = sample ? sample_middle(s, l) : cube_shares(s, l, diagonal_start(f));
-            double* row = &parts(24 * std::int64_t(slot(i)) + 3 * p);
+            double* row = &to.parts(24 * std::int64_t(to.slot(i)) + 3 * p);
             row[0] = shares.fluid;
             row[1] = shares.liquid;
             row[2] = shares.wet;
@@ -224,12 +225,13 @@ void FractionBuilder::build(const FineNodes& nodes, const Array<double>& solid, 
     find_signs(nodes, solid, liquid, signs_);
     mixed_ = find_kinds(places, signs_, slot_);
     reserve(parts_, 24 * mixed_);
-    clip_parts(places, solid, liquid, method == FractionMethod::supersampled, slot_, parts_);
+    const PartSum parts{places, slot_, parts_};
+    clip_parts(parts, solid, liquid, method);
     if (method == FractionMethod::independent) {
         fill_independent(places, solid, liquid, writer);
         Kokkos::deep_copy(written_, unknown_place);
     } else {
-        sum_parts({places, slot_, parts_}, solid, writer, written_);
+        sum_parts(parts, solid, writer, written_);
     }
     filled_ = nodes.window;
     filled_data_ = out.cell_fluid.data();

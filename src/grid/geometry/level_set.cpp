@@ -232,12 +232,23 @@ int list_nodes(const FineNodes& nodes, const Array<double>& solid, double depth,
     return count;
 }
 
+// Nodes in solids that the liquid is continued into.
+struct SolidNodes {
+    FineNodes nodes;
+    Array<double> solid; // [nodes] distance from the solids [m]
+    Array<int> list;     // [count] nodes
+    int count;
+    Array<int> found;    // [nodes] layer in which each was found
+};
+
 // Nodes in solids take the value of their neighbours nearer to the surface, weighted by how much nearer: constant along
 // the gradient of the solid's distance. Nodes that this layer finds count from the next one on.
-void continue_layer(const FineNodes& nodes, const Array<double>& solid, const Array<int>& list, int count, int layer,
-                    const Array<int>& found, const Array<double>& value) {
-    Kokkos::parallel_for("treacle::continue_liquid", count, KOKKOS_LAMBDA(int i) {
-        const int at = list(i), corner = at % FineNodes::per_cell;
+void continue_layer(const SolidNodes& inside, int layer, const Array<double>& value) {
+    const FineNodes nodes = inside.nodes;
+    const auto solid = inside.solid;
+    const auto found = inside.found;
+    Kokkos::parallel_for("treacle::continue_liquid", inside.count, KOKKOS_LAMBDA(int i) {
+        const int at = inside.list(i), corner = at % FineNodes::per_cell;
         if (found(at) < layer) return;
         const double here = solid(at);
         int c[3];
@@ -270,9 +281,8 @@ void LevelSet::continue_into_solids(const FineNodes& nodes, const Array<double>&
     reserve(in_solids_, static_cast<std::size_t>(count));
     if (count == 0) return;
     list_nodes(nodes, solid, depth, in_solids_, layer_);
-    for (int layer = 1; layer <= continued_layers; ++layer) {
-        continue_layer(nodes, solid, in_solids_, count, layer, layer_, distance_);
-    }
+    const SolidNodes inside{nodes, solid, in_solids_, count, layer_};
+    for (int layer = 1; layer <= continued_layers; ++layer) continue_layer(inside, layer, distance_);
 }
 
 void LevelSet::build(const MacGrid& grid, CellHalo& halo, const GridParticles& particles, const CellList& cells,

@@ -246,7 +246,7 @@ void Rheology::mean(const StrainScene& scene, const LiquidScene& liquids, int no
     }
     const auto gather_one = [&](const auto& use) {
         select(liquids.particle_mass, some_mass_, use);
-        fluidity_sums(scene.grid, liquids.particles, liquids.cells, some_mass_, window, node, mass_, sums_);
+        fluidity_sums(scene.grid, {liquids.particles, liquids.cells, some_mass_}, window, node, {mass_, sums_});
     };
     if (any_newtonian_) {
         gather_one([&](std::size_t l) { return curves_[l].law == scene::ShearLaw::newtonian; });

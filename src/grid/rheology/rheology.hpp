@@ -3,6 +3,7 @@
 #include "grid/mac/body_motion.hpp"
 #include "grid/mac/particles.hpp"
 #include "grid/pressure/pressure_coupling.hpp"
+#include "grid/transport/apic.hpp"
 #include "grid/viscosity/step_strains.hpp"
 #include "grid/viscosity/viscosity.hpp"
 #include "kokkos/cells.hpp"
@@ -27,13 +28,6 @@ struct StrainScene {
     const StepStrains* strains = nullptr;
     double carried = 0; // length of the last step over that of this one
     const RestingSolids* resting = nullptr; // those that grip, where sides of the domain move
-};
-
-// The particles that tell which liquid is where.
-struct LiquidScene {
-    const GridParticles& particles; // ghosts with their liquid and viscosity
-    const CellList& cells;
-    const Array<double>& particle_mass; // [liquids] [kg]
 };
 
 // Viscosities that depend on the shear rate G = sqrt(2 D : D). The strains D are those of the viscous stresses (V1), each

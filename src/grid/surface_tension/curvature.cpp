@@ -161,7 +161,7 @@ void Curvature::find(const Scene& scene) {
     const int places = static_cast<int>(halo.window().size());
     for (auto* array : {&share_, &twice_, &scratch_}) reserve(*array, static_cast<std::size_t>(places));
     liquid_in_solids(halo, faces, scene.fractions, twice_, scratch_);
-    fluidity_sums(scene.grid, scene.particles, scene.cells, scene.particle_mass, halo.window(), 0, share_, scratch_);
+    fluidity_sums(scene.grid, {scene.particles, scene.cells, scene.particle_mass}, halo.window(), 0, {share_, scratch_});
     const auto share = share_, more = twice_;
     const double mass = scene.density * std::pow(scene.grid.dx, 3);
     Kokkos::parallel_for("treacle::liquid_share", places, KOKKOS_LAMBDA(int i) { share(i) = share(i) / mass + more(i); });

@@ -42,8 +42,8 @@ void SurfaceTensions::find(const MacGrid& grid, CellHalo& halo, const GridPartic
     const auto mass = on_host(particle_mass);
     for (std::size_t l = 0; l < of_liquids_.size(); ++l) host(l) = mass(l) * of_liquids_[l];
     Kokkos::deep_copy(weighted_mass_, host);
-    fluidity_sums(grid, particles, cells, particle_mass, halo.window(), 0, mass_, scratch_);
-    fluidity_sums(grid, particles, cells, weighted_mass_, halo.window(), 0, share_, scratch_);
+    fluidity_sums(grid, {particles, cells, particle_mass}, halo.window(), 0, {mass_, scratch_});
+    fluidity_sums(grid, {particles, cells, weighted_mass_}, halo.window(), 0, {share_, scratch_});
     halo.gather({mass_, share_});
     reserve(tension_, static_cast<std::size_t>(halo.window().size()));
     const CellBox owned = halo.owned();

@@ -62,17 +62,24 @@ struct Rows {
     }
 };
 
+// Mass, value and gradient that a particle gives the places around it.
+struct Carried {
+    double mass, value;     // [kg], [value]
+    const double* gradient; // [3] [value/m]
+};
+
 // Adds w m to the masses and w m (u + gradient (x_f - x_p)) to the sums of the eight (four) places around.
-KOKKOS_INLINE_FUNCTION void spread(const Weights& w, const CellBox& window, int dimensions, double dx, double mass,
-                                   double u, const double gradient[3], const Array<double>& masses,
-                                   const Array<double>& sums) {
+KOKKOS_INLINE_FUNCTION void spread(const Rows& rows, const Weights& w, const Carried& from, const Array<double>& masses, const Array<double>& sums) {
+    const CellBox& window = rows.window;
+    const double* gradient = from.gradient;
+    const double dx = rows.dx;
     const int dy = window.hi[0] - window.lo[0], dz = dy * (window.hi[1] - window.lo[1]);
-    const double at_base = u + gradient[0] * w.away[0] + gradient[1] * w.away[1] + gradient[2] * w.away[2];
-    const int up = dimensions == 2 ? 0 : 1;
+    const double at_base = from.value + gradient[0] * w.away[0] + gradient[1] * w.away[1] + gradient[2] * w.away[2];
+    const int up = rows.dimensions == 2 ? 0 : 1;
     for (int z = 0; z <= up; ++z) {
         for (int y = 0; y < 2; ++y) {
             const int i = w.index + y * dy + z * dz;
-            const double m = mass * (y ? w.share[1] : 1 - w.share[1]) * (z ? w.share[2] : 1 - w.share[2]);
+            const double m = from.mass * (y ? w.share[1] : 1 - w.share[1]) * (z ? w.share[2] : 1 - w.share[2]);
             const double low = m * (1 - w.share[0]), high = m * w.share[0];
             const double value = at_base + dx * (y * gradient[1] + z * gradient[2]);
             masses(i) += low;
@@ -83,12 +90,13 @@ KOKKOS_INLINE_FUNCTION void spread(const Weights& w, const CellBox& window, int 
     }
 }
 
-void spread_velocities(const Rows& rows, const GridParticles& particles, const Array<double>& particle_mass,
-                       const FaceField& mass, const FaceField& momentum) {
+void spread_velocities(const Rows& rows, const LiquidScene& liquids, const FaceField& mass, const FaceField& momentum) {
+    const auto& particles = liquids.particles;
     const auto x = particles.position(), u = particles.velocity();
     const Array3 affine[3] = {particles.affine(0), particles.affine(1), particles.affine(2)};
     const Array3 cx = affine[0], cy = affine[1], cz = affine[2];
     const auto liquid = particles.liquid();
+    const auto particle_mass = liquids.particle_mass;
     Kokkos::parallel_for("treacle::particles_to_faces", rows.size(), KOKKOS_LAMBDA(int i) {
         rows.visit(i, x, [&](int k, const double p[3]) {
             const double m = particle_mass(liquid(k));
@@ -96,22 +104,22 @@ void spread_velocities(const Rows& rows, const GridParticles& particles, const A
                 const Array3& c = a == 0 ? cx : a == 1 ? cy : cz;
                 const double gradient[3] = {c(k, 0), c(k, 1), c(k, 2)};
                 const Weights w(p, 1 << a, rows.dx, rows.window, rows.dimensions);
-                spread(w, rows.window, rows.dimensions, rows.dx, m, u(k, a), gradient, mass.axis[a], momentum.axis[a]);
+                spread(rows, w, {m, u(k, a), gradient}, mass.axis[a], momentum.axis[a]);
             }
         });
     });
 }
 
-void spread_fluidities(const Rows& rows, const GridParticles& particles, const Array<double>& particle_mass, int node,
-                        const Array<double>& mass, const Array<double>& sums) {
-    const auto x = particles.position();
-    const auto liquid = particles.liquid();
-    const auto viscosity = particles.viscosity();
+void spread_fluidities(const Rows& rows, const LiquidScene& liquids, int node, const FluiditySums& out) {
+    const auto x = liquids.particles.position();
+    const auto liquid = liquids.particles.liquid();
+    const auto viscosity = liquids.particles.viscosity();
+    const auto particle_mass = liquids.particle_mass, mass = out.mass, sums = out.fluidity;
     Kokkos::parallel_for("treacle::fluidity_sums", rows.size(), KOKKOS_LAMBDA(int i) {
         const double none[3] = {0, 0, 0};
         rows.visit(i, x, [&](int k, const double p[3]) {
             const Weights w(p, node, rows.dx, rows.window, rows.dimensions);
-            spread(w, rows.window, rows.dimensions, rows.dx, particle_mass(liquid(k)), fluidity_of(viscosity(k)), none, mass, sums);
+            spread(rows, w, {particle_mass(liquid(k)), fluidity_of(viscosity(k)), none}, mass, sums);
         });
     });
 }
@@ -136,35 +144,32 @@ void divide(const Array<double>& sums, const Array<double>& mass, std::size_t n)
 }
 } // namespace
 
-void particles_to_faces(const MacGrid& grid, const GridParticles& particles, const CellList& cells,
-                        const Array<double>& particle_mass, const CellBox& window, FaceField& mass, FaceField& velocity) {
+void particles_to_faces(const MacGrid& grid, const LiquidScene& liquids, const CellBox& window, FaceField& mass, FaceField& velocity) {
     const auto n = static_cast<std::size_t>(window.size());
     for (int a = 0; a < grid.dimensions; ++a) {
         clear(mass.axis[a], n);
         clear(velocity.axis[a], n);
     }
     for (int colour = 0; colour < Rows::colours(grid.dimensions) && n > 0; ++colour) {
-        spread_velocities(Rows(grid, cells, window, colour), particles, particle_mass, mass, velocity);
+        spread_velocities(Rows(grid, liquids.cells, window, colour), liquids, mass, velocity);
     }
     for (int a = 0; a < grid.dimensions; ++a) divide(velocity.axis[a], mass.axis[a], n);
 }
 
-void fluidity_sums(const MacGrid& grid, const GridParticles& particles, const CellList& cells, const Array<double>& particle_mass,
-                   const CellBox& window, int node, Array<double>& mass, Array<double>& sums) {
+void fluidity_sums(const MacGrid& grid, const LiquidScene& liquids, const CellBox& window, int node, const FluiditySums& out) {
     const auto n = static_cast<std::size_t>(window.size());
-    clear(mass, n);
-    clear(sums, n);
+    clear(out.mass, n);
+    clear(out.fluidity, n);
     for (int colour = 0; colour < Rows::colours(grid.dimensions) && n > 0; ++colour) {
-        spread_fluidities(Rows(grid, cells, window, colour), particles, particle_mass, node, mass, sums);
+        spread_fluidities(Rows(grid, liquids.cells, window, colour), liquids, node, out);
     }
 }
 
-void harmonic_viscosities(const MacGrid& grid, const GridParticles& particles, const CellList& cells,
-                          const Array<double>& particle_mass, const CellBox& window, Array<double>& centres, EdgeField& edges) {
+void harmonic_viscosities(const MacGrid& grid, const LiquidScene& liquids, const CellBox& window, Array<double>& centres, EdgeField& edges) {
     const auto n = static_cast<std::size_t>(window.size());
     Array<double> mass("treacle::viscosity_mass", n);
     const auto mean = [&](int node, Array<double>& out) {
-        fluidity_sums(grid, particles, cells, particle_mass, window, node, mass, out);
+        fluidity_sums(grid, liquids, window, node, {mass, out});
         invert(out, mass, n);
     };
     mean(0, centres);

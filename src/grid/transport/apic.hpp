@@ -7,13 +7,19 @@ namespace treacle::grid {
 // Affine particle-in-cell transfers with the weights of linear interpolation (Jiang et al. 2015): with c = sum grad w u
 // both directions keep linear and angular momentum where all faces around a particle take part.
 
+// The particles that tell which liquid is where.
+struct LiquidScene {
+    const GridParticles& particles; // ghosts with their liquid and viscosity
+    const CellList& cells;
+    const Array<double>& particle_mass; // [liquids] [kg]
+};
+
 // Masses [kg] (in the plane [kg/m] times dx, as Fractions) and velocities [m/s] of the faces of a window that has
 // the cells of the list and one layer more: m_f = sum w m_p, m_f u_f = sum w m_p (u_p + c_p (x_f - x_p)).
 // Faces that no particle reaches have mass 0 and velocity 0. Right for the faces of owned cells when the ghosts'
-// velocity, affine fields and liquid have been gathered; then CellHalo::gather. `particle_mass` [liquids] [kg].
+// velocity, affine fields and liquid have been gathered; then CellHalo::gather.
 // The order of the sums is fixed: colours of rows of cells, no two of one colour sharing a face.
-void particles_to_faces(const MacGrid& grid, const GridParticles& particles, const CellList& cells,
-                        const Array<double>& particle_mass, const CellBox& window, FaceField& mass, FaceField& velocity);
+void particles_to_faces(const MacGrid& grid, const LiquidScene& liquids, const CellBox& window, FaceField& mass, FaceField& velocity);
 
 // Velocity and affine matrix of the owned particles from the faces of the window, halo included.
 void faces_to_particles(const MacGrid& grid, const CellBox& window, const FaceField& velocity,
@@ -27,8 +33,7 @@ void pressures_to_particles(const MacGrid& grid, const CellBox& window, const Ar
 // (R3) Viscosities [Pa s] of each centre and edge from the particles around, 1/mu = sum w m/mu_p / sum w m: liquids of different
 // viscosity resist one after the other what shears the layer between them, since the stress is continuous. Where there are no
 // particles, or some without viscosity, 0. As particles_to_faces(), with the ghosts' viscosity and liquid gathered.
-void harmonic_viscosities(const MacGrid& grid, const GridParticles& particles, const CellList& cells,
-                          const Array<double>& particle_mass, const CellBox& window, Array<double>& centres, EdgeField& edges);
+void harmonic_viscosities(const MacGrid& grid, const LiquidScene& liquids, const CellBox& window, Array<double>& centres, EdgeField& edges);
 
 // Viscosities below this count as none [Pa s].
 constexpr double min_viscosity = 1e-12;
@@ -41,8 +46,11 @@ KOKKOS_INLINE_FUNCTION double harmonic_viscosity(double mass, double fluidity) {
 
 // The sums of harmonic_viscosities(), for places that stand alike in their cells: sum w m and sum w m / mu over the
 // particles around. Bit k of `node`: the places are at the lower end of their cell along axis k, else in its middle.
-void fluidity_sums(const MacGrid& grid, const GridParticles& particles, const CellList& cells, const Array<double>& particle_mass,
-                   const CellBox& window, int node, Array<double>& mass, Array<double>& sums);
+struct FluiditySums {
+    Array<double>& mass;     // [window] sum w m [kg]
+    Array<double>& fluidity; // [window] sum w m / mu [kg/(Pa s)]
+};
+void fluidity_sums(const MacGrid& grid, const LiquidScene& liquids, const CellBox& window, int node, const FluiditySums& out);
 
 // The velocity anywhere among the faces of a window.
 struct FaceSampler {

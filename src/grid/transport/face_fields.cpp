@@ -42,22 +42,22 @@ void accelerate(const MacGrid& grid, const CellBox& window, const std::array<dou
     }
 }
 
-void mark_solved(const PressureFaces& faces, const FaceField& wet_share, double least, const ViscousSpread& viscosity, double dx,
-                 FaceMarks& known) {
+void mark_solved(const PressureFaces& faces, const WetShares& wet, const ViscousSpread& viscosity, double dx, FaceMarks& known) {
+    const double least = wet.least;
     const bool viscous = viscosity.cell.extent(0) > 0;
     for (int a = 0; a < faces.dimensions; ++a) {
         reserve(known.axis[a], static_cast<std::size_t>(faces.window.size()));
         const auto mark = known.axis[a];
-        const auto share = wet_share.axis[a];
+        const auto share = wet.share.axis[a];
         Kokkos::parallel_for("treacle::mark_solved", static_cast<int>(faces.window.size()), KOKKOS_LAMBDA(int i) {
             int c[3];
             faces.window.cell(i, c);
             const auto above = static_cast<std::size_t>(i);
             const auto below = c[a] > faces.window.lo[a] ? above - static_cast<std::size_t>(faces.stride[a]) : above;
-            const bool wet = faces.is_liquid(above) || faces.is_liquid(below);
+            const bool beside = faces.is_liquid(above) || faces.is_liquid(below);
             const bool held = viscous && share(i) >= least &&
                               math::max(viscosity.over_half_a_cell(above, dx), viscosity.over_half_a_cell(below, dx)) >= 1;
-            mark(i) = (wet || held) && faces.carries(a, above) ? 1 : 0;
+            mark(i) = (beside || held) && faces.carries(a, above) ? 1 : 0;
         });
     }
 }
@@ -125,8 +125,8 @@ struct TurnLoop {
 };
 } // namespace
 
-void turn_along_solids(const MacGrid& grid, CellHalo& halo, const Solids& solids, const PressureFaces& faces,
-                       const WallGrip& grip, const FaceField& velocity, FaceField& scratch) {
+void turn_along_solids(const FaceScene& scene, const Solids& solids, const WallGrip& grip, const FaceField& velocity, FaceField& scratch) {
+    const auto& [grid, halo, faces] = scene;
     const CellBox owned = halo.owned();
     if (!owned.empty()) {
         copy_faces(grid, halo.window(), velocity, scratch);
@@ -138,8 +138,9 @@ void turn_along_solids(const MacGrid& grid, CellHalo& halo, const Solids& solids
 }
 
 namespace {
-void find_changes(int n, const Array<double>& velocity, const Array<double>& start, const Array<double>& change,
-                  const Array<int>& known, const Array<int>& reached) {
+void find_changes(int axis, int n, const Continued& with, const Array<int>& known, const Array<double>& velocity) {
+    const auto start = with.start.axis[axis], change = with.change.axis[axis];
+    const auto reached = with.reached.axis[axis];
     Kokkos::parallel_for("treacle::find_changes", n, KOKKOS_LAMBDA(int i) {
         change(i) = known(i) != 0 ? velocity(i) - start(i) : 0.0;
         reached(i) = known(i);
@@ -159,13 +160,13 @@ void add_changes(int axis, const PressureFaces& faces, const Continued& with, co
 }
 } // namespace
 
-void continue_changes(const MacGrid& grid, CellHalo& halo, const PressureFaces& faces, const Continued& with, FaceMarks& known,
-                      const FaceField& velocity) {
+void continue_changes(const FaceScene& scene, const Continued& with, FaceMarks& known, const FaceField& velocity) {
+    const auto& [grid, halo, faces] = scene;
     const int n = static_cast<int>(halo.window().size());
     reserve_faces(with.change, grid, halo.window());
     for (int a = 0; a < grid.dimensions; ++a) {
         reserve(with.reached.axis[a], static_cast<std::size_t>(n));
-        find_changes(n, velocity.axis[a], with.start.axis[a], with.change.axis[a], known.axis[a], with.reached.axis[a]);
+        find_changes(a, n, with, known.axis[a], velocity.axis[a]);
     }
     extrapolate(grid, halo, with.change, with.reached, 2);
     for (int a = 0; a < grid.dimensions; ++a) add_changes(a, faces, with, known.axis[a], velocity.axis[a]);

@@ -29,11 +29,23 @@ struct ViscousSpread {
     }
 };
 
-// Marks the faces whose velocity the solves found: open ones beside liquid; and those with `wet` shares from `least` on where the
+// Shares of the faces' cubes that are liquid, and the least that counts.
+struct WetShares {
+    const FaceField& share; // [window] [1]
+    double least;           // [1]
+};
+
+// Marks the faces whose velocity the solves found: open ones beside liquid; and those with wet shares from the least on where the
 // viscosity reaches over half a cell. Thinner liquid beyond the pressure's faces does there what gravity makes of it: a dam
 // break of water in steps of three cells heaped up to thousands of particles in a cell, which followed such faces into walls.
-void mark_solved(const PressureFaces& faces, const FaceField& wet, double least, const ViscousSpread& viscosity, double dx,
-                 FaceMarks& known);
+void mark_solved(const PressureFaces& faces, const WetShares& wet, const ViscousSpread& viscosity, double dx, FaceMarks& known);
+
+// Faces beyond those of the solves, that velocities go on to.
+struct FaceScene {
+    const MacGrid& grid;
+    CellHalo& halo;
+    const PressureFaces& faces;
+};
 
 // Condition by which solids hold the liquid along them.
 struct WallGrip {
@@ -46,8 +58,7 @@ struct WallGrip {
 // (A2) Collective: velocities of closed faces, found by extrapolation, lose what leads into or out of their solid (of cells that separate: into it), so that
 // particles near solids move along them; and are those of a velocity that falls linearly to the solid's a slip length behind
 // its surface, as far as viscosity spreads within the step: nu dt over that and (dx/2)^2. `scratch` takes a copy.
-void turn_along_solids(const MacGrid& grid, CellHalo& halo, const Solids& solids, const PressureFaces& faces,
-                       const WallGrip& grip, const FaceField& velocity, FaceField& scratch);
+void turn_along_solids(const FaceScene& scene, const Solids& solids, const WallGrip& grip, const FaceField& velocity, FaceField& scratch);
 
 // (A6) Collective: what the step has changed since `start` at the faces that are known goes on to open faces around them that
 // particles gave a velocity, which have a mass: start + change, and known from then on. A mean of the neighbours'
@@ -58,8 +69,7 @@ struct Continued {
     FaceField& change; // scratch
     FaceMarks& reached; // scratch
 };
-void continue_changes(const MacGrid& grid, CellHalo& halo, const PressureFaces& faces, const Continued& with, FaceMarks& known,
-                      const FaceField& velocity);
+void continue_changes(const FaceScene& scene, const Continued& with, FaceMarks& known, const FaceField& velocity);
 // Copies the numbers of the window.
 void copy_faces(const MacGrid& grid, const CellBox& window, const FaceField& from, FaceField& to);
 

@@ -94,7 +94,7 @@ void emit_layers(const flow::LayerSource& source, const TimeSpan& time, const De
         const auto& inlet = source.setup().inlets[q];
         const auto due = layers_until(inlet, source.layers(), time.end);
         for (auto layer = layers_until(inlet, source.layers(), time.begin); layer < due; ++layer) {
-            source.add(particles.store, fields, decomposition.grid(), decomposition.box(), q, layer, time.end);
+            source.add(particles.store, fields, decomposition.grid(), decomposition.box(), {q, layer, time.end});
         }
     }
     begin_velocities(particles, before);

@@ -41,7 +41,7 @@ double& part_of(VarianceParts& parts, ViewPart part) {
     return parts.instrument;
 }
 
-// What the variance is found from: the fit, its gradient, the priors' information, and what leaving out each block changes.
+// Parts of the variance: the fit, its gradient, the priors' information, and what leaving out each block changes.
 struct Spread {
     const Fit& fit;
     const Matrix& g;
@@ -198,7 +198,7 @@ double ninety_percent(const VarianceParts& parts, double freedom) {
 }
 
 namespace {
-// What the answer is found from.
+// Runs and prior knowledge that the answer is found from.
 struct Given {
     const std::vector<EvaluatedRun>& runs;
     const std::vector<ViewInformation>& priors;

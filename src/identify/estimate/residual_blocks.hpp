@@ -12,8 +12,8 @@ std::vector<int> blocks_of(const EvaluatedRun& run, const Layout& layout, const 
 // A fit, the gradient [rows][parameters] of its model, and the block of each row.
 struct BlockedFit {
     const Fit& fit;
-    const Matrix& g;
-    const std::vector<int>& blocks;
+    const Matrix& g;                // [rows][parameters]
+    const std::vector<int>& blocks; // [rows]
 };
 // (I4) Change of the parameters by leaving out each block, [blocks][parameters]: (A - A_b)^-1 G_b^T W_b r_b.
 Matrix block_changes(const BlockedFit& blocked, const Matrix& information);

@@ -18,13 +18,15 @@ struct FitOptions {
     Vector pull = {};             // slope of what is known beside the residuals; empty: none
 };
 
+// Linear model r + G x of the residuals.
 struct LinearModel {
-    const Vector& r;
-    const Matrix& g;
+    const Vector& r;           // [rows]
+    const Matrix& g;           // [rows][columns]
     const Vector& size;        // [rows] weights before those of Huber
     const Matrix& information; // [columns][columns] of the priors
 };
 
+// Fit of the model to the rows of the layout, by rounds of reweighting.
 Fit fit(const LinearModel& model, const Layout& layout, const FitOptions& options);
 
 } // namespace treacle::identify

@@ -192,16 +192,17 @@ void accelerate(const LiquidParticles& liquid, double dt) {
 }
 } // namespace
 
-BodyLoads apply_forces(const SphOptions& options, const ForceOptions& forces, const Constants& constants,
-                       LiquidParticles& liquid, const SolidParticles& solid, const Neighbourhood& neighbours,
-                       double dt, const LoadPoints& points) {
+BodyLoads apply_forces(const StepParts& parts, const ForceOptions& forces, double dt, const LoadPoints& points) {
+    const auto& options = parts.options;
+    const auto& constants = parts.constants;
+    auto& liquid = parts.liquid;
     write_places(liquid, liquid.volume());
     write_motions(liquid);
-    const auto fluid = gather_fluid(constants, liquid, solid, neighbours);
+    const auto fluid = gather_fluid(constants, liquid, parts.solid, parts.neighbours);
     const auto& g = forces.gravity;
     const auto friction = upload(forces.friction);
     BodyLoads loads(static_cast<std::size_t>(6 * points.count), 0.0);
-    bool grips = (forces.artificial > 0 || forces.viscosity > 0) && neighbours.solid.size > 0 && points.count > 0;
+    bool grips = (forces.artificial > 0 || forces.viscosity > 0) && parts.neighbours.solid.size > 0 && points.count > 0;
     grips = grips && std::any_of(forces.friction.begin(), forces.friction.end(), [](double f) { return f > 0; });
     with_kernel(options.kernel, constants.dimensions, constants.support, [&](const auto& kernel) {
         using Kernel = std::decay_t<decltype(kernel)>;
@@ -243,20 +244,20 @@ void compute_loads(const Constants& constants, LiquidParticles& liquid) {
     });
 }
 
-BodyLoads apply_pressure(const SphOptions& options, const Constants& constants, LiquidParticles& liquid,
-                         const SolidParticles& solid, const Neighbourhood& neighbours, const LoadPoints& points,
-                         double dt) {
+BodyLoads apply_pressure(const StepParts& parts, const LoadPoints& points, double dt) {
+    const auto& constants = parts.constants;
+    auto& liquid = parts.liquid;
     write_places(liquid, liquid.load());
-    const auto fluid = gather_fluid(constants, liquid, solid, neighbours);
+    const auto fluid = gather_fluid(constants, liquid, parts.solid, parts.neighbours);
     BodyLoads loads(static_cast<std::size_t>(6 * points.count), 0.0);
-    with_kernel(options.kernel, constants.dimensions, constants.support, [&](const auto& kernel) {
+    with_kernel(parts.options.kernel, constants.dimensions, constants.support, [&](const auto& kernel) {
         using Kernel = std::decay_t<decltype(kernel)>;
         with_liquids(constants.mixture, liquid.liquid(), 0, [&](const auto& liquids) {
             using Liquids = std::decay_t<decltype(liquids)>;
             Kokkos::parallel_for("treacle::pressure_force", fluid.count,
                                  PressureForceLoop<Kernel, Liquids>{kernel, liquids, fluid, liquid.velocity(), dt});
         });
-        if (neighbours.solid.size > 0) {
+        if (parts.neighbours.solid.size > 0) {
             Kokkos::parallel_reduce("treacle::body_loads", fluid.count,
                                     BodyLoadLoop<Kernel>{{loads.size()}, kernel, fluid, points},
                                     host_sums(loads));

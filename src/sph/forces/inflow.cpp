@@ -38,7 +38,7 @@ void Inflow::emit(LiquidParticles& liquid, const Decomposition& decomposition) {
                                            liquid.inlet_field()};
     for (std::size_t q = 0; q < made_.size(); ++q) {
         for (const auto due = layers_until(source_.setup().inlets[q], source_.layers(), time_); made_[q] < due; ++made_[q]) {
-            source_.add(liquid.store, fields, decomposition.grid(), decomposition.box(), q, made_[q], time_);
+            source_.add(liquid.store, fields, decomposition.grid(), decomposition.box(), {q, made_[q], time_});
         }
     }
 }

@@ -78,18 +78,17 @@ struct SkinFrictionLoop : LoadReduction {
 };
 } // namespace
 
-void apply_skin_friction(const SphOptions& options, const Constants& constants, LiquidParticles& liquid,
-                         const SolidParticles& solid, const Neighbourhood& neighbours, const SkinFriction& friction,
-                         BodyLoads& loads) {
+void apply_skin_friction(const StepParts& parts, const SkinFriction& friction, BodyLoads& loads) {
     const auto& coefficients = friction.coefficients;
     if (std::ranges::all_of(coefficients, [](double c) { return c == 0; })) return;
-    const auto fluid = gather_fluid(constants, liquid, solid, neighbours);
+    const auto& constants = parts.constants;
+    const auto fluid = gather_fluid(constants, parts.liquid, parts.solid, parts.neighbours);
     const auto coefficient = upload(coefficients);
     BodyLoads own(loads.size(), 0.0);
-    with_kernel(options.kernel, constants.dimensions, constants.support, [&](const auto& kernel) {
+    with_kernel(parts.options.kernel, constants.dimensions, constants.support, [&](const auto& kernel) {
         using Kernel = std::decay_t<decltype(kernel)>;
         const SkinFrictionLoop<Kernel> loop{
-            {own.size()}, kernel, fluid, friction.points, relative_density(constants, liquid), coefficient, friction.dt};
+            {own.size()}, kernel, fluid, friction.points, relative_density(constants, parts.liquid), coefficient, friction.dt};
         Kokkos::parallel_reduce("treacle::skin_friction", fluid.count, loop, host_sums(own));
     });
     for (std::size_t k = 0; k < loads.size(); ++k) loads[k] += own[k];

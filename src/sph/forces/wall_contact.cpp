@@ -61,28 +61,26 @@ struct WallContactLoop : LoadReduction {
     }
 };
 
-std::int64_t stop(const Fluid& fluid, const Moves& moves, const SolidParticles& solid,
-                  const RelativeDensity& relative, const WallStop& at, std::span<double> loads) {
+std::int64_t stop(const StepParts& parts, const Fluid& fluid, const Moves& moves, const WallStop& at, std::span<double> loads) {
     std::vector<double> sums(loads.size() + 1, 0.0);
-    const WallContactLoop loop{{sums.size()}, fluid, moves, solid.normal(), at.points, relative, at.dt};
+    const WallContactLoop loop{{sums.size()}, fluid, moves, parts.solid.normal(), at.points, relative_density(parts.constants, parts.liquid), at.dt};
     Kokkos::parallel_reduce("treacle::stop_at_walls", fluid.count, loop, host_sums(sums));
     for (std::size_t k = 0; k < loads.size(); ++k) loads[k] += sums[k];
     return std::llround(sums.back());
 }
 } // namespace
 
-std::int64_t stop_at_walls(const Constants& constants, LiquidParticles& liquid, const SolidParticles& solid,
-                           const Neighbourhood& neighbours, const WallStop& at, BodyLoads& loads) {
-    if (neighbours.solid.size == 0) return 0;
-    const auto fluid = gather_fluid(constants, liquid, solid, neighbours);
-    return stop(fluid, {fluid.velocity, {}}, solid, relative_density(constants, liquid), at, loads);
+std::int64_t stop_at_walls(const StepParts& parts, const WallStop& at, BodyLoads& loads) {
+    if (parts.neighbours.solid.size == 0) return 0;
+    const auto fluid = gather_fluid(parts.constants, parts.liquid, parts.solid, parts.neighbours);
+    return stop(parts, fluid, {fluid.velocity, {}}, at, loads);
 }
 
 void stop_shift_at_walls(const StepParts& parts, const WallStop& at, const Array3& shift) {
     if (parts.neighbours.solid.size == 0) return;
     const auto fluid = gather_fluid(parts.constants, parts.liquid, parts.solid, parts.neighbours);
     BodyLoads unused(6 * static_cast<std::size_t>(at.points.count), 0.0); // a shift of places has no impulse
-    stop(fluid, {shift, fluid.velocity}, parts.solid, relative_density(parts.constants, parts.liquid), at, unused);
+    stop(parts, fluid, {shift, fluid.velocity}, at, unused);
 }
 
 } // namespace treacle::sph

@@ -14,8 +14,7 @@ struct WallStop {
 // contact). Pressures alone hold it off only as long as it meets the one layer of solid particles in several
 // steps. The impulses, over dt, are added with the opposite sign to the loads of the bodies, at the
 // particle's place: linear and angular momentum stay. Returns how many owned particles were stopped.
-std::int64_t stop_at_walls(const Constants& constants, LiquidParticles& liquid, const SolidParticles& solid,
-                           const Neighbourhood& neighbours, const WallStop& at, BodyLoads& loads);
+std::int64_t stop_at_walls(const StepParts& parts, const WallStop& at, BodyLoads& loads);
 
 // (S8c) The same of a shift of places [m/s] that particles move by besides their velocities; these stay, and so do the bodies.
 void stop_shift_at_walls(const StepParts& parts, const WallStop& at, const Array3& shift);

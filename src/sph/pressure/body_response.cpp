@@ -86,8 +86,8 @@ void BodyResponse::count(const LiquidParticles& liquid, const SolidParticles& so
     entries_ = total;
 }
 
-void BodyResponse::build(const SphOptions& options, const Constants& constants, const LiquidParticles& liquid,
-                         const SolidParticles& solid, const Neighbourhood& neighbours, const Bodies& bodies) {
+void BodyResponse::build(const StepParts& parts, const Bodies& bodies) {
+    const auto& constants = parts.constants;
     const auto loads = static_cast<std::size_t>(bodies.load_points().count);
     loads_ = loads;
     first_ = static_cast<std::size_t>(bodies.first());
@@ -100,11 +100,11 @@ void BodyResponse::build(const SphOptions& options, const Constants& constants, 
         flags(load) = static_cast<int>(bodies.rigid.dynamic(b));
     }
     Kokkos::deep_copy(dynamic_, flags);
-    count(liquid, solid, neighbours);
+    count(parts.liquid, parts.solid, parts.neighbours);
     reserve(body_, static_cast<std::size_t>(entries_));
     reserve(row_, static_cast<std::size_t>(6 * entries_));
-    const auto fluid = gather_fluid(constants, liquid, solid, neighbours);
-    with_kernel(options.kernel, constants.dimensions, constants.support, [&](const auto& kernel) {
+    const auto fluid = gather_fluid(constants, parts.liquid, parts.solid, parts.neighbours);
+    with_kernel(parts.options.kernel, constants.dimensions, constants.support, [&](const auto& kernel) {
         using Kernel = std::decay_t<decltype(kernel)>;
         Kokkos::parallel_for("treacle::responses", fluid.count,
                              ResponseLoop<Kernel>{kernel, fluid, bodies.load_points(), dynamic_, offset_, body_, row_});

@@ -1,6 +1,6 @@
 #pragma once
 #include "mpi/comm.hpp"
-#include "sph/model/neighbourhood.hpp"
+#include "sph/model/step_parts.hpp"
 #include "sph/solids/bodies.hpp"
 
 #include <functional>
@@ -16,8 +16,7 @@ class PressureSystem;
 class BodyResponse {
 public:
     // The rows U_i of this rank's particles, for the poses of the bodies.
-    void build(const SphOptions& options, const Constants& constants, const LiquidParticles& liquid,
-               const SolidParticles& solid, const Neighbourhood& neighbours, const Bodies& bodies);
+    void build(const StepParts& parts, const Bodies& bodies);
 
     // Collective: writes to the field `response` what the term is with the pressures of the field `pressure`.
     void apply_to_pressure(const Comm& comm, LiquidParticles& liquid) const;

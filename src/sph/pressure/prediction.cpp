@@ -185,13 +185,14 @@ struct PredictionLoop {
 };
 } // namespace
 
-RoleCounts predict(const SphOptions& options, const Constants& constants, LiquidParticles& liquid,
-                   const SolidParticles& solid, const Neighbourhood& neighbours, LastPressures pressures,
-                   double dt, Answer answer) {
+RoleCounts predict(const StepParts& parts, LastPressures pressures, double dt, Answer answer) {
+    const auto& options = parts.options;
+    const auto& constants = parts.constants;
+    auto& liquid = parts.liquid;
     write_places(liquid, liquid.volume());
     write_motions(liquid);
-    if (options.pressure.dirichlet == DirichletRule::surface) mark_surface(constants, liquid, solid, neighbours);
-    const auto fluid = gather_fluid(constants, liquid, solid, neighbours);
+    if (options.pressure.dirichlet == DirichletRule::surface) mark_surface(constants, liquid, parts.solid, parts.neighbours);
+    const auto fluid = gather_fluid(constants, liquid, parts.solid, parts.neighbours);
     int poissons = 0, separates = 0;
     with_kernel(options.kernel, constants.dimensions, constants.support, [&](const auto& kernel) {
         using Kernel = std::decay_t<decltype(kernel)>;

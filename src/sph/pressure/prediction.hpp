@@ -1,5 +1,5 @@
 #pragma once
-#include "sph/model/neighbourhood.hpp"
+#include "sph/model/step_parts.hpp"
 
 namespace treacle::sph {
 
@@ -22,9 +22,7 @@ enum class LastPressures { none, known };
 // too, and wall_term waits for SolidRows. Other rules than Eq. 2.6 and clamped sources: src/sph/theory.md.
 // Returns this rank's counts.
 enum class Answer { none, bodies };
-RoleCounts predict(const SphOptions& options, const Constants& constants, LiquidParticles& liquid,
-                   const SolidParticles& solid, const Neighbourhood& neighbours, LastPressures pressures,
-                   double dt, Answer answer = Answer::none);
+RoleCounts predict(const StepParts& parts, LastPressures pressures, double dt, Answer answer = Answer::none);
 
 // This rank's particles by their present roles.
 RoleCounts count_roles(const LiquidParticles& liquid);

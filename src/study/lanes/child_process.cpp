@@ -37,11 +37,20 @@ std::vector<char*> pointers(std::vector<std::string>& texts) {
     return out;
 }
 
+// Program that a child becomes, and the files that it writes to.
+struct ChildStart {
+    char* const* arguments;
+    char* const* environment;
+    int log, report;
+    int oom_score;
+    pid_t parent;
+};
+
 // After vfork, in the child, which has the memory of its parent: only calls that are safe there, and everything allocated before.
-[[noreturn]] void become(char* const* arguments, char* const* environment, int log, int report, int oom_score, pid_t parent) {
+[[noreturn]] void become(const ChildStart& start) {
     ::setpgid(0, 0);
     ::prctl(PR_SET_PDEATHSIG, SIGKILL);
-    if (::getppid() != parent) ::_exit(127); // it went before the line above
+    if (::getppid() != start.parent) ::_exit(127); // it went before the line above
     sigset_t none;
     sigemptyset(&none);
     sigprocmask(SIG_SETMASK, &none, nullptr);
@@ -50,17 +59,17 @@ std::vector<char*> pointers(std::vector<std::string>& texts) {
     if (score >= 0) {
         char text[8];
         int length = 0;
-        for (int power = 100; power > 0; power /= 10) text[length++] = char('0' + oom_score / power % 10);
+        for (int power = 100; power > 0; power /= 10) text[length++] = char('0' + start.oom_score / power % 10);
         if (::write(score, text, std::size_t(length)) < 0) {} // allowed to fail: it is a hint
         ::close(score);
     }
     const int nothing = ::open("/dev/null", O_RDONLY);
     ::dup2(nothing, 0);
-    ::dup2(log, 1);
-    ::dup2(log, 2);
-    ::execvpe(arguments[0], arguments, environment);
+    ::dup2(start.log, 1);
+    ::dup2(start.log, 2);
+    ::execvpe(start.arguments[0], start.arguments, start.environment);
     const int error = errno;
-    if (::write(report, &error, sizeof error) < 0) {}
+    if (::write(start.report, &error, sizeof error) < 0) {}
     ::_exit(127);
 }
 
@@ -107,10 +116,10 @@ ChildProcess::ChildProcess(const std::vector<std::string>& command, const std::f
         ::close(file);
         throw SimulationError({command.front(), "cannot be started", std::strerror(errno), "close other programs"});
     }
-    const pid_t parent = ::getpid();
+    const ChildStart start{arguments.data(), environment.data(), file, ends[1], oom_score, ::getpid()};
     // The page tables of a program with hundreds of libraries take longer to copy than a run takes to be written down.
     const pid_t child = ::vfork();
-    if (child == 0) become(arguments.data(), environment.data(), file, ends[1], oom_score, parent);
+    if (child == 0) become(start);
     pid_ = child;
     int error = pid_ < 0 ? errno : 0;
     ::close(ends[1]);

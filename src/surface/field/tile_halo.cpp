@@ -113,7 +113,7 @@ void TileHalo::gather(const NodeField& field) {
     Kokkos::parallel_for("treacle::pack_tiles", out, KOKKOS_LAMBDA(std::int64_t k) {
         send(k) = value(std::int64_t(sent(k / nodes)) * nodes + k % nodes);
     });
-    exchange_slices(comm_, outgoing_, send_, incoming_, receive_, nodes);
+    exchange_slices(comm_, {outgoing_, send_}, {incoming_, receive_}, nodes);
     Kokkos::parallel_for("treacle::unpack_tiles", in, KOKKOS_LAMBDA(std::int64_t k) {
         value(std::int64_t(received(k / nodes)) * nodes + k % nodes) = receive(k);
     });

@@ -50,8 +50,8 @@ void draw_text(Image& image, const Text& text, const Rgb8& ink) {
     blend(image, mask, left, int(std::lround(text.y)) - above, ink);
 }
 
-void fill(Image& image, int left, int top, int width, int height, const Rgb8& ink) {
-    blend(image, cv::Mat(height, width, CV_8U, cv::Scalar(255)), left, top, ink);
+void fill(Image& image, const cv::Rect& box, const Rgb8& ink) {
+    blend(image, cv::Mat(box.size(), CV_8U, cv::Scalar(255)), box.x, box.y, ink);
 }
 
 // All ticks with the same number of decimals, or all in powers of ten.
@@ -65,8 +65,13 @@ std::string tick_label(double value, double step) {
     return label;
 }
 
-// A pointed end, `up` or downwards, above or below the bar.
-void draw_point(Image& image, int left, int width, int edge, int direction, const Rgb8& colour) {
+// A pointed end of the bar: above its edge, direction -1, or below it, 1.
+struct PointedEnd {
+    int left, width, edge, direction;
+};
+
+void draw_point(Image& image, const PointedEnd& end, const Rgb8& colour) {
+    const auto& [left, width, edge, direction] = end;
     const int height = width / 2 + 1;
     cv::Mat large = cv::Mat::zeros(height * fine, width * fine, CV_8U), mask;
     const int base = direction < 0 ? large.rows : 0, tip = large.rows - base;
@@ -82,16 +87,16 @@ void draw_colour_bar(Image& image, const Legend& legend, const Rgb8& ink) {
     const int width = std::max(2, int(18 * unit)), height = std::max(4, int(300 * unit));
     const int left = image.width - int(92 * unit), top = (image.height - height) / 2;
     for (int row = 0; row < height; ++row)
-        fill(image, left, top + row, width, 1, colour_of(legend.map, 1 - (row + 0.5) / height));
-    if (legend.has_higher) draw_point(image, left, width, top, -1, colour_of(legend.map, 1));
-    if (legend.has_lower) draw_point(image, left, width, top + height, 1, colour_of(legend.map, 0));
+        fill(image, {left, top + row, width, 1}, colour_of(legend.map, 1 - (row + 0.5) / height));
+    if (legend.has_higher) draw_point(image, {left, width, top, -1}, colour_of(legend.map, 1));
+    if (legend.has_lower) draw_point(image, {left, width, top + height, 1}, colour_of(legend.map, 0));
 
     const auto ticks = nice_ticks(legend.range);
     const double step = ticks.size() > 1 ? ticks[1] - ticks[0] : std::max(std::abs(ticks.at(0)), 1e-3);
     for (const double tick : ticks) {
         const double t = (tick - legend.range.low) / (legend.range.high - legend.range.low);
         const int y = top + int(std::lround((1 - t) * (height - 1)));
-        fill(image, left + width, y, std::max(2, int(5 * unit)), std::max(1, int(std::lround(unit))), ink);
+        fill(image, {left + width, y, std::max(2, int(5 * unit)), std::max(1, int(std::lround(unit)))}, ink);
         draw_text(image, {tick_label(tick, step), left + width + 9 * unit, y + 5 * unit, 10 * unit}, ink);
     }
     draw_text(image, {legend.title, image.width - 16 * unit, top - 24 * unit, 11 * unit, Align::right}, ink);

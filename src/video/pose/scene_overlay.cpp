@@ -35,15 +35,20 @@ cv::Mat read_colour(const std::filesystem::path& path) {
 
 cv::Point fixed(double x, double y) { return {int(std::lround(x * (1 << shift))), int(std::lround(y * (1 << shift)))}; }
 
+struct Pen {
+    cv::Scalar colour;
+    int width;
+};
+
 // A straight edge of the scene, bent by the lens.
-void draw_edge(cv::Mat& picture, const scene::CameraModel& camera, const Vec3& from, const Vec3& to, const cv::Scalar& colour, int width) {
+void draw_edge(cv::Mat& picture, const scene::CameraModel& camera, const Vec3& from, const Vec3& to, const Pen& pen) {
     constexpr int pieces = 64;
     std::optional<cv::Point> last;
     for (int k = 0; k <= pieces; ++k) {
         const auto p = camera.project(mix(from, to, double(k) / pieces));
         const bool seen = p.depth > 1e-3 && std::abs(p.x) < 30000 && std::abs(p.y) < 30000;
         const std::optional<cv::Point> here = seen ? std::optional(fixed(p.x, p.y)) : std::nullopt;
-        if (last && here) cv::line(picture, *last, *here, colour, width, cv::LINE_AA, shift);
+        if (last && here) cv::line(picture, *last, *here, pen.colour, pen.width, cv::LINE_AA, shift);
         last = here;
     }
 }
@@ -54,7 +59,7 @@ void draw_domain(cv::Mat& picture, const scene::CameraModel& camera, const Domai
     };
     for (int i = 0; i < 8; ++i)
         for (const int bit : {1, 2, 4})
-            if (!(i & bit)) draw_edge(picture, camera, corner(i), corner(i | bit), box_colour, 1);
+            if (!(i & bit)) draw_edge(picture, camera, corner(i), corner(i | bit), {box_colour, 1});
 }
 
 void draw_axes(cv::Mat& picture, const scene::CameraModel& camera, double length) {
@@ -62,7 +67,7 @@ void draw_axes(cv::Mat& picture, const scene::CameraModel& camera, double length
     for (std::size_t k = 0; k < 3; ++k) {
         Vec3 end{0, 0, 0};
         end[k] = length;
-        draw_edge(picture, camera, {0, 0, 0}, end, colours[k], 2);
+        draw_edge(picture, camera, {0, 0, 0}, end, {colours[k], 2});
     }
 }
 

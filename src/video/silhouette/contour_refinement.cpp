@@ -300,8 +300,16 @@ struct Solved {
     double width = 0;
 };
 
-Solved iterate(const Image& frame, const std::vector<float>& background, const Mask& rough, const cv::Rect& box, MixingSpace mixing,
-               double width, int rounds) {
+// A frame of a film, the mean of its background, and the mask that is refined.
+struct Filmed {
+    const Image& frame;
+    const std::vector<float>& background;
+    const Mask& rough;
+};
+
+// `width`: of the blur to start from, 0: not known [px].
+Solved iterate(const Filmed& filmed, const cv::Rect& box, MixingSpace mixing, double width, int rounds) {
+    const auto& [frame, background, rough] = filmed;
     const cv::Mat light = to_light(pixels_of(frame)(box), mixing);
     const cv::Mat empty = background.empty() ? cv::Mat(box.size(), CV_32FC3, cv::Scalar::all(1))
                                              : mean_to_light(background, frame.width, box, mixing);
@@ -355,7 +363,7 @@ RefinedContour refine_contour(const Image& frame, const std::vector<float>& back
     RefinedContour refined{rough, 0, 0, 0};
     const auto box = box_of(pixels_of(rough) == mask_liquid, 48);
     if (box.empty()) return refined;
-    const auto solved = iterate(frame, background, rough, box, mixing, edge_width, edge_width > 0 ? 2 : 3);
+    const auto solved = iterate({frame, background, rough}, box, mixing, edge_width, edge_width > 0 ? 2 : 3);
     cv::Mat out = pixels_of(refined.mask)(box);
     out.setTo(mask_background, out == mask_liquid);
     out.setTo(mask_liquid, solved.liquid);
@@ -369,7 +377,7 @@ Unevenness measure_unevenness(const Image& frame, const std::vector<float>& back
     const auto box = box_of(pixels_of(rough) == mask_liquid, 48);
     if (box.empty()) return found;
     for (const auto mixing : {MixingSpace::light, MixingSpace::code}) {
-        const auto solved = iterate(frame, background, rough, box, mixing, 0, 3);
+        const auto solved = iterate({frame, background, rough}, box, mixing, 0, 3);
         const auto shares = solve_shares(solved.levels, solved.liquid, 5 * solved.width + 6).share;
         const auto profile = profile_of(shares, solved.width);
         if (profile.empty()) return {};

@@ -91,7 +91,7 @@ TEST_P(TransferCase, AnAffineFieldGoesToTheFacesAndBackUnchanged) {
     if (dimensions == 2) gradient = {Vec3{1, -2, 0}, Vec3{0.25, 3, 0}, Vec3{0, 0, 0}};
     set_affine(liquid, u0, gradient);
     FaceField mass, velocity;
-    particles_to_faces(liquid.grid, liquid.particles, liquid.cells, liquid.mass, liquid.faces.window(), mass, velocity);
+    particles_to_faces(liquid.grid, {liquid.particles, liquid.cells, liquid.mass}, liquid.faces.window(), mass, velocity);
     for (int a = 0; a < dimensions; ++a) {
         const auto m = on_host(mass.axis[a]), u = on_host(velocity.axis[a]);
         const CellBox owned = liquid.faces.owned();
@@ -125,7 +125,7 @@ TEST_P(TransferCase, BothDirectionsKeepMassAndMomentum) {
     set_wild(liquid);
     FaceField mass, velocity;
     const auto to_faces = [&] {
-        particles_to_faces(liquid.grid, liquid.particles, liquid.cells, liquid.mass, liquid.faces.window(), mass, velocity);
+        particles_to_faces(liquid.grid, {liquid.particles, liquid.cells, liquid.mass}, liquid.faces.window(), mass, velocity);
     };
     to_faces();
     const auto before = grid_momentum(liquid, mass, velocity);
@@ -149,8 +149,8 @@ TEST_P(TransferCase, FacesHaveTheNumbersOfOneRank) {
     set_wild(liquid);
     set_wild(one);
     FaceField mass, velocity, mass1, velocity1;
-    particles_to_faces(liquid.grid, liquid.particles, liquid.cells, liquid.mass, liquid.faces.window(), mass, velocity);
-    particles_to_faces(one.grid, one.particles, one.cells, one.mass, one.faces.window(), mass1, velocity1);
+    particles_to_faces(liquid.grid, {liquid.particles, liquid.cells, liquid.mass}, liquid.faces.window(), mass, velocity);
+    particles_to_faces(one.grid, {one.particles, one.cells, one.mass}, one.faces.window(), mass1, velocity1);
     FaceMarks known, known1;
     mark_faces(liquid.grid, liquid.faces.window(), mass, 0, known);
     mark_faces(one.grid, one.faces.window(), mass1, 0, known1);
@@ -178,7 +178,7 @@ TEST_P(TransferCase, ViscositiesAreHarmonicMeansOfTheParticlesAround) {
     fill(liquid, true);
     Array<double> centres("treacle::viscosity", 0);
     EdgeField edges;
-    harmonic_viscosities(liquid.grid, liquid.particles, liquid.cells, liquid.mass, liquid.faces.window(), centres, edges);
+    harmonic_viscosities(liquid.grid, {liquid.particles, liquid.cells, liquid.mass}, liquid.faces.window(), centres, edges);
     const auto eta = on_host(centres), shear = on_host(edges.axis[2]);
     const CellBox owned = liquid.faces.owned();
     std::int64_t pure[2] = {0, 0}, mixed = 0;

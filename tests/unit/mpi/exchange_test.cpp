@@ -80,7 +80,7 @@ TEST(ExchangeSlices, PairsSlicesOfTwoRanksInOrder) {
     test::edit(send, [&](auto& v) {
         for (int k = 0; k < 6; ++k) v(k) = 10 * comm.rank() + k;
     });
-    exchange_slices(comm, outgoing, send, incoming, receive, 2);
+    exchange_slices(comm, {outgoing, send}, {incoming, receive}, 2);
     const auto got = test::on_host(receive);
     for (int k = 0; k < 6; ++k) EXPECT_EQ(got(k), 10 * previous + k);
 }

@@ -203,7 +203,7 @@ void expect_symmetric_and_positive(const Sample& sample) {
         parts.set_by_id(parts.liquid.role(), [](std::int64_t) { return int(Role::poisson); });
         parts.assemble();
         BodyResponse response;
-        response.build(setup.options, setup.constants, parts.liquid, parts.solid, parts.neighbours, bodies);
+        response.build(parts.step(), bodies);
         const auto term = response.addition(comm, parts.liquid, parts.system);
         // Vectors that depend on the ids alone.
         const auto id = test::on_host(parts.liquid.id());
@@ -272,8 +272,7 @@ TEST(BodyResponse, CountsForNoParticleMoreThanASourceMay) {
     const double answered = -1000; // [Pa/m2]
     const auto source_with = [&](double value) {
         parts.set_by_id(parts.liquid.response(), [&](std::int64_t) { return value; });
-        predict(parts.setup.options, parts.setup.constants, parts.liquid, parts.solid, parts.neighbours,
-                LastPressures::known, dt, Answer::bodies);
+        predict(parts.step(), LastPressures::known, dt, Answer::bodies);
         const auto source = test::on_host(parts.liquid.source());
         return std::vector<double>(source.data(), source.data() + parts.liquid.store.owned());
     };

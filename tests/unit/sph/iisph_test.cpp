@@ -350,8 +350,7 @@ TEST(Dfsph, TheDivergenceFreeSolveLeavesNoMoreCompressionThanAsked) {
     const auto report = op.iisph.solve_divergence(op.views(), dt, last);
     EXPECT_TRUE(report.converged());
     EXPECT_GT(report.iterations, 3);
-    apply_pressure(parts.setup.options, parts.setup.constants, parts.liquid, parts.solid, parts.neighbours,
-                   parts.setup.bodies, dt);
+    apply_pressure(parts.step(), parts.setup.bodies, dt);
     parts.halo.gather(parts.liquid.store, {parts.liquid.velocity_field()});
     // The published error is that of the last iteration but one, over the particles that count for it.
     const double after = mean_compression();

@@ -124,8 +124,7 @@ TEST(Mixture, ViscousForcesCancelAndTakeEnergy) {
     const auto before = all_states(parts.comm, parts.liquid);
     const double energy = measure_totals(parts.comm, parts.liquid, parts.setup.constants, {0, 0, 0}).kinetic_energy;
     const double step = 0.1 * viscous_step_limit(parts.setup.constants, sample.setup.forces.viscosity);
-    auto loads = apply_forces(parts.setup.options, parts.setup.forces, parts.setup.constants, parts.liquid, parts.solid,
-                              parts.neighbours, step, parts.setup.bodies);
+    auto loads = apply_forces(parts.step(), parts.setup.forces, step, parts.setup.bodies);
     parts.comm.sum(std::span(loads));
     expect_no_change(change(parts, before, density_of), loads, step);
     EXPECT_LT(measure_totals(parts.comm, parts.liquid, parts.setup.constants, {0, 0, 0}).kinetic_energy, energy);
@@ -157,8 +156,7 @@ TEST(Mixture, OfEqualLiquidsIsOneLiquid) {
     single.setup.constants.mixture = {};
     Parts several(Comm::world(), sample), one(Comm::world(), single);
     for (auto* parts : {&several, &one}) {
-        apply_forces(parts->setup.options, parts->setup.forces, parts->setup.constants, parts->liquid, parts->solid,
-                     parts->neighbours, dt, parts->setup.bodies);
+        apply_forces(parts->step(), parts->setup.forces, dt, parts->setup.bodies);
         parts->push(dt);
         parts->halo.gather(parts->liquid.store, {parts->liquid.velocity_field()});
         parts->predict_roles(LastPressures::known, dt);

@@ -49,8 +49,7 @@ TEST(Momentum, ViscousForcesOfTheLiquidOnItselfCancelAndSlowItDown) {
     Parts parts(Comm::world(), sample);
     const auto before = all_states(parts.comm, parts.liquid);
     const double step = 0.1 * viscous_step_limit(parts.setup.constants, 0.5);
-    apply_forces(parts.setup.options, parts.setup.forces, parts.setup.constants, parts.liquid, parts.solid,
-                 parts.neighbours, step);
+    apply_forces(parts.step(), parts.setup.forces, step);
     const auto sum = change(parts, before);
     ASSERT_GT(sum.size, 1e-3);
     for (const double p : sum.momentum) EXPECT_NEAR(p, 0, tolerance * sum.size);

@@ -45,8 +45,9 @@ struct Parts {
                                    liquid.liquid_field()});
     }
 
+    StepParts step() { return {setup.options, setup.constants, comm, liquid, solid, neighbours, halo, liquid_cells}; }
     RoleCounts predict_roles(LastPressures pressures, double dt) {
-        const auto counts = predict(setup.options, setup.constants, liquid, solid, neighbours, pressures, dt);
+        const auto counts = predict(step(), pressures, dt);
         halo.gather(liquid.store, {liquid.role_field()});
         return counts;
     }
@@ -59,8 +60,7 @@ struct Parts {
     BodyLoads push(double dt) {
         compute_loads(setup.constants, liquid);
         halo.gather(liquid.store, {liquid.load_field()});
-        auto loads =
-            apply_pressure(setup.options, setup.constants, liquid, solid, neighbours, setup.bodies, dt);
+        auto loads = apply_pressure(step(), setup.bodies, dt);
         comm.sum(std::span(loads));
         return loads;
     }

@@ -32,30 +32,25 @@ void write_velocities(const Array3& u, int n, const Array8& rows) {
     });
 }
 
-KOKKOS_INLINE_FUNCTION void read_stress(const Array16& tiles, int i, const Array3& x, const Array3& y, const Array3& z) {
-    for (int k = 0; k < 3; ++k) {
-        x(i, k) = tiles(i, k);
-        y(i, k) = tiles(i, 4 + k);
-        z(i, k) = tiles(i, 8 + k);
+KOKKOS_INLINE_FUNCTION void read_stress(const Array16& tiles, int i, const Stresses& to) {
+    for (int l = 0; l < 3; ++l) {
+        for (int k = 0; k < 3; ++k) to.column[l](i, k) = tiles(i, 4 * l + k);
     }
 }
 
-void read_stresses(const Array16& tiles, int n, const Array3& x, const Array3& y, const Array3& z) {
-    Kokkos::parallel_for("treacle::stresses_of_tiles", n, KOKKOS_LAMBDA(int i) { read_stress(tiles, i, x, y, z); });
+void read_stresses(const Array16& tiles, int n, const Stresses& to) {
+    Kokkos::parallel_for("treacle::stresses_of_tiles", n, KOKKOS_LAMBDA(int i) { read_stress(tiles, i, to); });
 }
 
-void read_sent_stresses(const Array16& tiles, const Array<int>& rows, int n, const Array3& x, const Array3& y,
-                        const Array3& z) {
-    Kokkos::parallel_for("treacle::sent_stresses", n, KOKKOS_LAMBDA(int k) { read_stress(tiles, rows(k), x, y, z); });
+void read_sent_stresses(const Array16& tiles, const Array<int>& rows, int n, const Stresses& to) {
+    Kokkos::parallel_for("treacle::sent_stresses", n, KOKKOS_LAMBDA(int k) { read_stress(tiles, rows(k), to); });
 }
 
-void write_stresses(const Array3& x, const Array3& y, const Array3& z, int first, int last, const Array16& tiles) {
+void write_stresses(const Stresses& from, int first, int last, const Array16& tiles) {
     Kokkos::parallel_for("treacle::tiles_of_ghosts", last - first, KOKKOS_LAMBDA(int k) {
         const int i = first + k;
         for (int l = 0; l < 3; ++l) {
-            tiles(i, l) = static_cast<float>(x(i, l));
-            tiles(i, 4 + l) = static_cast<float>(y(i, l));
-            tiles(i, 8 + l) = static_cast<float>(z(i, l));
+            for (int row = 0; row < 3; ++row) tiles(i, 4 * l + row) = static_cast<float>(from.column[l](i, row));
         }
     });
 }
@@ -199,11 +194,11 @@ void ViscousOperator::write_tiles(LiquidParticles& liquid, const Array<double>& 
 // The ghosts' columns of Q go through the fields of the double products; beside moving walls loads() takes all from there.
 void ViscousOperator::exchange_tiles(const ViscousParts& parts, Walls which) {
     const auto& store = parts.liquid.store;
-    const auto x = store.get<Array3>(stress_[0]), y = store.get<Array3>(stress_[1]), z = store.get<Array3>(stress_[2]);
-    if (which == Walls::moving) read_stresses(tiles_, store.owned(), x, y, z);
-    else read_sent_stresses(tiles_, parts.halo.rows(), static_cast<int>(parts.halo.sent_rows()), x, y, z);
+    const Stresses stresses{{store.get<Array3>(stress_[0]), store.get<Array3>(stress_[1]), store.get<Array3>(stress_[2])}};
+    if (which == Walls::moving) read_stresses(tiles_, store.owned(), stresses);
+    else read_sent_stresses(tiles_, parts.halo.rows(), static_cast<int>(parts.halo.sent_rows()), stresses);
     parts.halo.gather(store, {stress_[0], stress_[1], stress_[2]});
-    write_stresses(x, y, z, store.owned(), store.total(), tiles_);
+    write_stresses(stresses, store.owned(), store.total(), tiles_);
 }
 
 void ViscousOperator::multiply_nearly(const ViscousParts& parts, int u_field, Walls which, const Array3& product) {
