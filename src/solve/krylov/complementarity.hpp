@@ -13,8 +13,9 @@ enum class RowState : unsigned char {
     free,   // an unknown; x > 0 in the end
 };
 
+// Result of one solve; the same on every rank, its seconds aside.
 struct ComplementarityReport {
-    SolveReport solve;
+    SolveReport solve;   // its residual is that of the complementarity problem
     int set_changes = 0; // times that rows were bound or freed
 };
 

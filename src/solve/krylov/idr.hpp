@@ -15,6 +15,7 @@ struct Operator {
     std::span<const double> weights; // [rows] > 0: |r|^2 = sum weights r^2, in which unlike rows become alike
 };
 
+// Limits and size of the method.
 struct IdrOptions {
     int max_iterations = 200; // products
     int shadows = 4;          // s: more of them take fewer iterations and 3 vectors each
@@ -31,7 +32,7 @@ public:
     // Collective. From the guess in x to |b - A x| <= relative |b|. An unsuccessful solve is a report, with the last x.
     SolveReport solve(const Operator& a, std::span<const double> b, std::span<double> x, double relative);
     double norm(const Operator& a, std::span<const double> r) const; // collective
-
+    // As given to the constructor; memory of the vectors kept on this rank [bytes].
     const IdrOptions& options() const { return options_; }
     std::size_t bytes() const;
 

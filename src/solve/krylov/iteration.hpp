@@ -7,24 +7,27 @@
 
 namespace treacle::solve {
 
+// Arguments of one solve and its state. All spans are this rank's rows.
 struct Iteration {
     const Comm& comm;
     Matrix& matrix;
     const KrylovOptions& options;
     const ConvergenceTest& test;
     BuiltPreconditioner& preconditioner;
-    std::span<const double> b;
-    std::span<double> x;
-    SolveReport report{};
-    double norm_b = 0;
+    std::span<const double> b; // [rows] right-hand side
+    std::span<double> x;       // [rows] in: the guess, out: the last iterate
+    SolveReport report{};      // returned to the caller
+    double norm_b = 0;         // ||b|| over all ranks, less its mean with a null space; set by begin()
     // Norm of the residual below which it counts as zero: products of smaller numbers may underflow to the zero that a
     // breakdown is told by.
     double least = 1e-140;
 
+    // Always true, for `return end(...)`: the iteration is over.
     bool end(Outcome outcome) {
         report.outcome = outcome;
         return true;
     }
+    // to = A from, counted in the report; collective.
     void multiply(std::span<const double> from, std::span<double> to) {
         matrix.multiply(from, to);
         ++report.products;

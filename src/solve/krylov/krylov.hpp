@@ -12,6 +12,7 @@
 
 namespace treacle::solve {
 
+// Preconditioners that are built from the stored entries of a matrix.
 enum class Preconditioner {
     none,
     jacobi,
@@ -24,6 +25,7 @@ enum class Preconditioner {
 // "ic0"; the words of scene files.
 std::string_view to_string(Preconditioner preconditioner);
 
+// Krylov method of a solve.
 enum class Method {
     conjugate_gradients,
     bicgstab // PETSc's, for matrices that are not symmetric
@@ -38,16 +40,18 @@ struct UserPreconditioner {
     explicit operator bool() const { return static_cast<bool>(apply); }
 };
 
+// Null space of the matrix; preconditioned residuals are projected off it too.
 enum class NullSpace {
     none,
     constant, // A 1 = 0: the right-hand side is projected onto the range, the mean of x stays that of the
               // guess
 };
 
+// Settings of a KrylovSolver, fixed at its construction.
 struct KrylovOptions {
-    Method method = Method::conjugate_gradients;
+    Method method = Method::conjugate_gradients; // bicgstab is left to PETSc
     Preconditioner preconditioner = Preconditioner::ic0;
-    int max_iterations = 1000;
+    int max_iterations = 1000; // reached: Outcome::iteration_limit
     NullSpace null_space = NullSpace::none;
     // boomeramg: couplings above this share of the row's strongest one; 0.5 in 3D, 0.25 in 2D.
     double strong_threshold = 0.5;
@@ -67,28 +71,33 @@ struct ConvergenceTest {
     static ConvergenceTest measure(std::function<double(std::span<const double>)> local, double threshold,
                                    double relative = unbounded);
 
+    // Value of `relative` with which ||r|| is not tested.
     static constexpr double unbounded = std::numeric_limits<double>::infinity();
-    double relative = 0;
-    double absolute = 0;
+
+    double relative = 0; // [1] of ||b||
+    double absolute = 0; // unit of b
+    // Part of this rank; empty: the residual alone is tested.
     std::function<double(std::span<const double>)> local;
-    double threshold = 0;
+    double threshold = 0; // unit of local's sum
 };
 
+// End of a solve.
 enum class Outcome {
-    converged,
-    iteration_limit,
+    converged,                 // the test has passed
+    iteration_limit,           // max_iterations without the test having passed
     indefinite_matrix,         // p.Ap <= 0
     indefinite_preconditioner, // r.Mr <= 0
-    non_finite,
-    stagnated,             // the residual is zero and the user's measure still above its threshold, or round-off holds it up
+    non_finite,                // a residual, product or measure is infinite or no number
+    stagnated, // the residual is zero and the user's measure still above its threshold, or round-off holds it up
     preconditioner_failed, // cannot be set up
 };
 
+// Result of a solve, successful or not.
 struct SolveReport {
     Outcome outcome = Outcome::converged;
     bool converged() const { return outcome == Outcome::converged; }
     std::string reason; // a sentence for the user
-    int iterations = 0;
+    int iterations = 0; // 0 where the guess passed the test
     double relative_residual =
         0;                     // ||b - A x|| / ||b||, computed anew from the returned x; ||b - A x|| if b = 0
     double error_measure = 0;  // what the test compared last: ||r||, or the sum of the user's measure
@@ -123,6 +132,7 @@ public:
     // Gives back what solves leave for the next one: work vectors and the preconditioner of the last matrix.
     void release();
 
+    // As given to the constructor; PETSc's options, which win over them, are not among them.
     const KrylovOptions& options() const { return options_; }
 
 private:

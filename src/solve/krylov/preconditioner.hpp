@@ -5,6 +5,7 @@
 
 namespace treacle::solve {
 
+// Preconditioner of one matrix: none, PETSc's, HYPRE's or the caller's. Kept until the values of the matrix change.
 class BuiltPreconditioner {
 public:
     // Collective. Does nothing when it is already that of the matrix with its present values.

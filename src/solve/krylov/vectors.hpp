@@ -6,6 +6,7 @@
 
 namespace treacle::solve {
 
+// Sum of a b over this rank's rows.
 inline double dot(std::span<const double> a, std::span<const double> b) {
     const double* const u = a.data();
     const double* const v = b.data();
@@ -26,6 +27,7 @@ inline double weighted(std::span<const double> weights, std::span<const double> 
     return sum;
 }
 
+// Sum of a over this rank's rows.
 inline double total(std::span<const double> a) {
     const double* const u = a.data();
     double sum = 0;

@@ -24,7 +24,7 @@ public:
     // The same and t = r - A z, in two passes.
     void up(std::span<const double> inverse, std::span<const double> r, std::span<double> z, std::span<double> t);
 
-    std::size_t bytes() const;
+    std::size_t bytes() const; // memory of this rank [bytes]
 
 private:
     template <int M>

@@ -14,6 +14,7 @@ inline void coarsen(CellSet& cells, int halvings) {
 }
 void sort_unique(CellSet& cells);
 
+// Order of the aggregates, which is that of the sweeps over them: by key, or by colour and then by key.
 enum class RowOrder { along_curve, red_black };
 
 // (ML1) Puts the rows of each cell of 2^halvings cells into one aggregate; cells of `dropped` get none. Local.
@@ -34,6 +35,7 @@ public:
     void number(const Comm& comm, Level& level);
 
     Index first() const { return first_; } // global number of this rank's first aggregate
+    // Numbers of aggregates: this rank's, all with a place, those of other ranks. Global number of 0 <= place < size().
     Index own() const { return own_; }
     std::size_t size() const { return static_cast<std::size_t>(own_) + others_.size(); }
     std::size_t others() const { return others_.size(); }
@@ -93,9 +95,10 @@ public:
     // Collective, after the level has its numbers.
     void connect(const Comm& comm, const Level& level);
 
+    // Collective: [made rows] to [level rows] on the ranks that hold rows, and back. Only where moved().
     void down(std::span<const double> made, std::span<double> level);
     void up(std::span<const double> level, std::span<double> made);
-    std::size_t bytes() const { return down_.bytes() + up_.bytes(); }
+    std::size_t bytes() const { return down_.bytes() + up_.bytes(); } // memory of this rank [bytes]
 
 private:
     bool moved_ = false, leads_ = false;

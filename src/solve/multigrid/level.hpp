@@ -19,17 +19,19 @@ int colour(CellKey key);
 // The key of the cell beside; face: x-, x+, y-, y+, z-, z+.
 CellKey beside(CellKey key, int face);
 
+// Compressed rows: offsets [rows + 1], columns [entries]. Rows are appended: first their entries, then end_row().
 struct Csr {
     std::vector<Index> offsets{0}, columns;
-    std::vector<double> values;
+    std::vector<double> values; // [entries]
 
+    // No rows; the memory is kept.
     void clear() {
         offsets.assign(1, 0);
         columns.clear();
         values.clear();
     }
     void end_row() { offsets.push_back(static_cast<Index>(columns.size())); }
-    std::size_t bytes() const {
+    std::size_t bytes() const { // allocated [bytes]
         return 4 * (offsets.capacity() + columns.capacity()) + 8 * values.capacity();
     }
 };
@@ -42,6 +44,7 @@ struct MadeRows {
     std::vector<double> centres; // for rigid modes: [rows / modes][3], of the aggregates [m]
     int block = 1;               // so many rows one after the other have the same columns, so many of which are one after the other
 
+    // No rows; the memory is kept.
     void clear() {
         matrix.clear();
         keys.clear();
@@ -49,7 +52,7 @@ struct MadeRows {
         centres.clear();
         block = 1;
     }
-    Index rows() const { return static_cast<Index>(keys.size()); }
+    Index rows() const { return static_cast<Index>(keys.size()); } // on this rank
 };
 
 // Rows of equal keys one after the other, in the order of the rows.
@@ -58,6 +61,7 @@ struct Run {
     Index begin, end;
 };
 
+// One level: rows, their sweeps, and the aggregates that they form. Rows and spans are this rank's.
 class Level {
 public:
     // The matrix itself. The level refers to it.
@@ -85,12 +89,14 @@ public:
     // t = r - A z
     void residual(std::span<const double> r, std::span<const double> z, std::span<double> t);
 
+    // Rows where z stays 0; a_ii, which every row stores.
     bool is_fixed(std::size_t row) const { return !fixed.empty() && fixed[row] != 0; }
     double diagonal(Index row) const { return own_.values[diagonal_[static_cast<std::size_t>(row)]]; }
+    // Stored entries and memory [bytes] of this rank; the latter without a matrix that the level refers to.
     std::int64_t entries() const { return std::int64_t{own_.offsets[rows]} + other_.offsets[rows]; }
     std::size_t bytes() const;
 
-    Index rows = 0, first_row = 0, global_rows = 0;
+    Index rows = 0, first_row = 0, global_rows = 0; // rows of this rank, global number of the first, of all ranks
     std::vector<CellKey> keys;  // [rows]; of the matrix itself, those of the finest cells
     std::vector<double> walls;  // [rows], for grids
     std::vector<double> centres; // [rows / modes][3], for rigid modes
@@ -104,13 +110,15 @@ public:
     std::vector<Index> group;
     Index aggregates() const { return static_cast<Index>(group.size()) - 1; }
 
+    // Compressed rows of a matrix or of a Csr, referred to.
     struct Block {
-        const Index* offsets = nullptr;
-        const Index* columns = nullptr;
-        const double* values = nullptr;
+        const Index* offsets = nullptr; // [rows + 1], from 0
+        const Index* columns = nullptr; // [entries], rising within a row
+        const double* values = nullptr; // [entries]
     };
     const Block& own() const { return own_; }     // columns are local rows
     const Block& other() const { return other_; } // columns are places in the halo
+    // Columns of other ranks; after refer_to() the halo of the matrix.
     RowHalo& halo() { return borrowed_halo_ ? *borrowed_halo_ : halo_; }
 
 private:

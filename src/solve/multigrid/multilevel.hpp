@@ -8,26 +8,30 @@
 
 namespace treacle::solve {
 
+// Origin of the matrices below the first.
 enum class CoarseMatrices {
     galerkin, // P^T A P over cells: nothing to tune but the over-correction
     grids,    // finite differences on the finest cells, with lambda (dissertation 3.5)
 };
+// Relaxation before and after the correction from below; symmetric as a pair.
 enum class Smoother {
     gauss_seidel, // rows in order on the way down, in reverse on the way up; each rank within its own rows
     jacobi,       // weighted
 };
 
+// Visits of the coarse levels in one application.
 enum class Cycle {
     v, // each coarse level once
     w, // each coarse level twice for each time of the one above; galerkin only, where it is positive (src/solve/theory.md)
 };
 
+// Settings of a Multilevel. std::logic_error from its constructor where they are out of range.
 struct MultilevelOptions {
-    CoarseMatrices coarse = CoarseMatrices::galerkin;
+    CoarseMatrices coarse = CoarseMatrices::galerkin; // grids: v only
     Smoother smoother = Smoother::gauss_seidel; // of the rows themselves; coarse levels use Gauss–Seidel
     double jacobi_weight = 2.0 / 3;             // at most 1
     double overcorrection = 1.6;                // galerkin: coarse matrices are divided by it, from 1 to below 2
-    Cycle cycle = Cycle::w;
+    Cycle cycle = Cycle::w;                     // v where coarse matrices are grids
     int coarse_sweeps = 1;                      // each way on coarse levels
     double relaxation = 1;                      // of Gauss-Seidel sweeps, on all levels; from 1 to below 2
     bool border_sweeps = false;                 // rows beside other ranks once more between the sweeps, on all levels
@@ -75,6 +79,7 @@ public:
     // Memory of this rank [bytes].
     std::size_t bytes() const;
 
+    // As given to the constructor, checked.
     const MultilevelOptions& options() const { return options_; }
 
 private:

@@ -60,6 +60,7 @@ public:
     // Memory of this rank [bytes].
     std::size_t bytes() const;
 
+    // As given to the constructor, checked.
     const RigidMultilevelOptions& options() const { return options_; }
 
 private:

@@ -15,6 +15,7 @@ struct BlockRows {
     std::vector<Index> columns;    // [offsets.back()]
     std::vector<double> values;    // [offsets.back()][size][size]
 
+    // Rows of blocks on this rank, and membership by global number.
     Index rows() const { return static_cast<Index>(offsets.size()) - 1; }
     bool owns(Index block) const { return block >= first && block < first + rows(); }
 };

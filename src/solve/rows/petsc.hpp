@@ -36,15 +36,17 @@ public:
 private:
     T value_ = nullptr;
 };
+// Owners of PETSc's objects; null until out() has been filled.
 using MatHandle = Handle<Mat, MatDestroy>;
 using VecHandle = Handle<Vec, VecDestroy>;
 using NullSpaceHandle = Handle<MatNullSpace, MatNullSpaceDestroy>;
 using PcHandle = Handle<PC, PCDestroy>;
 using OptionsHandle = Handle<PetscOptions, PetscOptionsDestroy>;
 
+// PETSc's view of the matrix, made on demand by Matrix::native().
 struct Matrix::Native {
     std::vector<Index> off_columns; // global numbers, until PETSc has taken them
-    MatHandle mat;
+    MatHandle mat;                  // MPIAIJ around the caller's values, or SeqAIJ on one rank
     // Two vectors without memory of their own: each operation lends them the caller's arrays.
     VecHandle in;
     VecHandle out;

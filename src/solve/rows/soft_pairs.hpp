@@ -17,6 +17,7 @@ public:
     void build(const CsrBlocks& matrix, std::span<const unsigned char> aside);
     void add(std::span<const double> r, std::span<double> z) const;
 
+    // Pairs of this rank and their memory [bytes].
     std::size_t count() const { return pairs_.size(); }
     std::size_t bytes() const { return pairs_.capacity() * sizeof(Pair); }
 
