@@ -47,6 +47,7 @@ struct GridSetup {
     flow::InflowSetup inflow;       // the plugs of its inlets are among the bodies (inflow.hpp)
 };
 
+// Results of one step.
 struct StepReport {
     double dt = 0; // [s]
     PressureReport pressure;        // of the first projection; iterations of both
@@ -68,6 +69,7 @@ class GridStep {
 public:
     GridStep(const Comm& comm, const GridSetup& setup);
 
+    // State of the run on this rank: particles, owned ones before ghosts; constants; decomposition; phase times [s].
     GridParticles& particles() { return particles_; }
     const GridParticles& particles() const { return particles_; }
     const GridSetup& setup() const { return setup_; }

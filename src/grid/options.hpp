@@ -29,7 +29,7 @@ struct GridOptions {
     int band = 4;                  // cells of the active block around liquid
     double rebalance_above = 1.15; // largest over mean load of the ranks
 
-    void declare(Declaration& d);
+    void declare(Declaration& d); // keys of `method`
 };
 
 } // namespace treacle::grid

@@ -5,6 +5,7 @@
 
 namespace treacle::grid {
 
+// Rate at which the density returns to that of rest.
 struct ContractionOptions {
     double steps = 15;   // in which the density is that of rest again; 0: never
     double slack = 0.05; // share of the rest density that may be missing, or too much
@@ -17,6 +18,7 @@ struct ContractionOptions {
 // (surplus - slack)/(steps dt): the share of particles missing or too much, as a mean over a cell and those around it.
 class Contraction {
 public:
+    // Input of find(); arrays are over the window of the halo.
     struct Scene {
         const MacGrid& grid;
         const CellHalo& halo;

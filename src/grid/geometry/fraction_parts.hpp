@@ -11,6 +11,7 @@ constexpr int empty_kind = kind_of(false, false);
 constexpr int cut_place = 0;           // in written_: cut by a surface
 constexpr int unknown_place = -1 - kinds; // in written_: never written
 
+// Shares of a cell of one sort all through; `kind` is one of kind_of().
 KOKKOS_INLINE_FUNCTION CubeShares shares_of(int kind) {
     const int bits = -1 - kind;
     const double liquid = bits & 1 ? 1 : 0, fluid = bits & 2 ? 0 : 1;
@@ -23,6 +24,7 @@ struct Places {
     int up[3]; // 1, and 0 along the flat axis of plane scenes
     WallPlanes walls;
 
+    // Nodes of a window and the walls among the solids there, if any.
     Places(const FineNodes& of, const WallPlanes& sides) : nodes(of), up{1, 1, of.dimensions == 2 ? 0 : 1}, walls(sides) {}
     // Cells whose parts have all their corners in the window.
     KOKKOS_INLINE_FUNCTION bool has_parts(const int c[3]) const {
@@ -87,8 +89,8 @@ struct Places {
 // have both halves of it, others the upper half of the cell below and the lower half of their own.
 struct PartSum {
     Places places;
-    Array<int> slot;
-    Array<double> parts;
+    Array<int> slot;     // [window] >= 0: row of parts; below: kind of the whole cell
+    Array<double> parts; // [rows][8][3] fluid, liquid, wet of each part of a cut cell [1]
 
     // `node`: bit k: the place is at the lower end of its cell along axis k.
     KOKKOS_INLINE_FUNCTION CubeShares at(const int c[3], int node) const {

@@ -4,6 +4,7 @@
 
 namespace treacle::grid {
 
+// Solids that mirror particles: bodies alone, or the sides of the domain as well.
 enum class ImagesIn { bodies, all_solids };
 
 // Writes the field `image` of all particles, ghosts too: the mirror image in the nearest solid of those nearer to it

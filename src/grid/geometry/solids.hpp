@@ -41,10 +41,11 @@ public:
     // Follows the window of the halo and the poses of the bodies. Returns whether any distance changed. Local.
     bool update(const CellHalo& halo, const rigid::RigidBodies& bodies);
 
+    // Fields as of the last update().
     const FineNodes& nodes() const { return nodes_; }
     const Array<double>& distance() const { return distance_; } // [fine nodes] [m]
     const Array<int>& number() const { return number_; }        // [fine nodes]
-    DistanceSampler sampler() const { return {nodes_, distance_}; }
+    DistanceSampler sampler() const { return {nodes_, distance_}; } // trilinear, of distance()
     const Array<int>& moves() const { return moves_; }          // [bodies] 1 where a body moves
     const BodyMotion& motion() const { return motion_; }
     const WallPlanes& walls() const { return walls_; }

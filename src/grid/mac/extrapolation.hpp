@@ -7,7 +7,7 @@ namespace treacle::grid {
 // Marks of the faces of a window that have a velocity: 0 none, 1 of the liquid, 2 and more by extrapolation, layer by
 // layer.
 struct FaceMarks {
-    Array<int> axis[3];
+    Array<int> axis[3]; // [window], by the axis that the faces are across
 };
 
 // Marks the faces where the field is above `least`, and no others.

@@ -3,6 +3,7 @@
 
 namespace treacle::grid {
 
+// True for boxes with the same corners.
 inline bool same_cells(const CellBox& a, const CellBox& b) {
     bool same = true;
     for (int k = 0; k < 3; ++k) same = same && a.lo[k] == b.lo[k] && a.hi[k] == b.hi[k];
@@ -20,10 +21,12 @@ struct FineNodes {
     int dimensions = 3;
 
     FineNodes() = default;
+    // Nodes of the cells `cells` of the grid.
     FineNodes(const MacGrid& grid, const CellBox& cells)
         : window(cells), lower{grid.lower[0], grid.lower[1], grid.lower[2]}, width(0.5 * grid.dx),
           dimensions(grid.dimensions) {}
 
+    // Number of nodes, and place of the node (x, y, z), which must lie in the window.
     std::size_t size() const { return static_cast<std::size_t>(per_cell * window.size()); }
     KOKKOS_INLINE_FUNCTION int index(int x, int y, int z) const {
         return per_cell * window.index(x >> 1, y >> 1, z >> 1) + (x & 1) + 2 * (y & 1) + 4 * (z & 1);
@@ -45,7 +48,7 @@ struct FineNodes {
 // takes the value at its border.
 struct DistanceSampler {
     FineNodes nodes;
-    Array<double> values;
+    Array<double> values; // [nodes.size()] [m]
 
     // The node nearest to x.
     KOKKOS_INLINE_FUNCTION int nearest(const double x[3]) const {

@@ -24,6 +24,7 @@ struct MacGrid {
     int dimensions = 3;
     static constexpr int padding = 2;
 
+    // Positions x [m] of the places of cell c; z is 0 in 2D.
     KOKKOS_INLINE_FUNCTION void node(const int c[3], double x[3]) const {
         for (int k = 0; k < 3; ++k) x[k] = lower[k] + dx * c[k];
         if (dimensions == 2) x[2] = 0;
@@ -48,11 +49,11 @@ PeriodicBox periodic_box(const MacGrid& grid);
 
 // One number per face of a window: u_a on the lower face of each cell across axis a. Plane scenes leave axis 2 empty.
 struct FaceField {
-    Array<double> axis[3];
+    Array<double> axis[3]; // [window], by the axis that the faces are across
 };
 // One per edge of a window, by the direction of the edge. Plane scenes use axis 2 alone.
 struct EdgeField {
-    Array<double> axis[3];
+    Array<double> axis[3]; // [window], by the axis that the edges are along
 };
 
 // Shares, of the cubes of volume dx^3 around the places of a window, that are filled (dissertation 5.3.3). All come from
@@ -61,7 +62,7 @@ struct EdgeField {
 //   liquid  inside the liquid's surface, which is continued into solids   W_L
 //   wet     both at once: the clipped liquid, in the place of the product W_F W_L
 struct Fractions {
-    Array<double> cell_fluid, cell_liquid, cell_wet;
+    Array<double> cell_fluid, cell_liquid, cell_wet; // [window] [1]
     FaceField face_fluid, face_liquid, face_wet;
     EdgeField edge_fluid, edge_liquid, edge_wet;
     FaceField open; // share of the area of each face that is not solid: cut cells of the pressure
@@ -72,7 +73,7 @@ struct Fractions {
 struct BodyShares {
     Array<int> first;   // [window + 1]
     Array<int> body;    // [first(window)] number of the body in rigid::RigidBodies
-    Array<double> share;
+    Array<double> share; // [first(window)] W_S [1]
 };
 
 } // namespace treacle::grid

@@ -23,6 +23,7 @@ public:
           multiplier_(store.add<Array<double>>("multiplier", "m2", FieldRole::work)),
           cause_(store.add<Array<int>>("cause", "", FieldRole::work)) {}
 
+    // Fields [particles]: owned particles, then ghosts with the fields that were gathered last.
     ParticleStore store;
     const Array3& position() const { return store.position(); }
     const Array<std::int64_t>& id() const { return store.id(); }
@@ -30,13 +31,13 @@ public:
     const Array3& end_velocity() const { return store.get<Array3>(end_velocity_); } // of its end, synchronise.hpp
     const Array3& acceleration() const { return store.get<Array3>(acceleration_); } // of the last step
     const Array3& affine(int axis) const { return store.get<Array3>(affine_[axis]); } // gradient of one component
-    const Array<int>& liquid() const { return store.get<Array<int>>(liquid_); }
-    const Array<double>& viscosity() const { return store.get<Array<double>>(viscosity_); }
+    const Array<int>& liquid() const { return store.get<Array<int>>(liquid_); }       // from 0
+    const Array<double>& viscosity() const { return store.get<Array<double>>(viscosity_); } // [Pa s]
     const Array<double>& pressure() const { return store.get<Array<double>>(pressure_); } // of the last step, for frames
     const Array<double>& density() const { return store.get<Array<double>>(density_); } // position_correction.hpp
     const Array3& image() const { return store.get<Array3>(image_); }                   // level_set.hpp
-    const Array3& correction() const { return store.get<Array3>(correction_); }
-    const Array<double>& multiplier() const { return store.get<Array<double>>(multiplier_); }
+    const Array3& correction() const { return store.get<Array3>(correction_); }         // [m], position_correction.hpp
+    const Array<double>& multiplier() const { return store.get<Array<double>>(multiplier_); } // lambda [m2]
     const Array<int>& cause() const { return store.get<Array<int>>(cause_); } // LossCause, advection.hpp
 
     // Field numbers, for the halo.

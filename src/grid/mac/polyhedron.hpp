@@ -76,7 +76,7 @@ KOKKOS_INLINE_FUNCTION double wet_share(const double solid[4], const double liqu
 
 // Shares of a cube: not solid, inside the liquid's surface, both.
 struct CubeShares {
-    double fluid = 0, liquid = 0, wet = 0;
+    double fluid = 0, liquid = 0, wet = 0; // of the cube's volume [1]
 };
 
 // Shares of a cube with distances at its corners, numbered x + 2 y + 4 z: six tetrahedra around the diagonal that

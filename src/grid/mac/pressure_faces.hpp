@@ -16,7 +16,7 @@ struct PressureFaces {
     Array<double> distance; // [m] of centres from the liquid's surface, < 0 inside
     Array<double> jump;     // [Pa] sigma kappa at centres; none without surface tension
     bool has_jump = false;
-    double least_distance = 0, least_opening = 0;
+    double least_distance = 0, least_opening = 0; // least theta [1], least share of an area [1]: PressureOptions
 
     // Every opening counts but for round-off: without a small one the areas of its cells would no longer close to the solid's
     // surface, and liquid that slides along it could not do so without a strain.
@@ -52,6 +52,7 @@ struct PressureFaces {
     }
 };
 
+// Window and strides of the faces; arrays and limits are left to the caller.
 inline PressureFaces pressure_faces(const CellBox& window, int dimensions) {
     PressureFaces faces;
     faces.window = window;

@@ -5,15 +5,16 @@ namespace treacle::grid {
 
 // Products and inverses of 3 x 3 matrices, for kernels.
 struct SmallMatrix {
-    double at[3][3]{};
+    double at[3][3]{}; // [row][column]
 
-    static KOKKOS_INLINE_FUNCTION SmallMatrix identity_plus(double factor, const SmallMatrix& a) {
+    static KOKKOS_INLINE_FUNCTION SmallMatrix identity_plus(double factor, const SmallMatrix& a) { // I + factor a
         SmallMatrix out;
         for (int i = 0; i < 3; ++i) {
             for (int j = 0; j < 3; ++j) out.at[i][j] = factor * a.at[i][j] + (i == j ? 1.0 : 0.0);
         }
         return out;
     }
+    // Sum of the squares of all entries.
     KOKKOS_INLINE_FUNCTION double squares() const {
         double sum = 0;
         for (int i = 0; i < 3; ++i) {

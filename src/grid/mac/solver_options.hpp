@@ -9,11 +9,13 @@ class Declaration;
 
 namespace treacle::grid {
 
+// Exchange of momentum between liquid and bodies within a step.
 enum class Coupling {
     strong, // bodies' velocities are unknowns beside the liquid's
     weak,   // the liquid takes bodies as they move, and they take its forces afterwards
     one_way // bodies do not feel the liquid
 };
+// Preconditioners of the pressure and viscous solves.
 enum class Preconditioner { multilevel, boomeramg, gamg, incomplete_cholesky, jacobi };
 extern const std::vector<std::pair<std::string, Preconditioner>> preconditioners; // by the words of scenes
 

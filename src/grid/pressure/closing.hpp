@@ -15,6 +15,7 @@ namespace treacle::grid {
 // cell, found by solving again.
 class Closing {
 public:
+    // Input of find() and release(); arrays are over the window of the halo.
     struct Scene {
         const MacGrid& grid;
         CellHalo& halo;

@@ -20,6 +20,7 @@ namespace treacle::grid {
 // there is nothing to do.
 class MomentumBalance {
 public:
+    // Input of a balance; arrays are over the window of the halo, particles with their ghosts.
     struct Scene {
         const MacGrid& grid;
         CellHalo& halo;
@@ -41,12 +42,13 @@ public:
     };
     void end(const Comm& comm, const Scene& scene, const Kick& kick, rigid::RigidBodies& bodies, std::span<double> loads);
 
+    // Memory of this rank [bytes].
     std::size_t bytes() const { return sizeof(double) * label_.span() + sizeof(int) * group_.span(); }
 
     // Part of begin(); not private, since nvcc takes no kernel in a private function.
     struct Sums {
         std::array<double, 6> momentum{}; // about the origin
-        double mass = 0;
+        double mass = 0;                  // [kg]
         std::array<double, 3> moment{};   // mass times place
         std::array<double, 9> turn{};     // angular momentum of unit spins about each axis through the origin, by columns
     };

@@ -24,6 +24,7 @@ struct PressureScene {
     const Array<double>* curvature = nullptr; // [window] of the surface at centres [1/m]; none: no surface tension acts
 };
 
+// Result of one projection, the same on every rank, its seconds aside.
 struct PressureReport {
     solve::SolveReport solve;
     std::int64_t unknowns = 0; // over all ranks

@@ -20,11 +20,12 @@ public:
     // Collective: takes the mean of each closed part off of b. Returns the largest share of |b| that was taken.
     double balance(const Comm& comm, std::span<double> b) const;
 
+    // Addition to a diagonal entry.
     struct Weight {
-        int row;
-        double value;
+        int row;      // of this rank
+        double value; // [1], as the matrix
     };
-    const std::vector<Weight>& lifted() const { return lifted_; }
+    const std::vector<Weight>& lifted() const { return lifted_; } // this rank's; those whose parts bodies can relieve
     // [rows] number of the closed part that a row belongs to, or -1; empty without closed parts.
     std::span<const int> closed_rows() const { return closed() > 0 ? std::span<const int>(all_parts_) : std::span<const int>(); }
     int closed() const { return static_cast<int>(labels_.size()); } // parts, over all ranks

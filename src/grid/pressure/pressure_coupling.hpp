@@ -17,6 +17,7 @@ using FaceShares = std::array<BodyShares, 3>;
 struct MotionPoints {
     MacGrid grid;
     bool slips = false;
+    // [6 sides, then bodies] slip lengths [m]; [window] ClosedCentres::offset(axis, k) [cells].
     Array<double> length, offset[3][2];
 
     // Position `x` [m] at the face across `axis` below cell `c`; `body` may be Solids::nothing.
@@ -32,7 +33,7 @@ struct SlipAreas {
     const ClosedCentres* closed = nullptr;
     Array<double> length; // [6 sides, then bodies] slip lengths, 0: no slip [m]
 
-    MotionPoints points(const MacGrid& grid) const;
+    MotionPoints points(const MacGrid& grid) const; // of this grid, without a copy of the arrays
 };
 
 // Bodies in the pressure system (P2). The closed part of a face belongs to its bodies by their shares of the cube
@@ -59,13 +60,14 @@ public:
     // y += factor J V on this rank's rows, V 6 numbers a body.
     void add_flux(std::span<const double> velocities, double factor, std::span<double> y) const;
 
+    // True where no moving body is at a row of this rank; memory of this rank [bytes].
     bool empty() const { return entries_.empty(); }
     std::size_t bytes() const;
 
     // One body at one cell, on the host.
     struct Entry {
         int row, body;
-        double u[6];
+        double u[6]; // row of J: areas [1] and moments [m], over dx^2
     };
     const std::vector<Entry>& entries() const { return entries_; }
 

@@ -17,6 +17,7 @@ public:
     // Collective. Distances and areas must be current one cell around the owned ones.
     void assemble(const Comm& comm, CellHalo& halo, const PressureFaces& faces);
 
+    // Rows of this rank, the global number of the first, rows of all ranks; faces as of assemble().
     int rows() const { return rows_; }
     std::int64_t first_row() const { return first_row_; }
     std::int64_t global_rows() const { return global_rows_; }
@@ -24,14 +25,16 @@ public:
     const Array<int>& row_of() const { return row_of_; }   // [window] global number of a cell's row, -1: none
     const Array<int>& cell_of() const { return cell_of_; } // [rows] place in the window
 
+    // Compressed rows: columns are local rows in the own block, places in the halo in the other one.
     struct Block {
         Array<int> offset{"treacle::row_offset", 0}; // [rows + 1]
-        Array<int> column{"treacle::column", 0};
-        Array<double> value{"treacle::value", 0};
+        Array<int> column{"treacle::column", 0};     // [entries], rising within a row
+        Array<double> value{"treacle::value", 0};    // [entries] [1]
     };
+    // Block in host memory.
     struct HostBlock {
-        Array<int>::HostMirror offset, column;
-        Array<double>::HostMirror value;
+        Array<int>::HostMirror offset, column; // [rows + 1], [entries]
+        Array<double>::HostMirror value;       // [entries] [1]
     };
     // Entries where solvers on the host read them: the arrays themselves on a host build.
     struct Host {

@@ -16,8 +16,8 @@ public:
     // Local. For the solids as `builder` found the fluid's fractions of them last.
     void find(const Solids& solids, const FractionBuilder& builder, const rigid::RigidBodies& bodies);
 
-    std::size_t count() const { return count_; }
-    const FaceShares& shares() const { return shares_; }
+    std::size_t count() const { return count_; }         // 6 sides and all bodies
+    const FaceShares& shares() const { return shares_; } // [window], by the axis that the faces are across
     // All about one point, the middle of periodic axes, so that a place and its images have one arm.
     const BodyMotion& motion() const { return motion_; }
     // Loads about that point become those about the origin.

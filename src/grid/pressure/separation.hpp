@@ -15,6 +15,7 @@ namespace treacle::grid {
 // liquid sucks at other walls, and there the pressure of the air holds them together.
 class Separation {
 public:
+    // Input of find(); arrays are over the window of the halo.
     struct Scene {
         CellHalo& halo;
         const PressureSystem& system;

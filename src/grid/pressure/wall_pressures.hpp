@@ -9,6 +9,7 @@ namespace treacle::grid {
 // the surface of the solid. Elsewhere they are those of the cells, 0 outside of the liquid.
 class WallPressures {
 public:
+    // Input of find().
     struct Scene {
         const MacGrid& grid;
         CellHalo& halo;

@@ -38,7 +38,7 @@ public:
     // A curve for each liquid; none, or newtonian ones alone: no viscosity depends on the shear rate.
     explicit Rheology(std::vector<flow::FlowCurve> curves);
 
-    bool any() const { return any_; }
+    bool any() const { return any_; } // some curve depends on the shear rate
 
     // (R1) Local. Of owned centres and edges, for velocities that are current in the window. 0 where there is no stress.
     void find_rates(const StrainScene& scene, const FaceField& velocity);
@@ -50,7 +50,7 @@ public:
 
     const Array<double>& rate() const { return cell_rate_; }          // [window] of centres [1/s]
     const EdgeField& edge_rate() const { return edge_rate_; }         // [1/s]
-    std::size_t bytes() const;
+    std::size_t bytes() const;                                        // of this rank [bytes]
 
     // Part of find_viscosities(); not private, since nvcc takes no kernel in a private function.
     void mean(const StrainScene& scene, const LiquidScene& liquids, int node, const Array<double>& rate, Array<double>& out);

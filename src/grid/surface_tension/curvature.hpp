@@ -8,6 +8,7 @@ namespace treacle::grid {
 // Curvatures of the liquid's surface at the centres of cells, from how much liquid each holds (src/grid/theory.md, Surface tension).
 class Curvature {
 public:
+    // Input of find() by particles.
     struct Scene {
         const MacGrid& grid;
         CellHalo& halo;

@@ -13,7 +13,7 @@ public:
     // [liquids] [N/m]; none: none of them has one.
     explicit SurfaceTensions(std::vector<double> of_liquids);
 
-    bool differ() const { return differ_; }
+    bool differ() const { return differ_; }     // two liquids have unlike ones
     double largest() const { return largest_; } // [N/m]
 
     // Collective, where they differ. At the centre of each cell the mean over the particles around, by mass, and where there
@@ -22,6 +22,7 @@ public:
               const Array<double>& particle_mass);
     const Array<double>& at_centres() const { return tension_; } // [window] [N/m]
 
+    // Memory of this rank [bytes].
     std::size_t bytes() const { return 8 * (mass_.span() + share_.span() + scratch_.span() + tension_.span()); }
 
 private:

@@ -8,6 +8,7 @@
 
 namespace treacle::grid {
 
+// Limits of particles at solids.
 struct AdvectionOptions {
     double clearance = 0.05; // least distance of particles from solids, over dx
     double leak_depth = 1;   // over dx: deeper than this in a solid, after it was pushed out, a particle is lost

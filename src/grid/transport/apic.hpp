@@ -59,6 +59,7 @@ struct FaceSampler {
     int dimensions = 3;
     FaceField faces;
 
+    // Sampler of the field's arrays, which it shares.
     FaceSampler(const MacGrid& grid, const CellBox& cells, const FaceField& field)
         : window(cells), lower{grid.lower[0], grid.lower[1], grid.lower[2]}, inverse_width(1 / grid.dx), width(grid.dx),
           dimensions(grid.dimensions), faces(field) {}
@@ -91,6 +92,7 @@ struct FaceSampler {
         }
         return a + s[2] * (b - a);
     }
+    // All components at x [m/s]; in 2D u[2] = 0.
     KOKKOS_INLINE_FUNCTION void velocity(const double x[3], double u[3]) const {
         for (int a = 0; a < 3; ++a) u[a] = a < dimensions ? component(a, x) : 0;
     }

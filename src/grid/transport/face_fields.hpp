@@ -22,7 +22,7 @@ void accelerate(const MacGrid& grid, const CellBox& window, const std::array<dou
 // Spread by viscosity in a step of dt [s].
 struct ViscousSpread {
     Array<double> cell; // [Pa s]; without one: nothing
-    double density = 1, dt = 0;
+    double density = 1, dt = 0; // [kg/m3], [s]
     // Distance that a velocity spreads into a cell within the step, squared, over (dx/2)^2.
     KOKKOS_INLINE_FUNCTION double over_half_a_cell(std::size_t i, double dx) const {
         return cell(i) / density * dt / (0.25 * dx * dx);

@@ -14,13 +14,15 @@ namespace treacle::grid {
 
 inline constexpr int plug_layers = 4; // behind the opening: two cells, past which no stress reaches
 
-flow::Layers layers_of(const MacGrid& grid);
+flow::Layers layers_of(const MacGrid& grid); // dx/2 apart, none kept behind the opening
 
 // The plugs of all inlets, as bodies that convey.
 std::vector<rigid::BodySetup> make_plugs(const flow::InflowSetup& setup, const MacGrid& grid);
 
+// Source of the layers of all inlets, with layers_of().
 flow::LayerSource make_layer_source(const flow::InflowSetup& setup, const MacGrid& grid);
 
+// Begin and end of a step; layers due at the end belong to it.
 struct TimeSpan {
     double begin, end; // [s]
 };

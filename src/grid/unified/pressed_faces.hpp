@@ -25,7 +25,7 @@ public:
     // u -= dt/(rho dx) (p_c - p_below), over theta at a surface, as Pressure::apply() does. Collective.
     void push(std::span<const double> p, std::span<double> u);
 
-    std::size_t bytes() const;
+    std::size_t bytes() const; // of this rank [bytes]
 
     // Parts of build(); not private, since nvcc takes no kernel in a private function.
     void find_sides(const ViscousSystem& viscous, const PressureSystem& pressure, const Scales& scales);

@@ -10,6 +10,7 @@
 
 namespace treacle::grid {
 
+// Result of a solve of both together.
 struct StokesReport {
     solve::SolveReport solve;  // its residual is the weighted one of both equations (src/grid/theory.md)
     std::int64_t unknowns = 0; // faces and pressures, over all ranks
@@ -38,7 +39,7 @@ public:
     // pressures of the step. SimulationError where there is no solution.
     StokesReport solve(const Parts& parts, const FaceField& velocity, rigid::RigidBodies& bodies);
 
-    std::size_t bytes() const;
+    std::size_t bytes() const; // of this rank [bytes]
 
 private:
     struct System;

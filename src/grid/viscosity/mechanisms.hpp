@@ -24,7 +24,7 @@ public:
     void mark(std::span<unsigned char> rows) const;
 
     std::int64_t count() const { return count_; } // over all ranks, each by the rank of its face
-    std::size_t bytes() const;
+    std::size_t bytes() const;                    // of this rank [bytes]
 
     static constexpr int most_members = 7; // the face, and one for each of its six stresses
     // Motion of one mechanism; the face first, others have row -1 where there are none.

@@ -21,7 +21,7 @@ public:
     // Sides of the domain have their slip in `domain`.
     SlipGeometry(const MacGrid& grid, const scene::Domain& domain, const SlipSetup& setup);
 
-    bool any() const { return any_; }
+    bool any() const { return any_; } // liquid slides along some solid
     // Local. `solids` and `liquid` are those of all solids, of the window of the halo.
     void update(const CellHalo& halo, const rigid::RigidBodies& bodies, const Solids& solids, const LevelSet& liquid,
                 FractionMethod method);

@@ -16,6 +16,7 @@ namespace treacle::grid {
 // open parts of a cell's faces flows in; of a whole cell it is the trace of the rates, whatever the frame.
 class StepStrains {
 public:
+    // Input of find(); arrays are over the window of the halo.
     struct Scene {
         const MacGrid& grid;
         const CellHalo& halo;
@@ -33,7 +34,7 @@ public:
 
     const Array<double>& normal(int axis) const { return normal_[axis]; } // [window] at centres [1/s]
     const EdgeField& shear() const { return shear_; }                     // twice the shear strain, at edges [1/s]
-    std::size_t bytes() const;
+    std::size_t bytes() const;                                            // of this rank [bytes]
 
 private:
     Array<double> centre_[6]; // xx, yy, zz, xy, yz, zx

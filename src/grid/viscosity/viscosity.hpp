@@ -17,7 +17,7 @@ class RestingSolids;
 
 // Dynamic viscosity [Pa s] at the centres of cells and at edges, over the window. Plane scenes use edges along z.
 struct Viscosities {
-    Array<double> cell;
+    Array<double> cell; // [window]
     EdgeField edge;
 };
 
@@ -48,10 +48,11 @@ struct ViscousScene {
     const VolumeStiffness* volumes = nullptr; // adds to the matrix where the pressure acts in the same solve
 };
 
+// Result of one solve, the same on every rank, its seconds aside.
 struct ViscosityReport {
     solve::SolveReport solve;
     std::int64_t unknowns = 0; // faces, over all ranks
-    std::int64_t entries = 0;
+    std::int64_t entries = 0;  // stored in the matrix, over all ranks
     std::vector<double> loads;  // on bodies that move, 6 numbers each [N], [N m]
 };
 
@@ -81,7 +82,7 @@ public:
     std::span<const double> right_hand_side() const;
 
     std::size_t bytes() const; // what this rank holds
-    const ViscosityOptions& options() const { return options_; }
+    const ViscosityOptions& options() const { return options_; } // as given to the constructor
 
 private:
     struct State;

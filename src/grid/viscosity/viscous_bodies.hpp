@@ -42,10 +42,11 @@ public:
     // For bodies that answer to liquid whose motion is given: (1/dt + L^T G L) q = L^T loads.
     std::vector<double> answer(std::span<const double> loads, double dt) const;
 
-    std::size_t bytes() const;
+    std::size_t bytes() const; // of this rank [bytes]
 
     // Six numbers of a body at a face: list by list, owned faces in order, those of face n from first(n) to last(n) - 1.
     struct List {
+        // Indices [owned faces + 1], [owned faces]; [entries] numbers of bodies.
         Array<int> first{"treacle::viscous_body_first", 0}, last{"treacle::viscous_body_last", 0};
         Array<int> body{"treacle::viscous_body", 0};
         Array<double> u{"treacle::viscous_body_row", 0}; // [entries][6]

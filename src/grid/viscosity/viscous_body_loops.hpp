@@ -15,14 +15,15 @@ struct OwnedFaces {
     }
 };
 
+// Lists of ViscousBodies::build(): a first run counts the bodies of each owned face, a second one writes their numbers.
 struct ListLoop {
     ViscousFaces faces;
     OwnedFaces owned;
     BodyShares shares[3];
-    BodyMotion motion;
+    BodyMotion motion; // poses and velocities of the bodies
     MacGrid grid;
-    ViscousBodies::List pulled, slipped, moved;
-    bool write;
+    ViscousBodies::List pulled, slipped, moved; // W_F D^T K D W_S R, the same by slip surfaces, W_S R
+    bool write;                                 // false: counts
 
     // W_S R of the bodies at a face: use(body, six numbers).
     template <class Use>
@@ -104,7 +105,7 @@ struct GivenLoop {
     ViscousFaces faces;
     OwnedFaces owned;
     ViscousBodies::List moved;
-    Array<double> out;
+    Array<double> out; // [owned faces] [N]
 
     KOKKOS_INLINE_FUNCTION void operator()(int n) const {
         int a, c[3];

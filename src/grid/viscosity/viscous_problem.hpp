@@ -22,12 +22,14 @@ public:
     // Collective, for the liquid and the bodies as they are. `velocity` is that of the liquid that bodies hold.
     void build(const ViscousScene& scene, const FaceField& velocity, const rigid::RigidBodies& bodies, double dt);
 
+    // Rows and faces of this rank; faces of all ranks.
     std::size_t rows() const { return static_cast<std::size_t>(system_.rows()); }
     std::size_t faces() const { return static_cast<std::size_t>(system_.faces()); }
     std::int64_t global_faces() const { return system_.global_rows() - coupled_; }
-    solve::Matrix& matrix() { return *matrix_; }
-    bool built() const { return matrix_.has_value(); }
-    const ViscousFaces& places() const { return parts_.faces(); }
+    solve::Matrix& matrix() { return *matrix_; }                  // after build()
+    bool built() const { return matrix_.has_value(); }            // matrix() is there
+    const ViscousFaces& places() const { return parts_.faces(); } // roles and fractions of the faces
+    // The faces' part of the system.
     const ViscousSystem& system() const { return system_; }
     ViscousSystem& system() { return system_; }
     int motions() const { return coupled_; }  // of bodies that are unknowns, on all ranks
@@ -59,7 +61,7 @@ public:
     // origin [N], [N m].
     const std::vector<double>& resting_loads() const { return resting_loads_; }
 
-    std::size_t bytes() const;
+    std::size_t bytes() const; // of this rank [bytes]
 
 private:
     solve::KrylovOptions krylov();

@@ -18,14 +18,14 @@ public:
 
     int faces() const { return free_; }        // rows of this rank that are faces
     int rows() const { return free_ + extra_; } // all
-    const CellBox& owned() const { return owned_; }
-    std::int64_t first_row() const { return first_row_; }
-    std::int64_t global_rows() const { return global_rows_; }
+    const CellBox& owned() const { return owned_; }           // cells whose faces are this rank's
+    std::int64_t first_row() const { return first_row_; }     // global number of this rank's first row
+    std::int64_t global_rows() const { return global_rows_; } // of all ranks, extra ones included
     int extra() const { return extra_; } // on this rank
     const Array<int>& row_of(int axis) const { return row_of_[axis]; } // [window] global number, -1: none
     const Array<int>& place_of() const { return place_of_; } // [faces()] place in the window times 3 plus the axis
 
-    RowHalo& halo() { return halo_; }
+    RowHalo& halo() { return halo_; } // to the other ranks' columns
 
     // The matrix, with its extra block as it was filled last; rank 0 fills it.
     solve::CsrBlocks blocks();
@@ -40,10 +40,11 @@ public:
     void count_entries(const ViscousFaces& faces);
     void fill(const ViscousFaces& faces);
 
+    // Compressed rows: columns are local rows in the own block, places in the halo in the other one.
     struct Block {
         Array<int> offset{"treacle::row_offset", 0}; // [rows + 1]
-        Array<int> column{"treacle::column", 0};
-        Array<double> value{"treacle::value", 0};
+        Array<int> column{"treacle::column", 0};     // [entries], rising within a row
+        Array<double> value{"treacle::value", 0};    // [entries] [kg/s]
     };
 
 private:

@@ -45,7 +45,7 @@ public:
     // Collective, for the faces of the pressure's matrix and the stresses as they are. `face` [m2], of a plane scene [m].
     void find(Pressure& pressure, const ViscousFaces& viscous, CellHalo& halo, double face);
 
-    const VolumeStiffness& held() const { return held_; }
+    const VolumeStiffness& held() const { return held_; } // for kernels, as of find()
     // [rows of the pressure] pressure by flux, the part that the matrix holds included [Pa s/m3].
     const Array<double>& by_row() const { return by_row_; }
     const Array<double>& held_by_row() const { return held_by_row_; } // that part alone

@@ -11,13 +11,14 @@ namespace treacle::grid {
 // holds, leave all of m du where A2 takes them. At the wall of a tank that is the weight of half a cell.
 class WallMomentum {
 public:
+    // Input of add(); arrays are over the window.
     struct Scene {
         const MacGrid& grid;
         const CellBox& owned;
         const PressureFaces& faces;
         const Fractions& fractions;
         const RestingSolids& resting;
-        double density;
+        double density; // [kg/m3]
         // Faces whose mass the viscous solve had do not count: held ones, and with the pressure in the same solve all with a mass.
         const ViscousFaces* viscous = nullptr;
         bool together = false;

@@ -14,6 +14,7 @@ enum class PositionMethod {
     distance, // springs between close particles (Ando and Tsuruno 2011); to compare with
 };
 
+// Options of the block `correction`.
 struct PositionOptions {
     PositionMethod method = PositionMethod::density;
     int iterations = 6;         // at most
@@ -28,6 +29,7 @@ struct PositionOptions {
     double cap = 0.1;           // largest move of a particle in all iterations, over dx
 };
 
+// Result of one correction, over all ranks.
 struct PositionReport {
     int iterations = 0;
     double density_before = 0, density_after = 0; // largest rho / rho_0 - 1
@@ -35,6 +37,7 @@ struct PositionReport {
     double energy = 0;         // potential energy that it added [J]
 };
 
+// Corrector of particle positions; keeps the kernel's sums over a lattice at rest.
 class PositionCorrection {
 public:
     explicit PositionCorrection(const MacGrid& grid);
@@ -47,8 +50,8 @@ public:
         Halo& halo;
         const Comm& comm;
         const Solids& solids;
-        Array<double> particle_mass;
-        double gravity[3];
+        Array<double> particle_mass; // [liquids] [kg]
+        double gravity[3];           // [m/s2]
     };
     PositionReport apply(const PositionOptions& options, GridParticles& particles, const Setting& setting);
 
