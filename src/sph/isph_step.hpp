@@ -35,6 +35,8 @@ class IsphStep {
 public:
     IsphStep(const Comm& comm, const IsphSetup& setup);
 
+    // State of the run on this rank: particles, owned ones before ghosts; constants; decomposition; phase times [s];
+    // pressure system and neighbours of the last step.
     LiquidParticles& liquid() { return liquid_; }
     const LiquidParticles& liquid() const { return liquid_; }
     SolidParticles& solid() { return solid_; }

@@ -10,6 +10,7 @@
 
 namespace treacle::sph {
 
+// Results of one step.
 struct StepReport {
     double dt = 0;                     // [s]
     solve::SolveReport pressure;
@@ -19,7 +20,7 @@ struct StepReport {
     std::int64_t anchored = 0;         // Poisson particles made Dirichlet for solvability
     std::int64_t misclassified = 0;    // that (S6) gave another role than the exact solution, over all ranks
     double mean_compression = 0;       // of the density at the start of the step, share of rho0
-    double max_compression = 0;
+    double max_compression = 0;        // the largest, over all ranks
     double imbalance = 1;              // largest over mean number of particles per rank
     BodyLoads loads;                   // [body][6] by pressure, summed over ranks [N], [N m]
     BodyLoads viscous_loads;           // by viscosity, physical and artificial

@@ -21,8 +21,8 @@ void compute_solid_volumes(const SphOptions& options, const Constants& constants
 
 // Mean and largest compression max(0, rho / rho0 - 1) of the owned particles: the sum and the maximum.
 struct Compression {
-    double sum = 0;
-    double max = 0;
+    double sum = 0; // of the owned particles [1]
+    double max = 0; // of the owned particles [1]
 };
 Compression measure_compression(const Constants& constants, const LiquidParticles& liquid);
 

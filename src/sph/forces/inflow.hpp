@@ -13,7 +13,7 @@ namespace treacle::sph {
 // support radius, so that what has passed it has all its neighbours.
 int held_layers(const Constants& constants);
 
-flow::Layers layers_of(const Constants& constants);
+flow::Layers layers_of(const Constants& constants); // one particle spacing apart
 
 // (Q) Liquid that flows in. Behind an opening lie layers of the lattice, a spacing apart, that move at its speed
 // whatever acts on them; a particle that has passed it is free. Where a layer is follows from the time alone,
@@ -38,6 +38,7 @@ public:
     std::int64_t emitted() const; // over all ranks, since the start
     double max_speed() const;     // of the inlets, now or later [m/s]
 
+    // Time [s], then the layers made of each inlet, the same on all ranks. std::out_of_range where one is missing.
     std::vector<double> state() const;
     void restore(const std::vector<double>& state);
 

@@ -3,10 +3,11 @@
 
 namespace treacle::sph {
 
+// Input of (S4s).
 struct SkinFriction {
     const std::vector<double>& coefficients; // c_f per body
-    const LoadPoints& points;
-    double dt; // [s]
+    const LoadPoints& points;                // about which torques are taken
+    double dt;                               // [s]
 };
 
 // (S4s) Turbulent skin friction of walls whose boundary layer is thinner than a particle: the shear stress

@@ -4,9 +4,10 @@
 
 namespace treacle::sph {
 
+// Input of (S8c).
 struct WallStop {
-    const LoadPoints& points;
-    double dt; // [s]
+    const LoadPoints& points; // about which torques are taken
+    double dt;                // [s]
 };
 
 // (S8c) No liquid crosses a solid's surface within the step: where a particle over a solid particle would

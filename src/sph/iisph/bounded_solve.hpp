@@ -13,7 +13,7 @@ enum class BoundedGuess { zero, given, best_multiple };
 
 // Ranges of rows, begin(k) <= i < end(k); those that begin beyond the owned rows count as empty. A rank may have none.
 struct RowGroups {
-    Array<int> begin, end;
+    Array<int> begin, end; // [count] rows
     int count = 0;
     bool apply = false; // the same on all ranks
 };
@@ -40,6 +40,7 @@ struct BoundedResidual {
     double square = 0; // sum of squares of the groups' watched residuals
 };
 
+// End of a solve: `met`, the same on every rank, after least_iterations, or max_iterations.
 struct BoundedGoal {
     std::function<bool(const BoundedResidual&)> met;
     int least_iterations = 0;

@@ -6,6 +6,7 @@
 
 namespace treacle::sph {
 
+// Pressure solve that has ended, and the step that it belongs to.
 struct CorrectionParts {
     const StepParts& step;
     solve::Matrix& matrix;       // of the pressure solve
@@ -27,7 +28,7 @@ public:
     // acceleration, place, motion.
     solve::SolveReport correct(const CorrectionParts& parts, Iisph& system, double dt);
 
-    std::size_t bytes() const;
+    std::size_t bytes() const; // of this rank [bytes]
 
 private:
     struct Direction {

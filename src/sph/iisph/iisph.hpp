@@ -55,9 +55,9 @@ public:
     // in the field load, ghosts included, for apply_pressure.
     solve::SolveReport solve_divergence(const StepParts& parts, double dt, const Array<double>& last);
 
-    const Array<double>& product() const { return product_; }
-    const Array<double>& diagonal() const { return diagonal_; }
-    std::size_t bytes() const;
+    const Array<double>& product() const { return product_; }   // [owned] A q [kg/m3/s2]
+    const Array<double>& diagonal() const { return diagonal_; } // [owned] of A, 0 in rows that stay 0 [kg2/m8]
+    std::size_t bytes() const;                                  // of this rank [bytes]
 
 private:
     // (S5)

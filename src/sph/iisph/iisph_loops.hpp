@@ -11,10 +11,11 @@ constexpr double least_slope = 0.2;
 
 // m grad W of the pairs, in single precision: a product reads 16 bytes a pair and is as long as these take to come.
 struct Gradients {
-    Array<float> x, y, z;
+    Array<float> x, y, z; // [entries of the list] [kg/m4]
 
+    // Gradients of as many pairs as there are SIMD elements [kg/m4].
     struct Near {
-        Lanes x, y, z;
+        Lanes x, y, z; // in double precision
     };
     // Gradients of the pairs from entry k of the list on; lanes beyond the end of the row hold others.
     KOKKOS_INLINE_FUNCTION Near near(std::int64_t k) const {
@@ -28,11 +29,11 @@ struct PairLoop {
     Kernel kernel;
     Fluid fluid;
     bool bearing; // only rows above solids are watched
-    double gravity[3];
+    double gravity[3]; // [m/s2]
     RelativeDensity relative;
     Gradients gradients;
-    Array<double> diagonal, watched;
-    Array3 own, force;
+    Array<double> diagonal, watched; // [owned] [kg2/m8], 1 or 0
+    Array3 own, force;               // [owned][3] g, and g with the walls' part times Constants::wall_push [kg/m4]
 
     // True when solids, whose part of g is g - liquid, are below.
     KOKKOS_INLINE_FUNCTION bool bears(const double g[3], const double liquid[3]) const {
@@ -81,17 +82,18 @@ struct PairLoop {
     }
 };
 
+// Source b of Iisph::prepare(), by its aim.
 template <class Kernel>
 struct SourceLoop {
     Kernel kernel;
     Fluid fluid;
-    double dt;
+    double dt; // [s]
     Iisph::Aim aim;
     double needed; // neighbours
     double slack;  // [kg/m3] of Aim::approach
     RelativeDensity relative;
     Gradients gradients;
-    Array<double> density, source, diagonal;
+    Array<double> density, source, diagonal; // [owned] [kg/m3], b [kg/m3/s2], of A [kg2/m8]
 
     KOKKOS_INLINE_FUNCTION void operator()(int i) const {
         const Constants& c = fluid.constants;
@@ -127,7 +129,7 @@ struct AccelerationLoop {
     RelativeDensity relative;
     Array<int> inlet; // of each particle, or empty
     Gradients gradients;
-    Array3 force, acceleration;
+    Array3 force, acceleration; // [owned][3] PairLoop::force [kg/m4], a [m/s2]
 
     KOKKOS_INLINE_FUNCTION void operator()(int i) const {
         const Row row = fluid.row(i);
@@ -156,8 +158,8 @@ struct AccelerationLoop {
 struct DensityChangeLoop {
     Fluid fluid;
     Gradients gradients;
-    Array3 own;
-    Array<double> product;
+    Array3 own;            // [owned][3] g [kg/m4]
+    Array<double> product; // [owned] A q [kg/m3/s2]
 
     KOKKOS_INLINE_FUNCTION void operator()(int i) const {
         const Row row = fluid.row(i);

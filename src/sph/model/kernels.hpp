@@ -3,6 +3,7 @@
 
 namespace treacle::sph {
 
+// Kernel of all pair sums of a run.
 enum class KernelKind { cubic_spline, wendland_c2, mueller };
 
 // Smoothing kernels of compact support h [m] in D dimensions. `value` is W(r) [1/m^D]; `gradient` is
@@ -13,8 +14,9 @@ enum class KernelKind { cubic_spline, wendland_c2, mueller };
 template <int D>
 struct CubicSpline {
     static constexpr int dimensions = D;
-    double h, inverse_h, scale, gradient_scale;
+    double h, inverse_h, scale, gradient_scale; // [m], [1/m], [1/m^D], [1/m^(D+2)]
 
+    // Support h [m]; W, W'/r and W' r of r [m], with inverse_r = 1/r [1/m].
     explicit CubicSpline(double support) : h(support), inverse_h(1 / support) {
         scale = D == 3 ? 8 / (math::pi * h * h * h) : 40 / (7 * math::pi * h * h);
         gradient_scale = -6 * scale / (h * h);
@@ -41,8 +43,9 @@ struct CubicSpline {
 template <int D>
 struct WendlandC2 {
     static constexpr int dimensions = D;
-    double h, inverse_h, scale, gradient_scale;
+    double h, inverse_h, scale, gradient_scale; // [m], [1/m], [1/m^D], [1/m^(D+2)]
 
+    // Support h [m]; W, W'/r and W' r of r [m]. No 1/r is read.
     explicit WendlandC2(double support) : h(support), inverse_h(1 / support) {
         scale = D == 3 ? 21 / (2 * math::pi * h * h * h) : 7 / (math::pi * h * h);
         gradient_scale = -20 * scale / (h * h);
@@ -68,8 +71,9 @@ struct WendlandC2 {
 template <int D>
 struct Mueller {
     static constexpr int dimensions = D;
-    double h, scale, gradient_scale;
+    double h, scale, gradient_scale; // [m], [1/m^(D+6)], [1/m^(D+3)]
 
+    // Support h [m]; W, W'/r and W' r of r [m], with inverse_r = 1/r [1/m], which counts up to 1e9/h.
     explicit Mueller(double support) : h(support) {
         const double h2 = h * h, h4 = h2 * h2;
         scale = D == 3 ? 315 / (64 * math::pi * h4 * h4 * h) : 4 / (math::pi * h4 * h4);
@@ -96,7 +100,7 @@ struct Mueller {
 // The spiky number-density kernel of Koshizuka & Oka 1996, w(r) = h/r - 1, without a self term; r is kept
 // off zero at a tenth of the spacing.
 struct NumberKernel {
-    double h, least;
+    double h, least; // [m]
     NumberKernel(double support, double spacing) : h(support), least(0.1 * spacing) {}
     template <Number T>
     KOKKOS_INLINE_FUNCTION T value(T r) const {

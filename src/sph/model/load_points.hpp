@@ -10,11 +10,12 @@ struct LoadPoints {
     int count = 0;
     bool moving = false;   // any of them is not the origin
     Array<double> centre;  // [count][4]: the point [m] and 1, or 0 for the origin; when moving
-    double period[3] = {0, 0, 0};
+    double period[3] = {0, 0, 0}; // of periodic axes, 0 of others [m]
     Array<double> scale;   // [count] factor on the volumes of the solid's particles, when moving
 
-    LoadPoints(int bodies = 0) : count(bodies) {}
+    LoadPoints(int bodies = 0) : count(bodies) {} // all of them the origin
 
+    // True for a body whose point is its centre.
     KOKKOS_INLINE_FUNCTION bool moves(int body) const { return moving && centre(4 * body + 3) != 0; }
 
     // The lever arm of a point that belongs to a body.
@@ -67,6 +68,7 @@ struct LoadReduction {
     using size_type = std::size_t;
     size_type value_count; // 6 per body
 
+    // Interface that Kokkos has for reductions to an array.
     KOKKOS_INLINE_FUNCTION void init(value_type sum) const {
         for (size_type k = 0; k < value_count; ++k) sum[k] = 0;
     }
@@ -75,9 +77,9 @@ struct LoadReduction {
     }
 };
 
-// View in which such a reduction leaves its sums.
+// View in which such a reduction leaves its sums; the vector owns their memory.
 inline auto host_sums(std::vector<double>& sums) {
-    using View = Kokkos::View<double*, Kokkos::HostSpace, Kokkos::MemoryTraits<Kokkos::Unmanaged>>;
+    using View = Kokkos::View<double*, Kokkos::HostSpace, Kokkos::MemoryTraits<Kokkos::Unmanaged>>; // not counted
     return View(sums.data(), sums.size());
 }
 

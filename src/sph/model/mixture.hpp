@@ -5,6 +5,7 @@
 
 namespace treacle::sph {
 
+// One of the liquids of a scene.
 struct LiquidMaterial {
     double density = 1000; // at rest [kg/m3]
     double viscosity = 0;  // [Pa s]
@@ -36,7 +37,7 @@ struct Mixture {
     Array<double> viscosity; // [count] [Pa s]
     Array<double> pair;      // [tables][count][count]
 
-    KOKKOS_INLINE_FUNCTION bool several() const { return count > 1; }
+    KOKKOS_INLINE_FUNCTION bool several() const { return count > 1; } // false: OneLiquid applies
 };
 
 // For liquids whose first one has the density of Constants. Throws std::invalid_argument without liquids. Needs Kokkos.
@@ -55,15 +56,17 @@ double largest_kinematic_viscosity(std::span<const LiquidMaterial> liquids);
 
 // Rest density of a particle's liquid over the first liquid's.
 struct RelativeDensity {
-    bool several;
-    Array<int> liquid;
-    Array<double> density;
+    bool several;          // false: the ratio is 1
+    Array<int> liquid;     // [particles] number of the liquid
+    Array<double> density; // [liquids] over that of the first [1]
 
     KOKKOS_INLINE_FUNCTION double operator()(int i) const { return several ? density(liquid(i)) : 1.0; }
 };
 
 // Terms of a pair without differing liquids: unchanged.
 struct OneLiquid {
+    // Terms of one particle's pairs: coefficient of the pressure system; p/rho^2 of both particles; approach times the
+    // viscous coefficient, and that of pairs that come nearer times the artificial one.
     struct Partners {
         KOKKOS_INLINE_FUNCTION Lanes conduct(const int*, Lanes a) const { return a; }
         KOKKOS_INLINE_FUNCTION Lanes loads(const int*, double own, Lanes other) const { return own + other; }
@@ -73,10 +76,12 @@ struct OneLiquid {
     };
     double viscosity_; // [Pa s]
 
+    // Terms of the pairs of particle i; coefficients of a pair (i, j) and of a particle i, 1 with one liquid.
     KOKKOS_INLINE_FUNCTION Partners partners(int) const { return {}; }
     KOKKOS_INLINE_FUNCTION double conductance(int, int) const { return 1; }
     KOKKOS_INLINE_FUNCTION double colliding(int, int) const { return 1; }
     KOKKOS_INLINE_FUNCTION double density(int) const { return 1; }
+    // Viscosity of particle i [Pa s]; excess of density that a step takes back.
     KOKKOS_INLINE_FUNCTION double viscosity(int) const { return viscosity_; }
     KOKKOS_INLINE_FUNCTION double recovered(double excess, double) const { return excess; }
     // Factor of the terms of OneLiquid::Partners::drag that the viscosity enters by.
@@ -85,15 +90,19 @@ struct OneLiquid {
 
 // The same for several liquids; `index` points at the first of some neighbours in a row of a list.
 struct SeveralLiquids {
+    // As OneLiquid::Partners, with the entries of the tables that belong to the liquids of each pair.
     struct Partners {
-        const int* liquid;
+        const int* liquid; // [particles]
         const double* row; // of the first table, for the particle's own liquid
         int stride;        // between tables
 
+        // Entries of one table, one for each neighbour.
         KOKKOS_INLINE_FUNCTION Lanes of(Mixture::Table table, const int* index) const {
             const IntLanes which = gather_ints(liquid, load_ints(index));
             return gather_lanes(row + table * stride, which);
         }
+
+        // Terms as those of OneLiquid::Partners.
         KOKKOS_INLINE_FUNCTION Lanes conduct(const int* index, Lanes a) const {
             return a * of(Mixture::conductance, index);
         }
@@ -105,10 +114,11 @@ struct SeveralLiquids {
                    colliding * of(Mixture::colliding, index) * math::min(approach, Lanes(0.0));
         }
     };
-    Mixture mixture;
-    Array<int> liquid;
+    Mixture mixture;    // with its tables
+    Array<int> liquid;  // [particles]
     double viscous = 1; // 0: as if none had a viscosity
 
+    // As in OneLiquid; of() is one entry of Mixture::pair.
     KOKKOS_INLINE_FUNCTION Partners partners(int i) const {
         return {liquid.data(), mixture.pair.data() + liquid(i) * mixture.count, mixture.count * mixture.count};
     }

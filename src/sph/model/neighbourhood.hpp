@@ -42,13 +42,15 @@ void write_motions(LiquidParticles& liquid);
 struct Row {
     const int* index;
     int count;
-    double x, y, z;
-    const double* place;
+    double x, y, z;      // of the particle [m]
+    const double* place; // [particles][4], LiquidParticles::place
 
+    // Differences of positions [m], their square [m2].
     struct Near {
         Lanes x, y, z, r2; // from the neighbours to the particle
         Lanes number;      // the fourth one of `place`
     };
+    // Neighbours from the k-th one on.
     KOKKOS_INLINE_FUNCTION Near near(int k) const {
         const Quads q = gather_quads(place, index + k);
         const Lanes dx = x - q.x, dy = y - q.y, dz = z - q.z;
@@ -60,15 +62,17 @@ struct Row {
 
 // Pair sums over a list, for kernels: visit(j, dx, dy, dz, r2) with the vector from x_j to x_i.
 struct Pairs {
-    Array<std::int64_t> offset;
-    Array<int> index;
-    Array3 of, among;
+    Array<std::int64_t> offset; // [owned + 1]
+    Array<int> index;           // [entries] of `among`
+    Array3 of, among;           // [particles][3] positions [m]
 
+    // Number of neighbours of particle i; its row, with the packed positions of the neighbours.
     KOKKOS_INLINE_FUNCTION int count(int i) const { return static_cast<int>(offset(i + 1) - offset(i)); }
     KOKKOS_INLINE_FUNCTION Row row(int i, const Array4& place) const {
         return {index.data() + offset(i), count(i), of(i, 0), of(i, 1), of(i, 2), place.data()};
     }
 
+    // Calls visit(j, dx, dy, dz, r2) for each neighbour, in the order of the list: differences [m], their square [m2].
     template <class Visit>
     KOKKOS_INLINE_FUNCTION void each(int i, const Visit& visit) const {
         const double x = of(i, 0), y = of(i, 1), z = of(i, 2);
@@ -81,10 +85,12 @@ struct Pairs {
     }
 };
 
+// Ratio of each particle's rest density to the first liquid's; shares the fields.
 inline RelativeDensity relative_density(const Constants& constants, const LiquidParticles& liquid) {
     return {constants.mixture.several(), liquid.liquid(), constants.mixture.density};
 }
 
+// Pairs of the list from the particles `of` to those `among`; shares its arrays and their positions.
 inline Pairs pairs(const NeighbourList& list, const ParticleStore& of, const ParticleStore& among) {
     return {list.offset, list.index, of.position(), among.position()};
 }
@@ -93,12 +99,12 @@ inline Pairs pairs(const NeighbourList& list, const ParticleStore& of, const Par
 struct Fluid {
     Constants constants;
     Pairs liquid, solid;
-    Array4 place, motion;
-    Array3 velocity;
-    Array<double> pressure, volume, load;
-    Array3 solid_velocity;
-    Array<double> solid_volume;
-    Array<int> solid_body;
+    Array4 place, motion;                 // [particles][4] LiquidParticles::place, motion
+    Array3 velocity;                      // [particles][3] [m/s]
+    Array<double> pressure, volume, load; // [particles] [Pa], [m^D], p/rho^2 [Pa m6/kg2]
+    Array3 solid_velocity;                // [solids][3] [m/s]
+    Array<double> solid_volume;           // [solids] V_s [m^D]
+    Array<int> solid_body;                // [solids] number of the body, 0: walls of the domain
     int count; // owned liquid particles
 
     // True when the velocity of a solid particle is that of its place.
@@ -111,6 +117,7 @@ struct Fluid {
     }
 };
 
+// Views of all that, without a copy.
 inline Fluid gather_fluid(const Constants& constants, const LiquidParticles& liquid, const SolidParticles& solid,
                           const Neighbourhood& neighbours) {
     return {constants,

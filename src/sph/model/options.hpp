@@ -7,16 +7,27 @@ class Declaration;
 
 namespace treacle::sph {
 
+// Kernel of the density (S1)-(S3).
 enum class DensityKind { blended, smooth, spiky };
+// Particles with p = 0 (S6), by the table of Dirichlet rules in README.md.
 enum class DirichletRule { predicted, source, density, predicted_density, surface, ghosts, complementarity };
+// Clamping at 0: of the pressures that a solve has found, or of its sources.
 enum class Clamping { pressures, sources };
+// Part of solids in the pressure system: none, Eq. 2.10, 3.2, 3.3, exact Neumann source, pressures of their own.
 enum class SolidTerm { none, decomposed, unified, amplified, exact, unknowns };
+// Pressure force of walls (S8): by the liquid's pressure, or times Constants::wall_push.
 enum class WallForce { one_sided, balanced };
+// Particles that would sink below a solid's surface within a step (S8c).
 enum class WallContact { stop, none };
+// Bodies in a solve: unknowns of it, or at rest until their loads are known.
 enum class BodyCoupling { implicit, one_step_late };
+// End of the pressure iterations: mean compression, or relative residual.
 enum class StoppingRule { density_error, residual };
+// Return of compressed liquid to its density: by velocities, or by a position shift (IS2).
 enum class DensityRecovery { automatic, velocities, positions };
+// Pressure solver of a step.
 enum class PressureSolver { isph, iisph, iisph_jacobi, dfsph };
+// Preconditioner of the pressure system (S7).
 enum class PressurePreconditioner {
     none,
     jacobi,
@@ -28,12 +39,14 @@ enum class PressurePreconditioner {
     multilevel,      // Galerkin products on cells (src/solve/README.md)
     multilevel_grids // the dissertation's grids, 3.5
 };
+// Integration of the viscous force in time.
 enum class ViscosityIntegration {
     automatic,
     implicit,
     explicit_pairs, // Monaghan & Cleary's, with the other forces
     explicit_form   // one product with the operator of the form
 };
+// Discrete viscous force (S4v), by the table of forms in README.md.
 enum class ViscosityForm {
     corrected, // the adjoint form of exact gradients: rotations stay what they are
     adjoint,   // the symmetric form of section 4.4
@@ -41,24 +54,31 @@ enum class ViscosityForm {
     laplacian, // Brookshaw 1985, component by component
     printed    // equations 4.5-4.12, not symmetric
 };
+// Preconditioner of the viscous system.
 enum class ViscosityPreconditioner {
     jacobi,      // the diagonal 3 x 3 blocks
     multilevel,  // and multigrid over cells, matrix-free
     gamg,        // of the assembled matrix
     boomeramg
 };
+// Krylov method of the viscous system; bicgstab is PETSc's, of the assembled matrix.
 enum class ViscositySolver { conjugate_gradients, bicgstab };
+// Numbers of the matrix-free products; the residual that ends a solve is in double precision.
 enum class ViscosityPrecision { full, mixed };
+// First iterate of the viscous solve: u*, or u* and the last solve's change.
 enum class ViscosityGuess { velocity, last_change };
+// Force of surface tension (S4t).
 enum class SurfaceTensionModel {
     none,
     cohesion, // Becker & Teschner 2007
     curvature // Morris 2000
 };
+// Visits of coarse levels: once, or twice for each time of the level above.
 enum class MultilevelCycle { v, w };
+// Smoother of the particles' level.
 enum class MultilevelSmoother { gauss_seidel, jacobi };
 
-// Options of hybrid incompressible SPH (dissertation, chapter 2), as the block `method` of a scene gives them.
+// Options of the block `density` (S1)-(S3).
 struct DensityOptions {
     DensityKind kind = DensityKind::smooth; // blended is the dissertation's (src/sph/measurements.md)
     double blend_from = 5; // alpha of Eq. 2.3: wall neighbours below which the smooth kernel rules alone
@@ -77,14 +97,15 @@ struct MultilevelOptions {
     double cell = 0;             // width of the finest cells in spacings; 0: the neighbour search's
     double overcorrection = 1.6; // what coarse matrices are divided by
     MultilevelSmoother smoother = MultilevelSmoother::gauss_seidel;
-    double jacobi_weight = 2.0 / 3;
+    double jacobi_weight = 2.0 / 3; // above 0, at most 1
     MultilevelCycle cycle = MultilevelCycle::w;
     int coarse_sweeps = 1;
     double grid_factor = 1.2;    // lambda of the dissertation
 
-    void declare(Declaration& d);
+    void declare(Declaration& d); // keys of `multilevel`
 };
 
+// Options of the block `pressure`, relative tolerances among them.
 struct PressureOptions {
     PressureSolver solver = PressureSolver::iisph;
     double jacobi_weight = 0;       // omega of IISPH and DFSPH; 0: the published 0.5, or less where that diverges (src/sph/theory.md)
@@ -107,7 +128,7 @@ struct PressureOptions {
     double largest_residual = 0;    // relative, that the density rule must reach as well (src/sph/theory.md); 0: residual_tolerance()
     double residual = 1e-6;         // relative, for the residual rule
     int corrections = 0;            // most of a step (density_correction.hpp)
-    int max_iterations = 2000;
+    int max_iterations = 2000;      // of one solve; beyond: SimulationError
 
     // Tolerances for the two that are 0: with positions, pressures of the first solve gather no density error.
     double density_tolerance() const { return density_error > 0 ? density_error : recovers_places() ? 1e-3 : 1e-5; }
@@ -116,7 +137,7 @@ struct PressureOptions {
         return recovery == DensityRecovery::positions || (recovery == DensityRecovery::automatic && solver == PressureSolver::iisph);
     }
 
-    void declare(Declaration& d);
+    void declare(Declaration& d); // keys of `pressure`
 
 private:
     void declare_solver(Declaration& d);
@@ -128,6 +149,7 @@ private:
     void check_solver(Declaration& d) const;
 };
 
+// Options of the block `viscosity`.
 struct ViscosityOptions {
     ViscosityIntegration integration = ViscosityIntegration::automatic;
     ViscosityForm form = ViscosityForm::corrected;
@@ -139,7 +161,7 @@ struct ViscosityOptions {
     ViscosityGuess guess = ViscosityGuess::velocity;
     ViscosityPrecision precision = ViscosityPrecision::mixed;
     double residual = 1e-6;            // relative
-    int max_iterations = 5000;
+    int max_iterations = 5000;         // of one solve; beyond: SimulationError
     BodyCoupling body_coupling = BodyCoupling::implicit;
     double rheology_residual = 0.01;   // relative, with the viscosities of the velocities that were found
     int rheology_solves = 4;           // most in a step, when viscosities depend on the shear rate
@@ -148,7 +170,7 @@ struct ViscosityOptions {
     double bulk = 0;              // zeta / mu of liquid that is stretched
     double xsph = 0;              // share of the neighbours' mean velocity that moves a particle
 
-    void declare(Declaration& d);
+    void declare(Declaration& d); // keys of `viscosity`
 
 private:
     void declare_form(Declaration& d);
@@ -156,12 +178,14 @@ private:
     void declare_others(Declaration& d);
 };
 
+// Options of the block `surface_tension`.
 struct SurfaceTensionOptions {
     SurfaceTensionModel model = SurfaceTensionModel::none;
 
-    void declare(Declaration& d);
+    void declare(Declaration& d); // keys of `surface_tension`
 };
 
+// Options of hybrid incompressible SPH (dissertation, chapter 2), as the block `method` of a scene gives them.
 struct SphOptions {
     KernelKind kernel = KernelKind::cubic_spline;
     double support_ratio = 2.5;     // h / d
@@ -171,7 +195,7 @@ struct SphOptions {
     SurfaceTensionOptions surface_tension;
     double rebalance_above = 1.15;  // largest over mean load of the ranks
 
-    void declare(Declaration& d);
+    void declare(Declaration& d); // keys of `method`
 };
 
 } // namespace treacle::sph

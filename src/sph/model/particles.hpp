@@ -31,31 +31,32 @@ public:
           row_(store.add<Array<int>>("row", "", FieldRole::work)),
           component_(store.add<Array<int>>("component", "", FieldRole::work)) {}
 
-    ParticleStore store;
+    ParticleStore store; // owned particles, then ghosts
     // Copies of what pair sums read of a neighbour, one load each; of owned and ghost particles. Each loop over pairs
     // writes anew what it reads.
     Array4 place{"treacle::place", 0};   // x, y, z, and a number that is the loop's: volume or load
     Array4 motion{"treacle::motion", 0}; // ux, uy, uz, p
     std::size_t bytes() const { return store.bytes() + 8 * (place.span() + motion.span()); }
 
-    const Array3& position() const { return store.position(); }
-    const Array<std::int64_t>& id() const { return store.id(); }
-    const Array3& velocity() const { return store.get<Array3>(velocity_); }
-    const Array<double>& pressure() const { return store.get<Array<double>>(pressure_); }
-    const Array<int>& liquid() const { return store.get<Array<int>>(liquid_); }
-    // Counts where ForceOptions::by_particle says so; otherwise a copy of the liquid's, for frames.
+    // Fields [particles] or [particles][3]: owned particles, then ghosts with what was gathered last.
+    const Array3& position() const { return store.position(); }  // [m]
+    const Array<std::int64_t>& id() const { return store.id(); } // the same from step to step, on any number of ranks
+    const Array3& velocity() const { return store.get<Array3>(velocity_); }               // [m/s]
+    const Array<double>& pressure() const { return store.get<Array<double>>(pressure_); } // [Pa]
+    const Array<int>& liquid() const { return store.get<Array<int>>(liquid_); } // number of its liquid, from 0
+    // Counts where ForceOptions::by_particle says so; otherwise a copy of the liquid's, for frames [Pa s].
     const Array<double>& viscosity() const { return store.get<Array<double>>(viscosity_); }
-    const Array<double>& density() const { return store.get<Array<double>>(density_); }
-    const Array<double>& volume() const { return store.get<Array<double>>(volume_); } // m / density
-    const Array<double>& load() const { return store.get<Array<double>>(load_); }     // pressure / density^2
-    const Array<double>& blended_density() const { return store.get<Array<double>>(blended_); }
-    const Array<double>& source() const { return store.get<Array<double>>(source_); }
-    const Array<double>& diagonal() const { return store.get<Array<double>>(diagonal_); }
-    const Array<double>& wall_term() const { return store.get<Array<double>>(wall_term_); }
-    const Array<double>& response() const { return store.get<Array<double>>(response_); } // bodies.hpp
-    const Array3& acceleration() const { return store.get<Array3>(acceleration_); }
-    const Array<int>& role() const { return store.get<Array<int>>(role_); }
-    const Array<int>& row() const { return store.get<Array<int>>(row_); }
+    const Array<double>& density() const { return store.get<Array<double>>(density_); } // [kg/m3]
+    const Array<double>& volume() const { return store.get<Array<double>>(volume_); }   // m / density [m^D]
+    const Array<double>& load() const { return store.get<Array<double>>(load_); } // pressure / density^2 [Pa m6/kg2]
+    const Array<double>& blended_density() const { return store.get<Array<double>>(blended_); } // [kg/m3]
+    const Array<double>& source() const { return store.get<Array<double>>(source_); }     // right-hand side [kg/m3/s2]
+    const Array<double>& diagonal() const { return store.get<Array<double>>(diagonal_); } // sum a_ij + wall_term [1/m2]
+    const Array<double>& wall_term() const { return store.get<Array<double>>(wall_term_); } // [1/m2]
+    const Array<double>& response() const { return store.get<Array<double>>(response_); }   // bodies.hpp [Pa/m2]
+    const Array3& acceleration() const { return store.get<Array3>(acceleration_); }         // [m/s2]
+    const Array<int>& role() const { return store.get<Array<int>>(role_); }                 // Role
+    const Array<int>& row() const { return store.get<Array<int>>(row_); } // global number of its row, -1: none
     const Array<int>& component() const { return store.get<Array<int>>(component_); }
 
     // With inlets: the number of the one that still moves the particle as prescribed, from 1 on; 0: it is free.
@@ -99,10 +100,10 @@ public:
           role_(store.add<Array<int>>("role", "", FieldRole::work, true)),
           row_(store.add<Array<int>>("row", "", FieldRole::work)) {}
 
-    ParticleStore store;
-    const Array3& position() const { return store.position(); }
-    const Array<std::int64_t>& id() const { return store.id(); }
-    const Array3& velocity() const { return store.get<Array3>(velocity_); }
+    ParticleStore store;                                         // owned particles, then ghosts
+    const Array3& position() const { return store.position(); }  // [m]
+    const Array<std::int64_t>& id() const { return store.id(); } // the same from step to step, on any number of ranks
+    const Array3& velocity() const { return store.get<Array3>(velocity_); }           // [m/s]
     const Array<double>& volume() const { return store.get<Array<double>>(volume_); } // V_s [m^D]
     const Array<int>& body() const { return store.get<Array<int>>(body_); }           // 0: the domain's walls
 
@@ -117,6 +118,7 @@ public:
     const Array<int>& role() const { return store.get<Array<int>>(role_); }
     const Array<int>& row() const { return store.get<Array<int>>(row_); }
 
+    // Field numbers, for the halo.
     int volume_field() const { return volume_; }
     int body_field() const { return body_; }
     int normal_field() const { return normal_; }

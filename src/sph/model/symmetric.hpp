@@ -5,8 +5,9 @@ namespace treacle::sph {
 
 // A symmetric 3 x 3 matrix: xx, yy, zz, xy, xz, yz.
 struct Symmetric {
-    double xx = 0, yy = 0, zz = 0, xy = 0, xz = 0, yz = 0;
+    double xx = 0, yy = 0, zz = 0, xy = 0, xz = 0, yz = 0; // in the unit of the quantity
 
+    // Adds weight v v^T of v = (x, y, z).
     KOKKOS_INLINE_FUNCTION void add_square(double weight, double x, double y, double z) {
         xx += weight * x * x;
         yy += weight * y * y;
@@ -15,6 +16,7 @@ struct Symmetric {
         xz += weight * x * z;
         yz += weight * y * z;
     }
+    // Product with a vector.
     KOKKOS_INLINE_FUNCTION void times(const double v[3], double out[3]) const {
         out[0] = xx * v[0] + xy * v[1] + xz * v[2];
         out[1] = xy * v[0] + yy * v[1] + yz * v[2];
@@ -34,7 +36,7 @@ KOKKOS_INLINE_FUNCTION Symmetric enclosed(const Symmetric& a, const Symmetric& b
     return {out[0][0], out[1][1], out[2][2], out[0][1], out[0][2], out[1][2]};
 }
 
-using Array6 = Kokkos::View<double* [6], Kokkos::LayoutRight, Memory>;
+using Array6 = Kokkos::View<double* [6], Kokkos::LayoutRight, Memory>; // [n][6] elements in the order of Symmetric
 
 // Rows of a View of six numbers.
 template <class View>
@@ -43,7 +45,7 @@ KOKKOS_INLINE_FUNCTION Symmetric read_symmetric(const View& from, int i) {
 }
 template <class View>
 KOKKOS_INLINE_FUNCTION void write_symmetric(const Symmetric& a, const View& to, int i) {
-    using Value = typename View::non_const_value_type;
+    using Value = typename View::non_const_value_type; // float or double
     to(i, 0) = static_cast<Value>(a.xx);
     to(i, 1) = static_cast<Value>(a.yy);
     to(i, 2) = static_cast<Value>(a.zz);
@@ -54,8 +56,8 @@ KOKKOS_INLINE_FUNCTION void write_symmetric(const Symmetric& a, const View& to, 
 
 // Eigenvalues and eigenvectors (columns) of a symmetric matrix by cyclic Jacobi rotations (Golub & Van Loan, 8.5).
 struct Eigen3 {
-    double value[3];
-    double vector[3][3];
+    double value[3];     // in no order
+    double vector[3][3]; // unit eigenvectors, by columns
 };
 KOKKOS_INLINE_FUNCTION Eigen3 eigen(const Symmetric& s) {
     double a[3][3] = {{s.xx, s.xy, s.xz}, {s.xy, s.yy, s.yz}, {s.xz, s.yz, s.zz}};

@@ -9,9 +9,10 @@ namespace treacle::sph {
 template <class Kernel>
 struct LaplacianWeight {
     Kernel kernel;
-    double soft;
-    Array<double> volume;
+    double soft;          // 0.01 h^2 [m2]
+    Array<double> volume; // [particles] [m^D]
 
+    // a_ij [1/m2] from V_i + V_j [m^D], r^2 [m2] and r [m].
     template <Number T>
     KOKKOS_INLINE_FUNCTION T weight(T volumes, T r2, T r) const {
         return weight_of(volumes, r2, kernel.radial(r));
@@ -23,6 +24,7 @@ struct LaplacianWeight {
     }
 };
 
+// Weight of the liquid's volumes, whose field it shares.
 template <class Kernel>
 LaplacianWeight<Kernel> laplacian_weight(const Kernel& kernel, const Constants& constants,
                                          const LiquidParticles& liquid) {

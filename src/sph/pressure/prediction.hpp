@@ -3,6 +3,7 @@
 
 namespace treacle::sph {
 
+// Numbers of particles by Role.
 struct RoleCounts {
     std::int64_t poisson = 0;
     std::int64_t dirichlet = 0;

@@ -26,8 +26,8 @@ public:
     // Collective. What the solver calls before the first iteration.
     void set_up(solve::Matrix& matrix);
 
-    const solve::Multilevel& multilevel() const { return multilevel_; }
-    std::size_t bytes() const;
+    const solve::Multilevel& multilevel() const { return multilevel_; } // as of the last set_up()
+    std::size_t bytes() const;                                          // of this rank [bytes]
 
     // Part of the above; not private, since nvcc takes no kernel in a private function.
     template <class Particles>

@@ -58,38 +58,39 @@ public:
     // separated particles get theirs.
     void store_pressure(LiquidParticles& liquid) const;
 
+    // Rows of this rank, global number of the first, rows of all ranks; stored entries and memory [bytes] of this rank.
     int rows() const { return rows_; }
     std::int64_t first_row() const { return first_row_; }
     std::int64_t global_rows() const { return global_rows_; }
     std::int64_t entries() const { return own_entries_ + other_entries_; }
     std::size_t bytes() const;
 
-    // One block of columns: offset [rows + 1], column and value [offset[rows]].
+    // One block of columns.
     struct Block {
-        Array<int> offset{"treacle::row_offset", 0};
-        Array<int> column{"treacle::column", 0};
-        Array<double> value{"treacle::value", 0};
+        Array<int> offset{"treacle::row_offset", 0}; // [rows + 1]
+        Array<int> column{"treacle::column", 0};     // [offset[rows]], rising within a row
+        Array<double> value{"treacle::value", 0};    // [offset[rows]] [1/m2]
     };
     // The system where a solver on the host reads and writes it: the arrays themselves on a host build, on a device
     // build copies of them, since Debian's PETSc keeps its matrices in host memory.
     struct HostBlock {
-        Array<int>::HostMirror offset, column;
-        Array<double>::HostMirror value;
+        Array<int>::HostMirror offset, column; // [rows + 1], [offset[rows]]
+        Array<double>::HostMirror value;       // [offset[rows]] [1/m2]
     };
     struct HostSystem {
         HostBlock own, other;
-        Array<double>::HostMirror right_hand_side, solution;
+        Array<double>::HostMirror right_hand_side, solution; // [rows] [kg/m3/s2], [Pa]
     };
     HostSystem to_host() const;
     void take_solution(const HostSystem& host) const;
     // Its matrix as a solver takes it; of the arrays of `host` and this object's halo.
     solve::CsrBlocks blocks(const HostSystem& host);
 
-    const Block& own() const { return own_; }
-    const Block& other() const { return other_; }
-    const RowHalo& halo() const { return halo_; }
-    const Array<double>& right_hand_side() const { return right_hand_side_; } // [rows]
-    const Array<double>& solution() const { return solution_; }               // [rows], in: guess, out: result
+    const Block& own() const { return own_; }                                 // local columns
+    const Block& other() const { return other_; }                             // columns as places in halo()
+    const RowHalo& halo() const { return halo_; }                             // to the other ranks' columns
+    const Array<double>& right_hand_side() const { return right_hand_side_; } // [rows] [kg/m3/s2]
+    const Array<double>& solution() const { return solution_; }               // [rows] in: guess, out: result [Pa]
 
     // Parts of the above; not private, since nvcc takes no kernel in a private function.
     void number_rows(const SphOptions& options, const Comm& comm, LiquidParticles& liquid, Halo& halo);
@@ -97,7 +98,7 @@ public:
     // Particles whose ghosts may be other ranks' columns, whether or not they are near enough to be neighbours.
     struct RowsOf {
         const ParticleStore& store;
-        Array<int> row;
+        Array<int> row; // [particles] global number, -1: none
     };
     void connect_halo(const Comm& comm, std::initializer_list<RowsOf> particles);
     void place_ghosts(const LiquidParticles& liquid);

@@ -7,9 +7,10 @@ namespace treacle::sph {
 // an entry hardly ever moves.
 struct RowWriter {
     int* column;
-    double* value;
+    double* value; // with room for the whole row, as `column`
     int size = 0;
 
+    // One entry, whose column is not there yet.
     KOKKOS_INLINE_FUNCTION void add(int c, double v) {
         int k = size++;
         for (; k > 0 && column[k - 1] > c; --k) {
@@ -19,9 +20,11 @@ struct RowWriter {
         column[k] = c;
         value[k] = v;
     }
+    // Entries of the SIMD elements whose bits are set.
     KOKKOS_INLINE_FUNCTION void add_each(unsigned bits, IntLanes columns, Lanes values) {
         add_each(bits, columns, values, [](int column) { return column; });
     }
+    // The same with the columns column(key).
     template <class ColumnOf>
     KOKKOS_INLINE_FUNCTION void add_each(unsigned bits, IntLanes keys, Lanes values, const ColumnOf& column) {
         int c[lanes];

@@ -16,12 +16,13 @@ public:
     Bodies(rigid::BodiesSetup setup, const std::vector<double>& scale, int first, int count, const DomainBox& domain,
            std::vector<Vec3> sides = {});
 
-    rigid::RigidBodies rigid;
+    rigid::RigidBodies rigid; // without the sides of the domain
 
+    // Bodies of `rigid` that move, or that liquid moves.
     bool any_moves() const { return rigid.any_moves(); }
     bool any_dynamic() const { return rigid.any_dynamic(); }
-    int first() const { return first_; }
-    const LoadPoints& load_points() const { return points_; }
+    int first() const { return first_; }                      // number of body 0 of `rigid` among the solids with loads
+    const LoadPoints& load_points() const { return points_; } // of all solids with loads, where they are now
 
     // Marks the particles' positions at the start of the run, as long as none has moved.
     void mark_start(const SolidParticles& solid) const;

@@ -25,6 +25,7 @@ public:
     // No particle has been through a step: what the last solve changed is nothing. Before the first step of a run.
     void start(const LiquidParticles& liquid);
 
+    // Result of one solve.
     struct Result {
         solve::SolveReport solve;
         BodyLoads loads; // this rank's share of what the liquid puts on the solids [N], [N m]

@@ -14,7 +14,7 @@ inline constexpr int corners = 1 << D; // bit k of a corner's number: on the upp
 
 // Energies of the velocity gradient g: |g|^2 and g : g^T, with these factors.
 struct GradientEnergy {
-    double square = 1, transposed = 1;
+    double square = 1, transposed = 1; // [1]
 };
 
 // The matrix of an energy, E = u.K u / 2 with the mean over the cell, in the basis of the modes c_m = sum over corners of
@@ -76,6 +76,7 @@ public:
     }
 
     static constexpr int unknowns = corners<D> * D; // by corner and component
+    // K in the basis of the corners' components, D a + k of corner a along axis k; for the bound of its eigenvalues.
     using Matrix = Eigen::Matrix<double, unknowns, unknowns>;
     Matrix matrix() const {
         Matrix out;

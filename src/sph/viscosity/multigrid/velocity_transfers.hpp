@@ -8,13 +8,13 @@ namespace treacle::sph {
 // Fraction of the cycle, beside the particles' own blocks, which do a part of its work as well.
 inline constexpr float cycle_share = 0.8f;
 
-constexpr int power_of_3(int d) { return d == 0 ? 1 : 3 * power_of_3(d - 1); }
+constexpr int power_of_3(int d) { return d == 0 ? 1 : 3 * power_of_3(d - 1); } // nodes of the finer level around a node
 
 // r of a level from that of the finer one: each of its nodes counts on the first rank that has it.
 template <int D>
 struct Restrict {
-    Array<int> children;
-    Array<float> first, fine, coarse;
+    Array<int> children;              // [nodes][3^D] of the finer level, -1: none
+    Array<float> first, fine, coarse; // [fine] 1 on the first rank that has the node, else 0; [fine][4], [nodes][4]
 
     KOKKOS_INLINE_FUNCTION void operator()(int v) const {
         constexpr int family = power_of_3(D);
@@ -33,8 +33,8 @@ struct Restrict {
 // d = what the parents' z are at this level's nodes; z += d.
 template <int D>
 struct Prolong {
-    Array<int> parents;
-    Array<float> weight, coarse, d, z;
+    Array<int> parents;                // [nodes][corners] of the coarser level, -1: none
+    Array<float> weight, coarse, d, z; // [nodes], [coarser nodes][4], [nodes][4], [nodes][4]
 
     KOKKOS_INLINE_FUNCTION void operator()(int v) const {
         const std::int64_t at = 4 * std::int64_t(v);
@@ -51,6 +51,7 @@ struct Prolong {
 
 // The particles of each cell, one cell after the other, with the shares that its corners have in their velocities.
 struct Members {
+    // Indices [cells + 1]; [particles].
     Array<int> begin{"treacle::velocity_begin", 0}, particle{"treacle::velocity_particles", 0};
     Array<float> share{"treacle::velocity_shares", 0}; // [particles][corners]
 };
@@ -71,8 +72,8 @@ void corner_shares(const double at[3], float share[corners<D>]) {
 template <int D>
 struct ParticleForces {
     Members members;
-    Array3 r;
-    Array<float> force;
+    Array3 r;           // [owned][3] residual of the particles
+    Array<float> force; // [cells][corners][4]
 
     KOKKOS_INLINE_FUNCTION void operator()(int e) const {
         Four sum[corners<D>];
@@ -92,10 +93,10 @@ struct ParticleForces {
 template <int D>
 struct ParticleVelocities {
     Members members;
-    Array<int> corner;
-    Array<float> u;
+    Array<int> corner; // [cells][corners] nodes
+    Array<float> u;    // [nodes][4]
     ViscousOperator::Blocks block;
-    Array3 r, z;
+    Array3 r, z; // [owned][3]
 
     KOKKOS_INLINE_FUNCTION void operator()(int e, double& sum) const {
         Four around[corners<D>];

@@ -21,7 +21,7 @@ public:
     // Collective: z = M r on the owned particles; returns this rank's r.z.
     double apply(const ViscousOperator& of, const Array3& r, const Array3& z);
 
-    std::size_t bytes() const;
+    std::size_t bytes() const; // of this rank [bytes]
 
     struct Levels; // of either dimension
 

@@ -4,6 +4,7 @@
 // Stress beside an interface of viscosity, at which the shear rate jumps and the traction does not (src/sph/theory.md, Interfaces).
 namespace treacle::sph {
 
+// a.b, and out = A x.
 KOKKOS_INLINE_FUNCTION double inner(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 KOKKOS_INLINE_FUNCTION void times(const double a[3][3], const double x[3], double out[3]) {
     for (int k = 0; k < 3; ++k) out[k] = inner(a[k], x);
@@ -27,7 +28,7 @@ KOKKOS_INLINE_FUNCTION double viscous_contrast(double own, double other) { retur
 struct ViscousContrast {
     bool any = false;
     Array<double> share; // dt/m V mu, ghosts' as well
-    Array<int> liquid;
+    Array<int> liquid;   // [particles]
 
     KOKKOS_INLINE_FUNCTION double operator()(int i, int j) const {
         return any && liquid(i) != liquid(j) ? viscous_contrast(share(i), share(j)) : 0;
@@ -36,6 +37,7 @@ struct ViscousContrast {
 // f^2 - 1
 KOKKOS_INLINE_FUNCTION double excess_square(double h) { return h * (2 + h); }
 
+// False for the 0 that stands for no normal.
 KOKKOS_INLINE_FUNCTION bool is_normal(double x, double y, double z) { return x != 0 || y != 0 || z != 0; }
 
 // Moments of the neighbours around a particle beside an interface, of which its stress is made.
@@ -45,10 +47,12 @@ struct InterfaceShape {
     double skew[3] = {0, 0, 0};            // b = sum w f h (n.x) x
     double normal[3] = {0, 0, 0};          // n, 0: none, and its stress is that of one liquid
 
+    // True beside an interface.
     KOKKOS_INLINE_FUNCTION bool has_normal() const { return is_normal(normal[0], normal[1], normal[2]); }
 };
-using InterfaceShapes = Kokkos::View<double* [InterfaceShape::numbers], Kokkos::LayoutRight, Memory>;
+using InterfaceShapes = Kokkos::View<double* [InterfaceShape::numbers], Kokkos::LayoutRight, Memory>; // [rows][18]
 
+// Shape in row `row`: spread, squares, skew, normal, one after the other.
 template <class Numbers>
 KOKKOS_INLINE_FUNCTION InterfaceShape read_shape(const Numbers& from, int row) {
     const auto symmetric = [&](int at) {
@@ -69,7 +73,7 @@ KOKKOS_INLINE_FUNCTION void write_shape(const InterfaceShape& shape, const Inter
 
 // Sums over its pairs: w f (u_i - u_j) x^T with the solids, w f h (n.x) (u_i - u_j), and w f (f^2 - 1) (u_i - u_j) x^T.
 struct InterfaceSums {
-    double n[3][3] = {}, sheared[3] = {}, squares[3][3] = {};
+    double n[3][3] = {}, sheared[3] = {}, squares[3][3] = {}; // [1/s]
 
     // A pair, x to the particle from the other one, u likewise.
     KOKKOS_INLINE_FUNCTION void add(double w, double h, const double normal[3], const double x[3], const double u[3]) {
@@ -88,14 +92,16 @@ struct InterfaceSums {
 
 // Pairs of a particle are pulled by w f [(Q + (f^2 - 1) across) x + h tilted (n.x) + kappa c (1 + (f^2 - 1) P) u].
 struct InterfaceStress {
-    double q[3][3], tilted[3], across[3][3];
+    double q[3][3], tilted[3], across[3][3]; // [m2/s]
 };
 // Stress, normal and damping kappa c of a particle, as its pairs read them.
 struct InterfacePull {
     InterfaceStress stress;
-    double normal[3], damping;
+    double normal[3], damping; // [1], [m2]
 
+    // True beside an interface.
     KOKKOS_INLINE_FUNCTION bool has_normal() const { return is_normal(normal[0], normal[1], normal[2]); }
+    // Adds a pair's pull [m/s], with w [1/m2], x [m] and u [m/s] from the other one to the particle.
     KOKKOS_INLINE_FUNCTION void add(double w, double h, const double x[3], const double u[3], double to[3]) const {
         const double weight = w * (1 + h), square = excess_square(h);
         const double facing = inner(normal, x), parting = inner(normal, u);
@@ -110,7 +116,7 @@ struct InterfacePull {
 struct InterfaceLaw {
     InterfaceShape shape;
     Symmetric fit; // B^+
-    double share, damping;
+    double share, damping; // c [m2], kappa [1]
 
     KOKKOS_INLINE_FUNCTION void operator()(const InterfaceSums& sums, double s[3][3], InterfaceStress& out) const {
         double t[3][3], inside[3][3], shear[3]; // T, the gradient as if the liquids were one; the derivative by G

@@ -14,7 +14,7 @@ public:
     // sums have one support. Local.
     ViscousScene among(const ViscousScene& scene);
 
-    std::size_t bytes() const;
+    std::size_t bytes() const; // of this rank [bytes]
 
 private:
     Neighbourhood near_;

@@ -19,6 +19,7 @@ public:
     // unknown.
     void prepare(const Bodies& bodies, const ViscousScene& scene);
 
+    // Columns of L, the same on every rank.
     std::size_t unknowns() const { return columns_.size(); }
     bool any() const { return !columns_.empty(); }
 
@@ -33,7 +34,7 @@ public:
     void factorise(std::span<const double> held);
     std::vector<double> precondition(std::span<const double> r) const;
 
-    std::size_t bytes() const {
+    std::size_t bytes() const { // of this rank [bytes]
         return sizeof(double) * (motion_.span() + factor_.capacity() + (columns_.empty() ? 0 : columns_.size() * columns_[0].size()));
     }
 

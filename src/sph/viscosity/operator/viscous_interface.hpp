@@ -13,6 +13,7 @@ struct ViscousInterface {
     int normal = -1, tilted = -1, across[3] = {-1, -1, -1};
     ViscousContrast contrast;
 
+    // Memory of this rank [bytes].
     std::size_t bytes() const { return sizeof(int) * rows.span() + sizeof(double) * shapes.span(); }
 };
 

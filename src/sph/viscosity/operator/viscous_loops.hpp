@@ -5,6 +5,7 @@
 // What the loops of the viscous operator share.
 namespace treacle::sph {
 
+// True for the forms with gradients, whose stresses a product leaves for the neighbours.
 KOKKOS_INLINE_FUNCTION bool by_gradients(ViscosityForm form) {
     return form == ViscosityForm::corrected || form == ViscosityForm::adjoint || form == ViscosityForm::printed;
 }
@@ -17,6 +18,7 @@ void pack_motion(LiquidParticles& liquid, int u_field, const Constants& constant
 inline constexpr int rows_at_once = lanes > 1 ? 8 : 1;
 constexpr int row_blocks(int rows) { return (rows + rows_at_once - 1) / rows_at_once; }
 
+// Rows of a block: sum(i) of all of them, then finish(i, sums).
 template <class Sums, class Sum, class Finish>
 KOKKOS_INLINE_FUNCTION void each_row(int block, int count, const Sum& sum, const Finish& finish) {
     const int first = rows_at_once * block, last = math::min(first + rows_at_once, count);
@@ -116,7 +118,7 @@ struct ViscousLoop {
 
 // Columns l of Q_i, as the products in double and in single precision leave them.
 struct Stresses {
-    Array3 column[3];
+    Array3 column[3]; // [particles][3] [m2/s]
     KOKKOS_INLINE_FUNCTION double operator()(int i, int k, int l) const { return column[l](i, k); }
 };
 struct TileStresses {
@@ -128,8 +130,8 @@ struct TileStresses {
 template <class Stress>
 struct StressGrip {
     Stress stress;
-    Array<double> share;
-    double damping;
+    Array<double> share; // [particles] dt/m V mu [m2]
+    double damping;      // kappa [1]
 
     template <class Contact>
     KOKKOS_INLINE_FUNCTION void operator()(int i, double w, const double x[3], const double u[3],
@@ -140,6 +142,7 @@ struct StressGrip {
             out[k] = w * contact.reach * (pull + slide);
         }
     }
+    // All contacts of particle i with solids at rest at once, by its ViscousLoop::wall_sums.
     KOKKOS_INLINE_FUNCTION void add(int i, const Array4& sums, const double u[3], double out[3]) const {
         for (int k = 0; k < 3; ++k) {
             for (int l = 0; l < 3; ++l) out[k] += stress(i, k, l) * sums(i, l);
@@ -147,8 +150,9 @@ struct StressGrip {
         }
     }
 };
+// Pull of one solid particle in the forms with forces along the pairs.
 struct PairGrip {
-    Array<double> share;
+    Array<double> share; // [particles] dt/m V mu [m2]
     double soft, line; // see pair_softening(); D + 2 for the pairwise form, 0 for the Laplacian
 
     template <class Contact>
@@ -164,6 +168,7 @@ struct PairGrip {
     }
 };
 
+// Pull of the form that the options name.
 inline PairGrip pair_grip(const ViscousParts& parts, const Array<double>& share) {
     const double line = parts.options.viscosity.form == ViscosityForm::pairwise ? parts.constants.dimensions + 2 : 0;
     return {share, pair_softening(parts.constants.support), line};

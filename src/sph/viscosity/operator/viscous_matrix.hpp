@@ -25,8 +25,8 @@ public:
     solve::SolveReport solve(const LiquidParticles& liquid, const Array3& r, double largest, const Preconditioner& own,
                              const Array3& change);
 
-    const solve::Matrix* matrix() { return matrix_.matrix(); }
-    std::size_t bytes() const {
+    const solve::Matrix* matrix() { return matrix_.matrix(); } // of the last assemble(); null before
+    std::size_t bytes() const {                                // of this rank [bytes]
         return matrix_.bytes() + 8 * (right_hand_side_.capacity() + solution_.capacity());
     }
 

@@ -71,7 +71,7 @@ public:
     // The particles beside another viscosity; of the corrected form, where liquids differ.
     const ViscousInterface& interface() const { return interface_; }
 
-    std::size_t bytes() const;
+    std::size_t bytes() const; // of this rank [bytes]
 
 private:
     void find_stretched(const LiquidParticles& liquid, double bulk);

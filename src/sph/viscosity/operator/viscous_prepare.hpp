@@ -13,17 +13,17 @@ struct PrepareLoop : ViscousLoop<Kernel> {
     using Base = ViscousLoop<Kernel>;
     ViscosityForm form;
     double volume; // V0 [m^D]
-    double damping;
+    double damping; // kappa [1]
     RelativeDensity relative;
-    Array<double> share;
+    Array<double> share; // [particles] dt/m V mu [m2]
     bool slips;
     Array<double> drag; // of walls along which the liquid slips
     bool has_inlets;
-    Array<int> inlet;
+    Array<int> inlet;  // [particles] number of the inlet that moves it, 0: free
     Array<float> bulk; // over the viscosity, or empty
     Array6 correction;
     ViscousOperator::Blocks block;
-    Array<float> ground, smeared_share;
+    Array<float> ground, smeared_share; // [owned] [1], [m2]
 
     KOKKOS_INLINE_FUNCTION void operator()(int i) const {
         Symmetric fit{1, 1, 1, 0, 0, 0};

@@ -14,7 +14,7 @@ struct ViscousScene : StepParts {
 struct ViscousParts : ViscousScene {
     const LoadPoints& points;
     const Array<double>& friction; // of each solid, see ViscousWalls
-    const Array<double>& motion;
+    const Array<double>& motion;   // [solids][6] velocity [m/s] and spin [rad/s]
 };
 
 } // namespace treacle::sph

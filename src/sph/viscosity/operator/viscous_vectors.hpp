@@ -8,6 +8,7 @@ namespace treacle::sph {
 // (w a).(w a)
 double sum_squares(const Array3& a, int n, const RelativeDensity& weight);
 
+// a.b
 double dot(const Array3& a, const Array3& b, int n);
 
 // r = M u - product; returns r.r.
@@ -22,6 +23,7 @@ void turn(double beta, const Array3& z, int n, bool nearly, const Array3& p);
 // a += c b
 void add(double c, const Array3& b, int n, const Array3& a);
 
+// to = from
 void copy(const Array3& from, int n, const Array3& to);
 
 // u = u* + (M u* - product) / M

@@ -10,7 +10,7 @@ namespace treacle::sph {
 struct ViscousWalls {
     Pairs pairs;
     Array<double> volume; // V_s
-    Array<int> body;
+    Array<int> body;      // [solids] number of the body
     Array3 normal;        // unit, out of the solid
     Array<double> friction; // [body] 0: free slip, nothing of it counts; 1: no slip
     Array<double> motion; // [body][6] velocity [m/s] and spin [rad/s]
@@ -27,7 +27,9 @@ struct ViscousWalls {
         double place[3];    // that point [m]
     };
 
+    // True for a solid particle whose friction is not 0.
     KOKKOS_INLINE_FUNCTION bool grips(int s) const { return friction(body(s)) > 0; }
+    // Contact of a liquid particle at the distance (dx, dy, dz) [m] from solid particle s.
     KOKKOS_INLINE_FUNCTION Contact touch(int s, double dx, double dy, double dz) const {
         const double height = math::max(normal(s, 0) * dx + normal(s, 1) * dy + normal(s, 2) * dz, depth + least);
         const double tau = (height - depth) / height;

@@ -19,7 +19,7 @@ public:
     // for.
     void prepare(const ViscousScene& scene, const LoadPoints& points, const Array<double>& share);
 
-    bool any() const { return any_; }
+    bool any() const { return any_; } // some solid has a length
     // dt/m times the drag coefficient of each owned particle; when there is any.
     std::size_t bytes() const { return sizeof(double) * (slip_.span() + share_.span() + drag_.span()); }
     const Array<double>& drag() const { return drag_; }
