@@ -42,7 +42,8 @@ public:
     // Viscosities of the particles at the shear rates of the last multiply; forms with gradients only.
     void thin(const ViscousParts& parts, const Array<flow::FlowCurve>& curves) const;
 
-    // Tension s of stretched liquid (augmented Lagrangian, Fortin & Glowinski 1983): s + zeta tr D of the last multiply, never negative.
+    // (S4e) Tension s of stretched liquid (augmented Lagrangian, Fortin & Glowinski 1983): s + zeta tr D of the last
+    // multiply, never negative.
     // Pressures hold no liquid together, since they are not negative either.
     void keep_tension(const LiquidParticles& liquid) const;
     // No particle is under tension, as at the start of a run.
