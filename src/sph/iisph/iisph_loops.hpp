@@ -33,7 +33,7 @@ struct PairLoop {
     RelativeDensity relative;
     Gradients gradients;
     Array<double> diagonal, watched; // [owned] [kg2/m8], 1 or 0
-    Array3 own, force;               // [owned][3] g, and g with the walls' part times Constants::wall_push [kg/m4]
+    Array3 own, force;               // [owned][3] g, and g with the factor of the walls' part [kg/m4]
 
     // True when solids, whose part of g is g - liquid, are below.
     KOKKOS_INLINE_FUNCTION bool bears(const double g[3], const double liquid[3]) const {

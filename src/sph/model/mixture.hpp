@@ -118,7 +118,7 @@ struct SeveralLiquids {
     Array<int> liquid;  // [particles]
     double viscous = 1; // 0: as if none had a viscosity
 
-    // As in OneLiquid; of() is one entry of Mixture::pair.
+    // As in OneLiquid; of() is one entry of the table of pairs.
     KOKKOS_INLINE_FUNCTION Partners partners(int i) const {
         return {liquid.data(), mixture.pair.data() + liquid(i) * mixture.count, mixture.count * mixture.count};
     }

@@ -15,7 +15,7 @@ enum class DirichletRule { predicted, source, density, predicted_density, surfac
 enum class Clamping { pressures, sources };
 // Part of solids in the pressure system: none, Eq. 2.10, 3.2, 3.3, exact Neumann source, pressures of their own.
 enum class SolidTerm { none, decomposed, unified, amplified, exact, unknowns };
-// Pressure force of walls (S8): by the liquid's pressure, or times Constants::wall_push.
+// Pressure force of walls (S8): by the liquid's pressure, or times the factor that balances it at rest.
 enum class WallForce { one_sided, balanced };
 // Particles that would sink below a solid's surface within a step (S8c).
 enum class WallContact { stop, none };
