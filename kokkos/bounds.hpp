@@ -6,10 +6,11 @@ namespace treacle {
 
 // The smallest block of space around some positions; starts with none.
 struct Bounds {
-    static constexpr double far = 1e300;
-    double lo[3] = {far, far, far};
-    double hi[3] = {-far, -far, -far};
+    static constexpr double far = 1e300; // [m]; beyond all positions
+    double lo[3] = {far, far, far};      // [m]
+    double hi[3] = {-far, -far, -far};   // [m]
 
+    // Grows the block to hold one position [m].
     KOKKOS_INLINE_FUNCTION void include(double x, double y, double z) {
         const double p[3] = {x, y, z};
         for (int k = 0; k < 3; ++k) {

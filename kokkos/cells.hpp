@@ -11,12 +11,14 @@ struct CellBox {
     int lo[3] = {0, 0, 0};
     int hi[3] = {0, 0, 0};
 
-    KOKKOS_INLINE_FUNCTION bool empty() const {
+    KOKKOS_INLINE_FUNCTION bool empty() const { // no cell: an axis without extent
         return lo[0] >= hi[0] || lo[1] >= hi[1] || lo[2] >= hi[2];
     }
+    // Same as lo <= c < hi on all axes.
     KOKKOS_INLINE_FUNCTION bool contains(const int c[3]) const {
         return c[0] >= lo[0] && c[0] < hi[0] && c[1] >= lo[1] && c[1] < hi[1] && c[2] >= lo[2] && c[2] < hi[2];
     }
+    // Number of cells.
     KOKKOS_INLINE_FUNCTION std::int64_t size() const {
         return empty() ? 0 : std::int64_t(hi[0] - lo[0]) * (hi[1] - lo[1]) * (hi[2] - lo[2]);
     }
@@ -32,6 +34,7 @@ struct CellBox {
     }
 };
 
+// Cells of both; may be empty with hi < lo.
 inline CellBox intersect(const CellBox& a, const CellBox& b) {
     CellBox out;
     for (int k = 0; k < 3; ++k) {
@@ -66,7 +69,7 @@ inline CellBox join(const CellBox& a, const CellBox& b) {
 // A cell is at least one support radius wide, so that neighbours lie in adjacent cells. Plane scenes have one
 // layer of cells in z.
 struct CellGrid {
-    double origin[3] = {0, 0, 0};
+    double origin[3] = {0, 0, 0};        // [m], lower corner of cell (0, 0, 0)
     double inverse_width[3] = {1, 1, 1}; // [1/m]
     double period[3] = {0, 0, 0};        // [m], 0: not periodic
     int count[3] = {1, 1, 1};
@@ -95,7 +98,7 @@ struct CellGrid {
 struct CellList {
     CellBox window;   // owned cells and one layer of halo
     Array<int> begin; // [cells of window]
-    Array<int> end;
+    Array<int> end;   // [cells of window], one past the last row
 };
 
 } // namespace treacle

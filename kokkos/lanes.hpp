@@ -18,6 +18,7 @@
 // number that it would get in any other place, so that a_ij and a_ji stay equal bit for bit.
 namespace treacle {
 
+// Scalar forms of the operations on several numbers below, for formulas with T = double.
 KOKKOS_INLINE_FUNCTION double select(bool condition, double yes, double no) { return condition ? yes : no; }
 KOKKOS_INLINE_FUNCTION double inverse(double x) { return 1 / x; }
 KOKKOS_INLINE_FUNCTION double inverse_sqrt(double x) { return 1 / math::sqrt(x); }
@@ -26,6 +27,7 @@ KOKKOS_INLINE_FUNCTION double sum_lanes(double x) { return x; }
 KOKKOS_INLINE_FUNCTION double rounded(double x) { return static_cast<double>(static_cast<float>(x)); }
 KOKKOS_INLINE_FUNCTION unsigned bits_of(bool condition) { return condition ? 1u : 0u; }
 
+// Index of the lowest bit that is set; `bits` is not 0.
 KOKKOS_INLINE_FUNCTION int lowest_bit(unsigned bits) {
 #if defined(__CUDA_ARCH__) || defined(__HIP_DEVICE_COMPILE__)
     return __ffs(static_cast<int>(bits)) - 1;
@@ -33,6 +35,7 @@ KOKKOS_INLINE_FUNCTION int lowest_bit(unsigned bits) {
     return __builtin_ctz(bits);
 #endif
 }
+// Number of bits that are set.
 KOKKOS_INLINE_FUNCTION int count_bits(unsigned bits) {
 #if defined(__CUDA_ARCH__) || defined(__HIP_DEVICE_COMPILE__)
     return __popc(bits);
@@ -45,6 +48,7 @@ KOKKOS_INLINE_FUNCTION int count_bits(unsigned bits) {
 // All lanes named in zero-masked intrinsics: GCC 12 warns falsely of undefined values in its unmasked ones.
 inline constexpr int lanes = 8;
 
+// A register of 8 doubles. A double becomes all of them; load and store take any alignment.
 struct Lanes {
     __m512d v;
     Lanes() = default;
@@ -58,8 +62,10 @@ struct Lanes {
     friend Lanes operator-(Lanes a) { return Lanes(-0.0) - a; }
     friend __mmask8 operator<(Lanes a, Lanes b) { return _mm512_cmp_pd_mask(a.v, b.v, _CMP_LT_OQ); }
 };
+// Bit k is the outcome of the comparison of the k-th numbers; false where one is NaN.
 using LaneMask = __mmask8;
 
+// Operations number by number. The mask of the first n has all bits for n >= 8; the sum adds in pairs.
 inline Lanes select(LaneMask condition, Lanes yes, Lanes no) { return _mm512_mask_blend_pd(condition, no.v, yes.v); }
 inline unsigned bits_of(LaneMask mask) { return mask; }
 inline LaneMask first_lanes(int n) { return static_cast<LaneMask>(0xffu >> (lanes - math::min(n, lanes))); }
@@ -95,9 +101,11 @@ inline Lanes max(Lanes a, Lanes b) { return _mm512_maskz_max_pd(0xff, a.v, b.v);
 #elif defined(TREACLE_AVX2)
 inline constexpr int lanes = 4;
 
+// Outcomes of a comparison; false where a number is NaN.
 struct LaneMask {
-    __m256d v;
+    __m256d v; // all bits of a number set, or none
 };
+// A register of 4 doubles. A double becomes all of them; load and store take any alignment.
 struct Lanes {
     __m256d v;
     Lanes() = default;
@@ -112,6 +120,7 @@ struct Lanes {
     friend LaneMask operator<(Lanes a, Lanes b) { return {_mm256_cmp_pd(a.v, b.v, _CMP_LT_OQ)}; }
 };
 
+// Operations number by number. The mask of the first n has all bits for n >= 4; the sum adds in pairs.
 inline Lanes select(LaneMask condition, Lanes yes, Lanes no) { return _mm256_blendv_pd(no.v, yes.v, condition.v); }
 inline unsigned bits_of(LaneMask mask) { return static_cast<unsigned>(_mm256_movemask_pd(mask.v)); }
 inline LaneMask first_lanes(int n) { return {_mm256_cmp_pd(_mm256_setr_pd(0, 1, 2, 3), _mm256_set1_pd(n), _CMP_LT_OQ)}; }
@@ -119,15 +128,18 @@ inline double sum_lanes(Lanes x) {
     const __m128d half = _mm_add_pd(_mm256_castpd256_pd128(x.v), _mm256_extractf128_pd(x.v, 1));
     return _mm_cvtsd_f64(_mm_add_sd(half, _mm_unpackhi_pd(half, half)));
 }
+// Division and square root of IEEE 754, unlike the estimates of AVX-512.
 inline Lanes inverse(Lanes x) { return _mm256_div_pd(_mm256_set1_pd(1.0), x.v); }
 inline Lanes inverse_sqrt(Lanes x) { return _mm256_div_pd(_mm256_set1_pd(1.0), _mm256_sqrt_pd(x.v)); }
 inline Lanes rounded(Lanes x) { return _mm256_cvtps_pd(_mm256_cvtpd_ps(x.v)); }
 namespace math {
+// The second number where one of the two is NaN.
 inline Lanes min(Lanes a, Lanes b) { return _mm256_min_pd(a.v, b.v); }
 inline Lanes max(Lanes a, Lanes b) { return _mm256_max_pd(a.v, b.v); }
 } // namespace math
 #else
 inline constexpr int lanes = 1;
+// One number: the formulas in their scalar form.
 using Lanes = double;
 using LaneMask = bool;
 KOKKOS_INLINE_FUNCTION LaneMask first_lanes(int) { return true; }
@@ -137,6 +149,7 @@ KOKKOS_INLINE_FUNCTION LaneMask first_lanes(int) { return true; }
 template <class T>
 concept Number = std::is_same_v<T, double> || std::is_same_v<T, Lanes>;
 
+// The next 8, 4 or 1 numbers at `from`, of any alignment.
 KOKKOS_INLINE_FUNCTION Lanes load_lanes(const double* from) {
 #if defined(TREACLE_AVX512) || defined(TREACLE_AVX2)
     return Lanes::load(from);
@@ -144,6 +157,7 @@ KOKKOS_INLINE_FUNCTION Lanes load_lanes(const double* from) {
     return *from;
 #endif
 }
+// Writes the next 8, 4 or 1 numbers at `to`, of any alignment.
 KOKKOS_INLINE_FUNCTION void store_lanes(Lanes x, double* to) {
 #if defined(TREACLE_AVX512) || defined(TREACLE_AVX2)
     x.store(to);

@@ -10,13 +10,16 @@ namespace treacle {
 class NeighbourList {
 public:
     Array<std::int64_t> offset{"treacle::neighbour_offset", 0}; // [owned + 1]
-    Array<int> index{"treacle::neighbour_index", 0};
+    Array<int> index{"treacle::neighbour_index", 0};            // [size + 16], rows of the other store
     std::int64_t size = 0;
     // Entries behind the last row, all 0: whoever reads a row several entries at a time may read beyond its end.
     static constexpr int spare = 16;
 
+    // Neighbours of the owned particles of `of` among all particles of `among`, which `cells` lists. The radius [m] is
+    // at most a cell's width. A distance of 0 counts, but from a particle to itself.
     void build(const ParticleStore& of, const ParticleStore& among, const CellGrid& grid,
                const CellList& cells, double radius);
+    // Memory of the list and of what building it needs [B].
     std::size_t bytes() const {
         return offset.span() * 8 + index.span() * 4 + 3 * along_[0].span() * 8 +
                masks_.span() * 2 + mask_offset_.span() * 8;

@@ -8,8 +8,10 @@
 
 namespace treacle {
 
+// [capacity] or [capacity][3].
 using FieldArray = std::variant<Array<double>, Array3, Array<std::int64_t>, Array<int>>;
 
+// Lifetime of a field's values.
 enum class FieldRole {
     state, // migrates with its particle, is checkpointed
     work   // recomputed every step: neither migrates nor is checkpointed
@@ -45,9 +47,11 @@ public:
     const Array3& position() const { return get<Array3>(0); }
     const Array<std::int64_t>& id() const { return get<Array<std::int64_t>>(1); }
 
+    // Numbers of rows; ghosts are 0 from resize_owned() on.
     int owned() const { return owned_; }
     int ghosts() const { return ghosts_; }
     int total() const { return owned_ + ghosts_; }
+    // Declarations in the order of add(); the index is the one of get().
     std::vector<Field>& fields() { return fields_; }
     const std::vector<Field>& fields() const { return fields_; }
 

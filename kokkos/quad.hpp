@@ -22,6 +22,7 @@ struct Quad {
         return _mm256_maskload_pd(from, _mm256_setr_epi64x(-1, -1, -1, 0));
 #endif
     }
+    // Any alignment, unlike load() of a pointer, which takes 32 bytes.
     void store(double* to) const { _mm256_storeu_pd(to, v); }
     friend Quad operator+(Quad a, Quad b) { return _mm256_add_pd(a.v, b.v); }
     friend Quad operator-(Quad a, Quad b) { return _mm256_sub_pd(a.v, b.v); }

@@ -22,6 +22,7 @@ KOKKOS_INLINE_FUNCTION constexpr int symmetric_element(int k, int l) { return k 
 using Array8 = Kokkos::View<float* [8], Kokkos::LayoutRight, Memory>;
 
 #if defined(TREACLE_AVX512)
+// Element k of quad q is the float 4 q + k of a row. A float becomes all sixteen; rows need no alignment.
 struct Tile {
     __m512 v;
     Tile() = default;
@@ -74,8 +75,9 @@ struct Tile {
     }
 };
 #else
+// Element k of quad q is v[4 q + k]. The operations give what those of AVX-512 above do, with no fused product.
 struct Tile {
-    float v[16];
+    float v[16]; // [quads][4]
     Tile() = default;
     KOKKOS_INLINE_FUNCTION Tile(float value) {
         for (float& one : v) one = value;

@@ -7,12 +7,13 @@
 // The subset of Kokkos that compiles with 3.4 and with 4.x/5.x on every back end, under short names.
 namespace treacle {
 
+// Device of the build, and the memory that its kernels read.
 using Execution = Kokkos::DefaultExecutionSpace;
 using Memory = Execution::memory_space;
 
 template <class T>
-using Array = Kokkos::View<T*, Memory>;
-using Array3 = Kokkos::View<double* [3], Memory>;
+using Array = Kokkos::View<T*, Memory>;           // [n]
+using Array3 = Kokkos::View<double* [3], Memory>; // [n][3]
 // Four numbers of a particle that are read together: one aligned load.
 using Array4 = Kokkos::View<double* [4], Kokkos::LayoutRight, Memory>;
 
@@ -34,6 +35,7 @@ KOKKOS_INLINE_FUNCTION bool isfinite(double x) { return x - x == 0.0; }
 #endif
 inline constexpr double pi = 3.141592653589793238462643383279502884;
 
+// The first of equal numbers; `a` where one is NaN.
 template <class T>
 KOKKOS_INLINE_FUNCTION constexpr T min(T a, T b) {
     return b < a ? b : a;

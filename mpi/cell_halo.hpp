@@ -17,8 +17,8 @@ public:
 
     const CellBox& owned() const { return owned_; }   // this rank's cells of the block
     const CellBox& window() const { return window_; } // and the layers around them; flat axes of plane scenes have none
-    const CellBox& active() const { return active_; }
-    int layers() const { return layers_; }
+    const CellBox& active() const { return active_; } // block of the last connect()
+    int layers() const { return layers_; }            // of halo, >= 0
 
     // Collective: halo cells take the values of their owners. Halo cells that nobody owns, outside of the block, keep
     // theirs. All arrays in one message per neighbour; each has window().size() entries or more.

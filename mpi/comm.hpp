@@ -18,14 +18,15 @@ public:
     // This rank alone.
     static Comm self();
 
-    int rank() const { return rank_; }
-    int size() const { return size_; }
-    bool is_root() const { return rank_ == 0; }
+    int rank() const { return rank_; }          // 0 to size() - 1
+    int size() const { return size_; }          // number of ranks of the group
+    bool is_root() const { return rank_ == 0; } // rank 0, which logs and writes files
 
     // Collective: one group per colour; ranks keep their order.
     Comm split(int colour) const;
 
-    void barrier() const;
+    void barrier() const; // returns once all ranks have called it
+    // Reductions of one value per rank; the result is on every rank.
     double sum(double value) const;
     double min(double value) const;
     double max(double value) const;

@@ -13,6 +13,7 @@ class Decomposition {
 public:
     Decomposition(const Comm& comm, const CellGrid& grid);
 
+    // Group, cells, this rank's box of cells, and all boxes by rank; boxes change with load balance and restore().
     const Comm& comm() const { return comm_; }
     const CellGrid& grid() const { return grid_; }
     const CellBox& box() const { return boxes_[static_cast<std::size_t>(comm_.rank())]; }

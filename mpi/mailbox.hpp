@@ -11,8 +11,8 @@ namespace treacle {
 class Mailbox {
 public:
     struct Letter {
-        int rank = 0; // of the sender
-        std::string text;
+        int rank = 0;     // of the sender
+        std::string text; // any bytes, without end mark
     };
 
     // Collective.
@@ -22,6 +22,7 @@ public:
     Mailbox(const Mailbox&) = delete;
     Mailbox& operator=(const Mailbox&) = delete;
 
+    // Returns at once; the text is copied. `rank`: receiver, of the mailbox's own group.
     void send(int rank, const std::string& text);
     // A letter that has arrived; those of one sender in their order. Does not wait.
     std::optional<Letter> poll();

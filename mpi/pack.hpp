@@ -7,23 +7,26 @@ namespace treacle {
 KOKKOS_INLINE_FUNCTION double to_word(double value) { return value; }
 KOKKOS_INLINE_FUNCTION double to_word(std::int64_t value) {
     union {
-        std::int64_t integer;
-        double word;
+        std::int64_t integer; // bits as stored
+        double word;          // bits as sent
     } bits;
     bits.integer = value;
     return bits.word;
 }
+// Sent as 64 bits.
 KOKKOS_INLINE_FUNCTION double to_word(int value) { return to_word(static_cast<std::int64_t>(value)); }
 
+// Inverse of to_word().
 KOKKOS_INLINE_FUNCTION void from_word(double word, double& value) { value = word; }
 KOKKOS_INLINE_FUNCTION void from_word(double word, std::int64_t& value) {
     union {
-        double word;
-        std::int64_t integer;
+        double word;          // bits as sent
+        std::int64_t integer; // bits as stored
     } bits;
     bits.word = word;
     value = bits.integer;
 }
+// The lower 32 bits of what was sent.
 KOKKOS_INLINE_FUNCTION void from_word(double word, int& value) {
     std::int64_t wide = 0;
     from_word(word, wide);
@@ -70,6 +73,7 @@ void pack_rows(const View& field, const Array<int>& rows, int n, const BufferCol
     Kokkos::parallel_for("treacle::pack", n, KOKKOS_LAMBDA(int k) { pack_row(field, rows(k), to.row(k)); });
 }
 
+// Words of n rows of the buffer, into the rows [first, first + n) of the field.
 template <class View>
 void unpack_rows(const View& field, int first, int n, const BufferColumns& from) {
     Kokkos::parallel_for("treacle::unpack", n, KOKKOS_LAMBDA(int k) { unpack_row(field, first + k, from.row(k)); });

@@ -23,6 +23,7 @@ public:
         return finish();
     }
 
+    // Memory of columns and buffers [B].
     std::size_t bytes() const;
 
 private:

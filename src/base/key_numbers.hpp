@@ -28,7 +28,8 @@ public:
     int find(std::int64_t key) const { return slots_[place(key)]; }
 
     const std::vector<std::int64_t>& keys() const { return keys_; } // by their numbers
-    int size() const { return static_cast<int>(keys_.size()); }
+    int size() const { return static_cast<int>(keys_.size()); }     // keys so far
+    // Memory of both arrays, with what is reserved [B].
     std::size_t bytes() const { return sizeof(int) * slots_.capacity() + sizeof(std::int64_t) * keys_.capacity(); }
 
 private:

@@ -13,9 +13,9 @@ namespace treacle {
 class PhaseTimers {
 public:
     struct Phase {
-        std::string name;
-        double seconds = 0;
-        std::int64_t calls = 0;
+        std::string name;       // "pressure", in the table of times
+        double seconds = 0;     // wall clock, of all calls [s]
+        std::int64_t calls = 0; // that have ended
     };
 
     // Adds the time from its making to its end to a phase.
@@ -32,6 +32,7 @@ public:
         std::chrono::steady_clock::time_point start_;
     };
 
+    // Measures one call: until the end of what it returns.
     [[nodiscard]] Scope scope(std::string_view name) {
         if (wait_) wait_();
         return Scope(*this, index(name));

@@ -45,6 +45,7 @@ private:
     }
 };
 
+// Curve of a liquid's viscosity and rheology; its profile and regions do not count.
 FlowCurve make_flow_curve(const scene::Liquid& liquid);
 
 } // namespace treacle::flow

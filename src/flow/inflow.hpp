@@ -25,14 +25,15 @@ struct InletSetup {
 // Region where particles are taken out: a box, or what lies behind a plane.
 struct OutletSetup {
     bool box = true;
-    Vec3 min{0, 0, 0}, max{0, 0, 0};
-    Vec3 point{0, 0, 0}, normal{0, 0, 1};
+    Vec3 min{0, 0, 0}, max{0, 0, 0};      // [m]
+    Vec3 point{0, 0, 0}, normal{0, 0, 1}; // [m]; away from what is taken out
 };
 
+// Inlets and outlets of a run, the same on every rank.
 struct InflowSetup {
-    std::vector<InletSetup> inlets;
-    std::vector<OutletSetup> outlets;
-    std::int64_t first_id = 0; // of what flows in; all others' are below
+    std::vector<InletSetup> inlets;   // an inlet's number is its index
+    std::vector<OutletSetup> outlets; // their union
+    std::int64_t first_id = 0;        // of what flows in; all others' are below
 };
 
 // Layers of a method's lattice, and how many of them wait behind an opening.
@@ -63,8 +64,10 @@ public:
         int inlet = -1; // number of the inlet that holds a particle, from 1 on; -1: there is no such field
     };
 
+    // Copies the points to the device. Positions wrap along periodic axes of the box.
     LayerSource(const InflowSetup& setup, Layers layers, const PeriodicBox& box);
 
+    // Input of the constructor.
     const InflowSetup& setup() const { return setup_; }
     const Layers& layers() const { return layers_; }
 

@@ -9,6 +9,7 @@ struct Outlets {
     int count = 0;
     int dimensions = 3;
 
+    // True for a position [m] in a box, its faces included, or behind a plane.
     KOKKOS_INLINE_FUNCTION bool take(const double x[3]) const {
         for (int o = 0; o < count; ++o) {
             if (in_outlet(&rows(7 * o), x)) return true;
@@ -28,6 +29,7 @@ private:
         return in;
     }
 };
+// Copy to the device; with 2 dimensions boxes have no end in z.
 Outlets make_outlets(const std::vector<OutletSetup>& outlets, int dimensions);
 
 } // namespace treacle::flow

@@ -19,7 +19,7 @@ public:
     // Why nothing keeps others out, where the file system has no locks; empty otherwise.
     const std::string& warning() const { return warning_; }
 
-    static constexpr const char* file_name = "run.lock";
+    static constexpr const char* file_name = "run.lock"; // holds host and process
 
 private:
     bool take(const std::filesystem::path& folder);

@@ -14,6 +14,7 @@ namespace treacle::io {
 // Precision of real-valued data in a frame's file. Integers keep their type.
 enum class Precision { float32, float64 };
 
+// [n * components], of one of these types on all ranks.
 using FieldValues = std::variant<std::span<const double>, std::span<const std::int64_t>,
                                  std::span<const std::int32_t>, std::span<const std::uint8_t>>;
 
@@ -31,6 +32,7 @@ struct ParticleBlock {
     std::vector<FrameField> fields;
 };
 
+// Entry of the index NAME.hdf.series.
 struct SeriesEntry {
     std::string file; // name within the folder
     double time = 0;  // s
@@ -68,15 +70,16 @@ struct FrameColumn {
     std::variant<std::vector<double>, std::vector<std::int64_t>> values; // [n][components]
 };
 
+// Particles of one frame: all, or this rank's part.
 struct Frame {
-    std::int64_t step = 0;
-    double time = 0; // s
-    Precision precision = Precision::float32;
-    std::int64_t total = 0;        // particles in the file
-    std::vector<double> positions; // [n][3], m
-    std::vector<FrameColumn> fields;
+    std::int64_t step = 0;                    // of the simulation
+    double time = 0;                          // s
+    Precision precision = Precision::float32; // of the positions in the file
+    std::int64_t total = 0;                   // particles in the file
+    std::vector<double> positions;            // [n][3], m
+    std::vector<FrameColumn> fields;          // all but the positions
 
-    std::int64_t size() const { return static_cast<std::int64_t>(positions.size() / 3); }
+    std::int64_t size() const { return static_cast<std::int64_t>(positions.size() / 3); } // particles here
     // Null when there is no such field.
     const FrameColumn* find(const std::string& name) const;
 };

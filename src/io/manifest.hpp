@@ -20,7 +20,7 @@ struct BuildInfo {
 };
 BuildInfo build_info();
 
-using Versions = std::vector<std::pair<std::string, std::string>>;
+using Versions = std::vector<std::pair<std::string, std::string>>; // name, version
 // The libraries that this folder knows: HDF5 (as loaded) and MPI (as compiled against).
 Versions library_versions();
 
@@ -30,6 +30,7 @@ std::string text_hash(const std::string& text);
 // Name of this machine; "unknown" where it has none.
 std::string host_name();
 
+// Entries of manifest.json that write_manifest() takes from elsewhere.
 struct Manifest {
     std::vector<std::string> command; // the command line
     std::string input;                // path of the scene

@@ -12,12 +12,13 @@ namespace treacle::io {
 struct Stretch {
     std::vector<char> bytes;
 
+    // Appends the value's bytes in this machine's order.
     template <class T>
     void put(T value) {
         const auto* from = reinterpret_cast<const char*>(&value);
         bytes.insert(bytes.end(), from, from + sizeof value);
     }
-    void put(const std::string& text) { bytes.insert(bytes.end(), text.begin(), text.end()); }
+    void put(const std::string& text) { bytes.insert(bytes.end(), text.begin(), text.end()); } // without an end mark
 };
 
 // Collective: writes a file of stretches, one behind the other, each rank its own part of each; nothing is gathered. The

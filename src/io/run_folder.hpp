@@ -21,6 +21,7 @@ struct RunFolder {
     // Lock of rank 0, for writing: keeps other runs out as long as this or a copy of it lives.
     std::shared_ptr<const FolderLock> lock{};
 
+    // Paths of what a run writes, there or not.
     std::filesystem::path effective_scene() const { return root / "effective.yaml"; }
     std::filesystem::path manifest() const { return root / "manifest.json"; }
     std::filesystem::path summary() const { return root / "summary.json"; }

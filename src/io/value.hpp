@@ -17,6 +17,7 @@ public:
     using Object = std::vector<std::pair<std::string, Value>>;
 
     Value() = default; // null
+    // A flag, a number or a text; integers become 64 bits wide.
     Value(bool flag) : data_(flag) {}
     Value(int number) : data_(static_cast<std::int64_t>(number)) {}
     Value(std::int64_t number) : data_(number) {}
@@ -24,6 +25,7 @@ public:
     Value(const char* text) : data_(std::string(text)) {}
     Value(std::string text) : data_(std::move(text)) {}
 
+    // A list or an object as given: a key that stands twice stays twice.
     static Value list(List items);
     static Value object(Object entries);
 
@@ -36,7 +38,7 @@ public:
     // JSON has none.
     std::string json() const;
 
-    const auto& data() const { return data_; }
+    const auto& data() const { return data_; } // std::variant; std::monostate: null
 
 private:
     std::variant<std::monostate, bool, std::int64_t, double, std::string, List, Object> data_;

@@ -53,14 +53,15 @@ struct Wall {
     double inwards = 1; // +1: the domain is above
 };
 
+// Input of RigidBodies, the same on every rank.
 struct BodiesSetup {
-    std::vector<BodySetup> bodies;
-    std::vector<JointSetup> joints;
-    std::vector<Wall> walls;
+    std::vector<BodySetup> bodies;         // the number of a body is its index
+    std::vector<JointSetup> joints;        // between these bodies, or to the world
+    std::vector<Wall> walls;               // sides of the domain that are walls
     std::array<double, 3> period{0, 0, 0}; // [m], 0: not periodic
     double spacing = 0;                    // [m] scale of what counts as close
     Vec3 gravity{0, 0, 0};                 // [m/s2]
-    int dimensions = 3;
+    int dimensions = 3;                    // 2: motion in x and y, rotation about z
 
     // True when a joint links the two bodies.
     bool joined(std::size_t a, std::size_t b) const;
@@ -73,6 +74,7 @@ public:
     RigidBodies() = default;
     explicit RigidBodies(BodiesSetup setup);
 
+    // Number, input and kinds of the bodies; a body that moves is kinematic or dynamic.
     std::size_t size() const { return setup_.bodies.size(); }
     const BodiesSetup& setup() const { return setup_; }
     bool moves(std::size_t body) const { return setup_.bodies[body].kind != scene::BodyKind::fixed; }
@@ -100,7 +102,7 @@ public:
 
     double time() const { return time_; } // [s]
     double step() const { return step_; } // [s] of the step that begin() began, 0 outside of one
-    const Pose& pose(std::size_t body) const { return states_[body].pose; }
+    const Pose& pose(std::size_t body) const { return states_[body].pose; }         // at time()
     const Vec3& velocity(std::size_t body) const { return states_[body].velocity; } // of the centre [m/s]
     Vec3 spin(std::size_t body) const;                                              // [rad/s]
     // A method whose velocities are those of the middles of steps says by how much those of the ends, for what is shown, are
@@ -131,7 +133,7 @@ public:
 
     // State that fall() and push() change, to solve again from where they were.
     struct Snapshot {
-        std::vector<double> motion, given, joint_loads;
+        std::vector<double> motion, given, joint_loads; // state(); [bodies][6] [N s], [N m s]; joint_loads()
     };
     Snapshot snapshot() const { return {state(), given_, joint_loads_}; }
     void go_back(const Snapshot& to) {

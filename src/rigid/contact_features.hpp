@@ -12,6 +12,7 @@ public:
     PlacedSolid(const scene::SolidRegion& region, const Vec3& start, const Vec3& centre, const Quaternion& turn)
         : region_(&region), start_(start), centre_(centre), turn_(to_matrix(turn)), back_(transposed(turn_)) {}
 
+    // Signed distance [m] and outward unit normal at a point of space x [m].
     double distance(const Vec3& x) const { return region_->distance(local(x)); }
     Vec3 normal(const Vec3& x) const { return turn_ * region_->normal(local(x)); }
     // Vector of space of one that is fixed to the body.
@@ -40,11 +41,12 @@ public:
     explicit Obstacle(const PlacedSolid& solid) : solid_(&solid) {}
     explicit Obstacle(const Wall& wall) : wall_(wall) { normal_[static_cast<std::size_t>(wall.axis)] = wall.inwards; }
 
+    // Signed distance [m], negative in the obstacle, at x [m].
     double distance(const Vec3& x) const {
         return solid_ ? solid_->distance(x) : wall_.inwards * (x[static_cast<std::size_t>(wall_.axis)] - wall_.at);
     }
-    Vec3 normal(const Vec3& x) const { return solid_ ? solid_->normal(x) : normal_; }
-    bool flat(const Vec3& x, double length) const;
+    Vec3 normal(const Vec3& x) const { return solid_ ? solid_->normal(x) : normal_; } // unit, out of the obstacle
+    bool flat(const Vec3& x, double length) const; // equal normals at x and `length` [m] beside it, two ways
 
 private:
     const PlacedSolid* solid_ = nullptr;
@@ -54,7 +56,7 @@ private:
 
 // Largest gap of a contact [m], and bounding radius of the smaller solid [m].
 struct Near {
-    double margin = 0, size = 0;
+    double margin = 0, size = 0; // [m]
 };
 
 // Pairs of points of two solids that are nearest to each other: their normal lies in the normal cones of both. The signed distance
@@ -95,6 +97,7 @@ private:
     double askew_; // what a direction out of the cone may lose, over the way along it
 };
 
+// Edge and inward direction of a solid's surface at x [m], from distances 2e-3 spacings around it.
 SurfacePoint describe_surface(const scene::SolidRegion& region, const Vec3& x, double spacing);
 
 } // namespace treacle::rigid

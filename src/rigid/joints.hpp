@@ -22,6 +22,7 @@ struct Placed {
     Pose pose;
     Vec3 start{0, 0, 0}; // [m]
 
+    // Present place of a point given at the start [m]; in the world the same.
     Vec3 place(const Vec3& at_start) const { return pose.centre + to_matrix(pose.turn) * (at_start - start); }
 };
 

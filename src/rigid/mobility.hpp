@@ -17,8 +17,8 @@ struct Response {
 // linear . (V - V_other) + angular . W - other_angular . W_other.
 struct JointRow {
     std::size_t body = 0;
-    int other = -1; // -1: the world
-    Vec3 linear{0, 0, 0};
+    int other = -1;                                // -1: the world
+    Vec3 linear{0, 0, 0};                          // unit or 0
     Vec3 angular{0, 0, 0}, other_angular{0, 0, 0}; // [m]
 };
 
@@ -30,7 +30,7 @@ public:
     Mobility() = default;
     Mobility(std::vector<Response> bodies, std::vector<JointRow> rows);
 
-    bool linked(std::size_t body) const { return !linked_.empty() && linked_[body] != 0; }
+    bool linked(std::size_t body) const { return !linked_.empty() && linked_[body] != 0; } // by any joint
     // Velocities that impulses give.
     std::vector<double> respond(std::span<const double> impulses) const;
     // Columns of L, 6 numbers a body, with L L^T this matrix: one for each independent motion that impulses can give.

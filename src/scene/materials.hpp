@@ -16,6 +16,7 @@ struct Material {
     std::string_view source;
 };
 
+// All presets, in the order of the table.
 std::span<const Material> materials();
 
 // Null when there is no such preset.

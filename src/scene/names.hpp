@@ -14,6 +14,7 @@ void declare_name(Declaration& d, std::string& name, const std::string& doc);
 void settle_name_list(Declaration& d, const std::string& key, const std::vector<std::string*>& names,
                       const std::vector<std::string>& standards);
 
+// As settle_name_list(); the function gives the name that an item takes when it has none.
 template <class T, class F>
 void settle_names(Declaration& d, const std::string& key, std::vector<T>& items, F standard) {
     std::vector<std::string*> names;

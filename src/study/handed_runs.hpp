@@ -14,6 +14,7 @@ namespace treacle::study {
 std::vector<std::int64_t> hand_out(const Study& study, const Journal& journal, std::span<const std::int64_t> runs, int count,
                                    const std::filesystem::path& folder, bool retry_failed);
 
+// Numbers of folders that take_in() found.
 struct TakenIn {
     int done = 0, failed = 0; // new outcomes
     int known = 0;            // had the same outcome before

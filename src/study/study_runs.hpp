@@ -19,12 +19,14 @@ int lane_count(const RunOptions& options);
 // Throws InputError when the program in front of each run is not there.
 void check_launcher(const Study& study);
 
+// Places of a study's files, and a call while it runs.
 struct StudySetup {
     std::filesystem::path folder;  // of the study's results
     std::filesystem::path program; // the executable, absolute
     std::function<void()> changed; // called once a second at most, when runs have ended; may be empty
 };
 
+// End of StudyRuns::run(): all runs have an outcome, or a stop was asked for.
 enum class StudyEnd { complete, stopped };
 
 // The runs of a study: asked for by values, done once each on lanes, remembered in the journal.
@@ -57,11 +59,11 @@ public:
     // under way on as many lanes; and the setup's `changed` when runs have ended.
     void report(std::span<const std::int64_t> runs, std::size_t fresh, std::vector<LaneProgress> under_way, int lanes);
 
-    const Journal& journal() const { return journal_; }
-    const Study& study() const { return study_; }
+    const Journal& journal() const { return journal_; }          // all runs so far
+    const Study& study() const { return study_; }                // of the constructor
     std::filesystem::path run_folder(std::int64_t number) const; // with the request and the result
     std::filesystem::path folder_of(std::int64_t number) const;  // likewise, be it that of another study which has done it
-    int lanes() const { return lane_count_; }
+    int lanes() const { return lane_count_; }                    // runs at once
 
 private:
     RunOutcome settle(const LaneResult& result) const;

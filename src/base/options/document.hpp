@@ -15,6 +15,7 @@ public:
     static Document load(const std::filesystem::path& path);
     static Document from_text(const std::string& text, const std::string& name);
 
+    // Copies are deep. A document that was moved from has no tree.
     Document(const Document& other);
     Document(Document&& other) noexcept;
     Document& operator=(Document other) noexcept;
@@ -24,7 +25,7 @@ public:
     // Missing blocks are made. What does not fit is reported by parse(), at `origin`, or at "--set a.b.c=value".
     void set(const std::string& assignment, const std::string& origin = "");
 
-    const DocumentTree& tree() const { return *tree_; }
+    const DocumentTree& tree() const { return *tree_; } // changed by set(), gone after an assignment
 
 private:
     explicit Document(std::unique_ptr<DocumentTree> tree);

@@ -12,12 +12,13 @@ struct Node {
 
     struct Member; // of a block, in the order of the file
 
-    Kind kind = Kind::null;
-    std::string text; // scalar
-    std::string place;
-    std::vector<Member> members;
-    std::vector<Node> items;
+    Kind kind = Kind::null;      // decides which of the others are in use
+    std::string text;            // scalar
+    std::string place;           // "scene.yaml:14", or the override
+    std::vector<Member> members; // of a block
+    std::vector<Node> items;     // of a list
 
+    // First member with this key; null without one, and for anything but a block.
     Node* find(const std::string& key);
     const Node* find(const std::string& key) const;
 
@@ -25,15 +26,17 @@ struct Node {
     std::string brief() const;
 };
 
+// Key and value of a block. A duplicate key stays in the list and is a problem of the tree.
 struct Node::Member {
-    std::string key;
-    std::string place;
-    Node value;
+    std::string key;   // as written, without quotes
+    std::string place; // of the key
+    Node value;        // with a place of its own
 };
 
+// Result of reading one file or override.
 struct DocumentTree {
-    std::string name;
-    Node root;
+    std::string name;                 // path or "--set", for messages
+    Node root;                        // null for an empty document
     std::vector<Diagnostic> problems; // found while reading, reported with those of the parsing
 };
 

@@ -22,15 +22,17 @@ namespace treacle {
 struct Range {
     enum class Lower { none, included, excluded };
 
-    Lower lower = Lower::none;
-    double min = 0;
+    Lower lower = Lower::none;                            // none: any number up to max
+    double min = 0;                                       // bound of `lower`, in the option's SI unit
     double max = std::numeric_limits<double>::infinity(); // included
-    std::string reason, cure;
+    std::string reason, cure;                             // sentences without a full stop; may be empty
 
+    // The same bounds with a reason and a cure.
     Range because(std::string why, std::string what_to_do) const;
-    bool contains(double value) const;
-    std::string text() const; // ">= 0", "in [0, 1]"; empty when everything is allowed
+    bool contains(double value) const; // false for NaN
+    std::string text() const;          // ">= 0", "in [0, 1]"; empty when everything is allowed
 };
+// Bounds in the option's SI unit; each without an upper one.
 Range range_any();
 Range range_above(double min);
 Range range_at_least(double min);
@@ -42,9 +44,10 @@ Range range_above_to(double min, double max); // the lower bound excluded
 // of three must be 0.
 enum class VectorKind { in_plane, in_space, turning };
 
+// Visitor of the options of a block. Values are in SI; `doc` is one sentence of the manual.
 class Declaration {
 public:
-    using Members = std::function<void(Declaration&)>;
+    using Members = std::function<void(Declaration&)>; // declares the keys of one block
 
     // Items of a list of blocks, without their type.
     struct Items {
@@ -64,6 +67,8 @@ public:
 
     virtual ~Declaration() = default;
 
+    // Keys of the current block. A visitor that parses sets the value where the document has the key, and collects
+    // problems (type, unit, range, unknown key) instead of throwing; other visitors leave the value as it is.
     virtual void number(const std::string& key, double& value, const Unit& unit, const Range& range,
                         const std::string& doc) = 0;
     virtual void integer(const std::string& key, int& value, const Range& range, const std::string& doc) = 0;
@@ -79,6 +84,7 @@ public:
     // An axis or normal: not zero, no unit, of any length. `in_plane`: in plane scenes without a third number.
     void direction(const std::string& key, Vec3& value, const std::string& doc, VectorKind kind = VectorKind::in_space);
 
+    // One of the names of `choices`. A value that is none of them becomes the first.
     template <class E>
     void choice(const std::string& key, E& value, const std::vector<std::pair<std::string, E>>& choices,
                 const std::string& doc);
@@ -126,6 +132,7 @@ public:
     virtual bool told_elsewhere() { return false; }
     virtual bool plane_vectors() const { return false; }
 
+    // Calls the member `declare` of a struct, or else the free function.
     template <class T>
     static void declare_members(Declaration& d, T& value) {
         if constexpr (requires { value.declare(d); }) {
@@ -141,6 +148,7 @@ protected:
     virtual void choose_key(std::size_t& index, const std::vector<Alternative>& alternatives) = 0;
 };
 
+// Definition of the choice by choose(), which goes by the names' indices.
 template <class E>
 void Declaration::choice(const std::string& key, E& value,
                          const std::vector<std::pair<std::string, E>>& choices, const std::string& doc) {
@@ -154,6 +162,7 @@ void Declaration::choice(const std::string& key, E& value,
     value = choices[index].second;
 }
 
+// Definition of the list by list_of(), without the items' type.
 template <class T>
 void Declaration::list(const std::string& key, std::vector<T>& value, const std::string& doc) {
     Items items;
@@ -168,6 +177,7 @@ void Declaration::list(const std::string& key, std::vector<T>& value, const std:
     list_of(key, items, doc);
 }
 
+// Definition of the alternatives by choose_key(), which goes by their indices.
 template <class E>
 void Declaration::one_of(E& value, const std::vector<std::pair<E, Alternative>>& alternatives) {
     std::vector<Alternative> keys;
@@ -205,6 +215,7 @@ void parse(const Document& document, T& root) {
     root = std::move(fresh);
 }
 
+// Manual of a struct, whose values are shown as the defaults. Throws as describe().
 template <class T>
 std::string manual(T root, const std::string& key = "") {
     return describe([&](Declaration& d) { Declaration::declare_members(d, root); }, key);

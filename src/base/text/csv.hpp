@@ -29,7 +29,7 @@ public:
     // Flushes, and waits until the disk has the rows. Throws as append().
     void sync();
 
-    const std::vector<std::string>& columns() const { return columns_; }
+    const std::vector<std::string>& columns() const { return columns_; } // header, with units
     // Last row that resume() kept; empty when there was none.
     const std::vector<double>& last_row() const { return last_row_; }
 

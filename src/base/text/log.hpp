@@ -4,6 +4,7 @@
 
 namespace treacle {
 
+// Output on rank 0, none on the others.
 enum class Voice { speaks, silent };
 
 // Lines on the terminal. Only rank 0 speaks; the other ranks hold a silent one and call it just the same.
@@ -15,6 +16,7 @@ public:
     Log(const Log&) = delete;
     Log& operator=(const Log&) = delete;
 
+    // Writes and flushes one line, above the bar; warn() puts "warning: " before it.
     void line(const std::string& text);
     void warn(const std::string& text);
 
@@ -22,7 +24,7 @@ public:
     void progress(double share, const std::string& text);
     void clear_progress();
 
-    bool is_terminal() const { return is_terminal_; }
+    bool is_terminal() const { return is_terminal_; } // of the stream, on any rank
 
 private:
     Voice voice_;

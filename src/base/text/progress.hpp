@@ -13,6 +13,7 @@ class Progress {
 public:
     Progress(Log& log, std::string task, std::string unit) : log_(log), task_(std::move(task)), unit_(std::move(unit)) {}
 
+    // Numbers of units done and in all. A terminal is redrawn at most every 0.1 s.
     void report(std::int64_t done, std::int64_t total);
     // Ends the bar; elsewhere the last line, unless it has just been written.
     void finish();

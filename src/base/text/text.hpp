@@ -15,6 +15,7 @@ int edit_distance(std::string_view a, std::string_view b);
 // The candidate closest to `word`, or nothing when even that one is not a plausible misspelling.
 std::optional<std::string> nearest(std::string_view word, const std::vector<std::string>& candidates);
 
+// "a, b, c" for the separator ", "; empty for no parts.
 std::string join(const std::vector<std::string>& parts, std::string_view separator);
 
 // One line of at most about 60 characters, for messages.

@@ -12,6 +12,7 @@
 
 namespace treacle::io {
 
+// Types in the file: any other number becomes one of them.
 using AttributeValue = std::variant<double, std::int64_t, std::string>;
 
 // Writes one checkpoint: all state in double precision, HDF5, one file. Three kinds of state: attributes
@@ -64,6 +65,7 @@ public:
     ~CheckpointReader();
     CheckpointReader(CheckpointReader&&) noexcept;
 
+    // Contents, read by the constructor and known on every rank; lists are sorted by name.
     int writer_ranks() const;
     bool has_attribute(const std::string& name) const;
     bool has_distributed(const std::string& name) const;
@@ -101,9 +103,10 @@ std::filesystem::path checkpoint_path(const std::filesystem::path& folder, std::
 // The checkpoints of a folder by step, newest first; none for a folder that is missing.
 std::vector<std::filesystem::path> list_checkpoints(const std::filesystem::path& folder);
 
+// Result of newest_valid_checkpoint(), the same on every rank.
 struct NewestCheckpoint {
-    std::optional<std::filesystem::path> path;
-    std::vector<std::string> skipped; // a message for each newer one that is broken
+    std::optional<std::filesystem::path> path; // nothing: none is whole
+    std::vector<std::string> skipped;          // a message for each newer one that is broken
 };
 // Collective.
 NewestCheckpoint newest_valid_checkpoint(const Comm& comm, const std::filesystem::path& folder);

@@ -11,10 +11,12 @@
 // Inside of the folder only: this header shows HDF5.
 namespace treacle::io {
 
+// Type in the file: that of the values, or float32 for doubles.
 enum class Stored { as_given, float32 };
 // The format of the metadata: the widest readable one, or the one in which HDF5 checks its metadata by sums.
 enum class Metadata { widely_readable, checked };
 
+// [rows * components].
 using Values = std::variant<std::span<const double>, std::span<const std::int64_t>,
                             std::span<const std::int32_t>, std::span<const std::uint8_t>>;
 
@@ -26,10 +28,11 @@ struct Dataset {
     Stored stored = Stored::as_given;
 };
 
+// Input of write_hdf5(); ranks differ in their rows alone.
 struct FilePlan {
-    std::filesystem::path path;
-    std::vector<Dataset> datasets; // the same paths in the same order on every rank
-    Metadata metadata = Metadata::widely_readable;
+    std::filesystem::path path;                    // of the finished file
+    std::vector<Dataset> datasets;                 // the same paths in the same order on every rank
+    Metadata metadata = Metadata::widely_readable; // the same on every rank
     // On rank 0, when all datasets exist: groups, attributes.
     std::function<void(hid_t file)> describe;
 };
@@ -41,6 +44,7 @@ struct FilePlan {
 // plain system call and not by one rank in the middle of a collective one.
 void write_hdf5(const Comm& comm, const FilePlan& plan);
 
+// Rows of this rank.
 std::int64_t row_count(const Dataset& dataset);
 
 } // namespace treacle::io

@@ -53,6 +53,7 @@ private:
     Close close_ = nullptr;
 };
 
+// Ranks that open a file: this one alone, or all of a group together.
 enum class Access { serial, collective };
 
 // Access properties: without file locks (parallel file systems often lack them, and every file is written
@@ -69,6 +70,7 @@ struct RowSelection {
 RowSelection select_rows(hid_t dataset, std::int64_t first, std::int64_t rows, int components);
 Handle transfer(bool collective);
 
+// Adds a scalar to a file, group or dataset that has none of this name; it throws Hdf5Failure, as the readers do.
 void write_attribute(hid_t object, const std::string& name, double value);
 void write_attribute(hid_t object, const std::string& name, std::int64_t value);
 void write_attribute(hid_t object, const std::string& name, std::uint64_t value);

@@ -11,7 +11,7 @@ namespace treacle::io {
 struct MatArray {
     std::int64_t rows = 0;
     int columns = 1;
-    std::vector<double> values;
+    std::vector<double> values; // [rows][columns]
 };
 
 // True when the file is HDF5, after a header of up to some kilobytes as MATLAB writes it.

@@ -14,7 +14,7 @@ namespace treacle::scene {
 inline constexpr double pixel_corner_offset = 0.5; // [pixels]
 
 using Matrix3 = std::array<Vec3, 3>; // rows
-using Vec2 = std::array<double, 2>;
+using Vec2 = std::array<double, 2>;  // [pixels], or (X/Z, Y/Z) without unit
 
 // Intrinsic parameters. A point (x, y) = (X/Z, Y/Z) of camera axes is seen at pixel (cx + fx x', cy + fy y') with
 //   x' = x c + 2 p1 x y + p2 (r^2 + 2 x^2),  y' = y c + p1 (r^2 + 2 y^2) + 2 p2 x y,  r^2 = x^2 + y^2,
@@ -25,7 +25,7 @@ struct Lens {
     double fx = 0, fy = 0, cx = 0, cy = 0; // [pixels]
     std::array<double, 8> distortion{};   // k1 k2 p1 p2 k3 k4 k5 k6
 
-    bool is_distorted() const;
+    bool is_distorted() const; // any coefficient is not 0
     bool operator==(const Lens&) const = default;
 };
 
@@ -57,6 +57,7 @@ struct PixelPoint {
     double depth = 0;    // [m] along z of camera axes; below near_plane: not seen, x and y are meaningless
 };
 
+// Treatment of a distortion that folds the picture over within its corners: InputError, or max_radius() short of them.
 enum class Folds { refuse, allow };
 
 // A lens in a pose.
@@ -67,6 +68,7 @@ public:
     // the picture over within its own corners, unless `allow`; for a rotation that is none.
     CameraModel(std::string name, const Lens& lens, const CameraPose& pose, Folds folds = Folds::refuse);
 
+    // Name for messages, lens for pictures of its own size, and pose [m].
     const std::string& name() const { return name_; }
     const Lens& lens() const { return lens_; }
     const CameraPose& pose() const { return pose_; }
@@ -76,9 +78,9 @@ public:
     // The same camera for pictures resized to width x height; InputError as resized().
     CameraModel for_size(int width, int height) const;
 
-    Vec3 to_camera(const Vec3& world) const;  // [m]
-    Vec3 to_world(const Vec3& camera) const;  // [m]
-    PixelPoint project(const Vec3& world) const;
+    Vec3 to_camera(const Vec3& world) const;             // [m]
+    Vec3 to_world(const Vec3& camera) const;             // [m]
+    PixelPoint project(const Vec3& world) const;         // of a point in the world [m]
     PixelPoint project_camera(const Vec3& camera) const; // of a point in camera axes [m]
 
     // Distortion of (x, y) = (X/Z, Y/Z), and its inverse by Newton's method to 1e-13. Beyond max_radius() the

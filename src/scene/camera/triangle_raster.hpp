@@ -17,8 +17,8 @@ struct Exposure {
 
 // A point in camera axes [m] and where it is seen [pixels].
 struct Seen {
-    Vec3 camera{0, 0, 0};
-    double x = 0, y = 0;
+    Vec3 camera{0, 0, 0}; // [m]
+    double x = 0, y = 0;  // [pixels]; 0 before the near plane
 };
 
 // Points as the camera sees them when it takes their row.
@@ -44,8 +44,8 @@ private:
 
 // The points x of camera axes with normal . x <= offset.
 struct HalfSpace {
-    Vec3 normal{0, 0, 0};
-    double offset = 0; // [m]
+    Vec3 normal{0, 0, 0}; // unit
+    double offset = 0;    // [m]
 };
 
 // A sample of the picture that a triangle covers.
@@ -68,8 +68,8 @@ public:
     // Leaves out what is not in the half-space.
     void keep(const HalfSpace& part) { parts_.push_back(part); }
 
-    int width() const { return width_; } // samples
-    int height() const { return height_; }
+    int width() const { return width_; }   // samples
+    int height() const { return height_; } // samples
 
     // visit(const RasterSample&) for each sample, row by row.
     template <class Visit>

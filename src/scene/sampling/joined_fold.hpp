@@ -6,16 +6,17 @@
 
 namespace treacle::scene {
 
+// One of the surfaces that a solid is joined from.
 struct Leaf {
-    SurfacePointer surface; // null: nowhere
-    bool crosses_itself = false;
-    double sign = 1; // -1: what is joined is the outside of it, counted over all levels
+    SurfacePointer surface;      // null: nowhere
+    bool crosses_itself = false; // as Solid::crosses_itself
+    double sign = 1;             // -1: what is joined is the outside of it, counted over all levels
 };
 
 // Part that bounds the whole at a point.
 struct Hit {
     double distance = Bounds::infinite; // [m] negative inside the whole
-    Vec3 normal{0, 0, 0};
+    Vec3 normal{0, 0, 0};               // unit, out of the whole; 0 where no part has a surface
     int leaf = -1;
 };
 
@@ -24,8 +25,8 @@ class Fold {
 public:
     explicit Fold(const Solid& solid) { root_ = flatten(solid, 1); }
 
-    const std::vector<Leaf>& leaves() const { return leaves_; }
-    Hit at(const Vec3& x) const { return evaluate(root_, x, -1, 0); }
+    const std::vector<Leaf>& leaves() const { return leaves_; }       // Hit::leaf is the index
+    Hit at(const Vec3& x) const { return evaluate(root_, x, -1, 0); } // nearest part at x [m]
     // True when the point p of a leaf's surface, with that leaf's outward normal, is one of the whole: on its two
     // sides, `eps` away [m], one is inside and one is outside.
     bool bounds(int leaf, const Vec3& p, const Vec3& normal, double eps) const;

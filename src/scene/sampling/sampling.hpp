@@ -25,9 +25,9 @@ struct Lattice {
 
     std::array<std::int64_t, 3>
     size() const; // points half a spacing clear of the domain's far sides, per axis; InputError when > 2^62 in all
-    std::uint64_t points() const; // product of size()
-    Vec3 position(const std::array<std::int64_t, 3>& index) const;
-    bool fits(int axis) const; // the domain's edge is a multiple of d, to 1e-6 d
+    std::uint64_t points() const;                                  // product of size()
+    Vec3 position(const std::array<std::int64_t, 3>& index) const; // [m], inside the domain or not
+    bool fits(int axis) const;                                     // the domain's edge is a multiple of d, to 1e-6 d
 };
 
 // ---- liquids ----
@@ -36,19 +36,21 @@ struct Lattice {
 // of a surface, spread evenly over it, as there is room for, moved out where they lie too deep.
 enum class Filling { points, room };
 
+// Request to fill_volume().
 struct VolumeFill {
-    std::vector<Regions> liquids; // where two overlap, the first one wins
-    Regions solids;
-    double clearance = 0; // [m] least distance of a particle from the solids; 0: points on a face are decided as those of the liquid
-    Lattice lattice;
-    Bounds part; // half-open box [min, max): only the particles in it are made
-    Filling filling = Filling::points;
+    std::vector<Regions> liquids;      // where two overlap, the first one wins
+    Regions solids;                    // their union
+    double clearance = 0;              // [m] least distance of a particle from the solids; 0: points on a face are decided as those of the liquid
+    Lattice lattice;                   // of the whole domain
+    Bounds part;                       // half-open box [min, max): only the particles in it are made
+    Filling filling = Filling::points; // of points beside solids
 };
 
+// Particles of fill_volume(), all arrays in one order.
 struct VolumeSamples {
     std::vector<Vec3> positions;    // [m], sorted by lattice index, x fastest
     std::vector<std::uint64_t> ids; // liquid * lattice.points() + lattice index, whatever the parts
-    std::vector<int> liquids;
+    std::vector<int> liquids;       // index into VolumeFill::liquids
     double room = 0;                // with a clearance of 0: of the liquids outside the solids [points]
 };
 
@@ -61,10 +63,12 @@ VolumeSamples fill_volume(const VolumeFill& fill);
 // about 128 points an edge of the bounding box, beyond that to about 1 %.
 std::vector<std::uint64_t> estimate_liquid_counts(const VolumeFill& fill);
 
+// Lattice points of a liquid that lie in solids, or outside the domain.
 struct Overlap {
     std::uint64_t count = 0; // lattice points concerned
     std::uint64_t total = 0; // lattice points of the liquid
     Vec3 example{0, 0, 0};   // [m] one of them, when count > 0
+    // In [0, 1]; 0 without liquid.
     double share() const { return total > 0 ? static_cast<double>(count) / static_cast<double>(total) : 0; }
 };
 
@@ -80,12 +84,14 @@ double solid_share(const Regions& solids, const Lattice& lattice);
 
 // ---- surfaces of solids ----
 
+// Request to sample_surface().
 struct SurfaceSampling {
     double spacing = 0; // d [m]
     double inset = 0;   // [m] depth of the layer below the surface
     Bounds clip;        // samples outside are left out; must be finite across a plane's extent
 };
 
+// Layer of points of one region.
 struct SurfaceSamples {
     std::vector<Vec3> positions; // [m]
     std::vector<Vec3> normals;   // unit, out of the solid
@@ -102,15 +108,18 @@ std::uint64_t estimate_surface_count(const SolidRegion& region, const SurfaceSam
 
 // ---- walls of the domain ----
 
+// Kind of a side: a wall has points, the others none.
 enum class Side { wall, open, periodic };
 
+// Request to sample_domain_walls().
 struct WallSampling {
-    Lattice lattice;
+    Lattice lattice;             // of the liquid
     std::array<Side, 6> sides{}; // x_min, x_max, y_min, y_max, z_min, z_max
     double outset = 0;           // [m] distance of the layer outside the domain
     Bounds part;                 // half-open; a point belongs to the part that holds its nearest domain point
 };
 
+// Layer of points around a part of the domain.
 struct WallSamples {
     std::vector<Vec3> positions;    // [m]
     std::vector<Vec3> normals;      // unit, into the domain

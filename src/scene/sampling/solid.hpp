@@ -13,13 +13,13 @@ namespace treacle::scene {
 struct Solid {
     enum class Join { unite, intersect };
 
-    SurfacePointer surface;
+    SurfacePointer surface;      // null: of parts, or nowhere
     bool crosses_itself = false; // the surface has pieces inside of what it bounds
-    Join join = Join::unite;
-    std::vector<Solid> parts;
-    bool inverted = false; // the outside of it
+    Join join = Join::unite;     // of `parts`
+    std::vector<Solid> parts;    // empty: `surface` alone
+    bool inverted = false;       // the outside of it
 
-    bool joined() const { return !parts.empty() || crosses_itself; }
+    bool joined() const { return !parts.empty() || crosses_itself; } // true: its surface comes from join()
 };
 
 // Notes on a solid: reports on its meshes, and exact moments.

@@ -7,9 +7,9 @@ namespace treacle::scene {
 
 // An axis-aligned box [m]; the default contains all of space.
 struct Bounds {
-    static constexpr double infinite = std::numeric_limits<double>::infinity();
-    Vec3 min{-infinite, -infinite, -infinite};
-    Vec3 max{infinite, infinite, infinite};
+    static constexpr double infinite = std::numeric_limits<double>::infinity(); // [m]
+    Vec3 min{-infinite, -infinite, -infinite};                                  // [m]
+    Vec3 max{infinite, infinite, infinite};                                     // [m]
 
     // Contains no point, and grows from there.
     static constexpr Bounds nothing() { return {{infinite, infinite, infinite}, {-infinite, -infinite, -infinite}}; }

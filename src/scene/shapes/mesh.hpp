@@ -42,9 +42,10 @@ struct MeshReport {
     std::vector<std::string> notes() const;
 };
 
+// Mesh as check_mesh() leaves it, with its report.
 struct CheckedMesh {
-    TriangleMesh mesh;
-    MeshReport report;
+    TriangleMesh mesh; // [m], or the file's unit before it is scaled
+    MeshReport report; // of `mesh`
 };
 
 // The triangles of a file (PLY, OBJ, STL and what else Assimp reads), in the file's units, as they are. Coordinates are read in

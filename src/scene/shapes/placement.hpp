@@ -10,9 +10,11 @@ namespace treacle::scene {
 // A rotation about the origin, then a shift [m]: where a shape stands that is a part of others.
 struct Placement {
     std::array<Vec3, 3> columns{Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}}; // the turned axes
+    // Added after the rotation [m].
     Vec3 shift{0, 0, 0};
     bool turned = false; // false: the columns are the axes themselves
 
+    // Direction, or position from the origin [m]; and position in the place of the shape [m].
     Vec3 turn(const Vec3& v) const { return turned ? v[0] * columns[0] + v[1] * columns[1] + v[2] * columns[2] : v; }
     Vec3 at(const Vec3& x) const { return turn(x) + shift; }
 

@@ -6,6 +6,7 @@
 
 namespace treacle::scene {
 
+// Kinds of shapes; unite, intersect and subtract have the keys union, intersection and difference.
 enum class ShapeKind { box, sphere, cylinder, capsule, cone, torus, plane, mesh, unite, intersect, subtract };
 
 // A solid region of space as the scene file gives it. Lengths [m], angles [rad]. In plane scenes (two
@@ -24,7 +25,7 @@ struct Shape {
     double size = 0;              // mesh: when > 0, scaled so that its bounding box has this longest edge
     Vec3 translation{0, 0, 0};    // applied last; mesh: also when size > 0, after centring at the origin
     Vec3 rotation_axis{0, 0, 1};  // about `centre` (box, mesh: the middle of its bounding box; of parts: the origin unless given)
-    double rotation_angle = 0;
+    double rotation_angle = 0;    // [rad] about rotation_axis
     bool inverted = false;        // the outside of the shape
     std::vector<Shape> parts;     // unite, intersect; subtract: the first one without the others
     bool clip = false;            // cut at the domain, scene/clip.hpp

@@ -8,21 +8,23 @@
 
 namespace treacle::scene {
 
-using Triangle = std::array<Vec3, 3>;
+using Triangle = std::array<Vec3, 3>; // corners [m]
 
+// Point of the triangles that is nearest to a position.
 struct ClosestPoint {
-    Vec3 point{0, 0, 0};
+    Vec3 point{0, 0, 0};                    // [m]
     std::size_t triangle = 0;               // as numbered at construction
     std::array<double, 3> weights{0, 0, 0}; // barycentric
     double distance = 0;                    // [m] >= 0
 };
 
+// Immutable tree of boxes; leaves hold a few triangles.
 class TriangleTree {
 public:
     // A segment is the triangle {a, b, b}.
     explicit TriangleTree(std::vector<Triangle> triangles);
 
-    ClosestPoint closest(const Vec3& x) const;
+    ClosestPoint closest(const Vec3& x) const; // x [m]; not for an empty tree
 
     // Generalised winding number: 1 inside and 0 outside a closed surface, to about 1 %. Far groups of
     // triangles count as dipoles (Barill et al. 2018, "Fast winding numbers for soups and clouds").

@@ -25,19 +25,23 @@ struct ForwardRequest {
 // The request of a study's run.
 ForwardRequest request_of(const Study& study, const RunRequest& run);
 
+// Writes params.in, then params.yaml; makes the folder. Throws SimulationError.
 void write_request(const std::filesystem::path& folder, const ForwardRequest& request, Durability durability = Durability::synced);
 // From params.yaml. Throws InputError.
 ForwardRequest read_request(const std::filesystem::path& folder);
 
+// Content of result.json.
 struct ForwardResult {
-    std::int64_t number = 0;
-    std::string key;
-    std::vector<Figure> figures;
-    double seconds = 0;    // of the clock
-    double peak_bytes = 0; // of memory, all ranks together
+    std::int64_t number = 0;          // of the run
+    std::string key;                  // of the request
+    std::vector<Figure> figures;      // NaN: null in the file
+    double seconds = 0;               // of the clock
+    double peak_bytes = 0;            // of memory, all ranks together
     std::optional<double> bound = {}; // that its objective is at least, where it stopped early: then without figures
 };
+// Writes results.out, and result.json last. Throws SimulationError.
 void write_result(const std::filesystem::path& folder, const ForwardResult& result);
+// Writes FAIL, and the word FAIL as results.out. Throws SimulationError.
 void write_failure(const std::filesystem::path& folder, const std::string& reason);
 
 // The result of the run of this key; nothing when there is none, or one of another key. Throws InputError for one that

@@ -27,9 +27,10 @@ public:
     static Journal read(const std::filesystem::path& folder);
 
     const std::vector<RunRequest>& runs() const { return runs_; } // run number k stands at k - 1
-    const JournalOwner& owner() const { return owner_; }
+    const JournalOwner& owner() const { return owner_; }          // first line of the file
+    // Run of a key, valid until the next ask(); null: never asked for.
     const RunRequest* find(const std::string& key) const;
-    const RunOutcome* outcome(std::int64_t number) const;
+    const RunOutcome* outcome(std::int64_t number) const; // null: none, or dropped
 
     // Numbers the run and writes it down; call sync() before anything depends on it.
     const RunRequest& ask(const std::string& scene, const Point& values, const std::string& key, const std::vector<std::string>& changes = {});
@@ -39,7 +40,7 @@ public:
     void drop(std::int64_t number);
     void sync();
 
-    static constexpr const char* file_name = "journal.jsonl";
+    static constexpr const char* file_name = "journal.jsonl"; // in the study's folder
 
 private:
     struct Close {

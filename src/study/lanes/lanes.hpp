@@ -21,16 +21,18 @@ struct LaneTask {
 // Why a lane ended its run; `none`: the run ended by itself.
 enum class LaneEnd { none, time_limit, hang, memory, stop };
 
+// End of a run, with what it took.
 struct LaneResult {
-    std::int64_t number = 0;
-    Ending ending;
-    LaneEnd end = LaneEnd::none;
-    double seconds = 0;    // of the clock
-    double peak_bytes = 0; // of memory, as sampled
-    int lane = 0;
-    std::string started; // UTC
+    std::int64_t number = 0;     // of the run
+    Ending ending;               // of its program
+    LaneEnd end = LaneEnd::none; // other than `none`: the program was ended
+    double seconds = 0;          // of the clock
+    double peak_bytes = 0;       // of memory, as sampled
+    int lane = 0;                // 0 to count() - 1
+    std::string started;         // UTC
 };
 
+// A run beyond one of these limits is ended.
 struct LaneLimits {
     double time = 0;        // [s] of the clock a run; 0: none
     double hang_factor = 0; // mean steps without a row in steps.csv; 0: none
@@ -54,6 +56,7 @@ public:
     Lanes(const Lanes&) = delete;
     Lanes& operator=(const Lanes&) = delete;
 
+    // Numbers of lanes, and of those without a run; idle: all are free.
     int count() const { return count_; }
     int free() const { return count_ - int(running_.size()); }
     bool idle() const { return running_.empty(); }

@@ -17,6 +17,7 @@ struct StudyStatus {
     double left = -1;        // [s]; negative: not known
 };
 
+// Outcomes of these runs by kind, and mean_seconds; all else is left as it starts.
 StudyStatus count_runs(const Journal& journal, std::span<const std::int64_t> runs);
 
 // From the mean time of finished runs, or of the share of its simulated time [s] that the fastest one has done.

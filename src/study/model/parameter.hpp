@@ -9,12 +9,13 @@ class Declaration;
 
 namespace treacle::study {
 
+// Division of a range: equal steps of the value, or of its logarithm.
 enum class Scale { linear, log };
 
 // A number as a study file writes it: "12 Pa.s" is 12 with the unit "Pa.s". No unit is known here; the scene's
 // own reader checks it.
 struct Quantity {
-    double value = 0;
+    double value = 0; // in `unit`
     std::string unit;
 };
 std::optional<Quantity> read_number_and_unit(const std::string& text);
@@ -35,11 +36,11 @@ struct Parameter {
     double lower = 0, upper = 0;
     std::string unit;
 
-    void declare(Declaration& d);
+    void declare(Declaration& d); // item of `parameters`; settles its numbers
     // Finds the numbers and the unit in what was given. The first has the unit; others of its dimension are rewritten in it.
     void settle();
 
-    bool has_range() const { return numeric && range.size() == 2; }
+    bool has_range() const { return numeric && range.size() == 2; } // else words, or numbers of a grid
     // As it stands in a scene: "12 Pa.s". The shortest text that reads back as the same double.
     std::string word(double value) const;
     // The number of such a word; nothing for words that are none.
@@ -61,7 +62,7 @@ struct Measured {
     double exponent = 0;    // of the value in what is searched, by a textbook formula; 0: not known
     std::string where;
 
-    void declare(Declaration& d);
+    void declare(Declaration& d); // item of `measured`
 };
 
 } // namespace treacle::study

@@ -26,9 +26,10 @@ struct RunRequest {
     std::vector<std::string> changes = {}; // of the scene after the parameters: "a.b.c=value"
 };
 
+// Number read from a finished run.
 struct Figure {
     std::string name; // "front [m]"
-    double value = 0;
+    double value = 0; // in the unit of the name; NaN: none
 };
 
 // Outcome of a run.

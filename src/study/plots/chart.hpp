@@ -4,13 +4,16 @@
 
 namespace treacle::study {
 
+// Spacing of values along an axis; log leaves out those that are not above 0.
 enum class AxisScale { linear, log };
 
+// One axis of a chart; its ends follow from the series.
 struct ChartAxis {
-    std::string label; // "viscosity [Pa.s]"
-    AxisScale scale = AxisScale::linear;
+    std::string label;                   // "viscosity [Pa.s]"
+    AxisScale scale = AxisScale::linear; // of the values
 };
 
+// Points of one colour; x and y have one length.
 struct ChartSeries {
     std::string name; // of the legend; empty: none
     std::vector<double> x, y; // points that are not finite are left out

@@ -12,8 +12,8 @@ public:
     void build(const Decomposition& decomposition, const Lattice& lattice, const Points& points, const Options& options,
                const Solids* solids);
 
-    const NodeField& field() const { return field_; }
-    int slots() const { return slots_; }
+    const NodeField& field() const { return field_; }  // of the last build()
+    int slots() const { return slots_; }               // tiles of the window that have values
     const Array<int>& tiles() const { return tiles_; } // [slots] index of the tile in the window
     // [slots][nodes] 1: the solid's distance stands there
     const Array<double>& at_solid() const { return at_solid_; }

@@ -20,6 +20,7 @@ struct Lattice {
     bool periodic[3] = {false, false, false};
     CellGrid grid;                // of tiles
 
+    // Coordinate [m] of a node, or of a place between nodes.
     KOKKOS_INLINE_FUNCTION double position(int axis, double node) const {
         return origin[axis] + (node + tile_edge * base[axis]) * step[axis];
     }

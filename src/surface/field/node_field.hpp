@@ -16,6 +16,7 @@ struct NodeField {
     Array<double> value; // [slots][nodes of a tile]
     int dimensions = 3;
 
+    // Tile of a node along one axis, and the slot or TileState of its tile; outside of the window: empty.
     KOKKOS_INLINE_FUNCTION static int tile(int node) { return node >> 3; }
     KOKKOS_INLINE_FUNCTION int slot(const int node[3]) const {
         const int c[3] = {tile(node[0]), tile(node[1]), dimensions == 3 ? tile(node[2]) : 0};

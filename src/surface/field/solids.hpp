@@ -13,10 +13,10 @@ struct Solid {
     Vec3 centre{0, 0, 0};      // [m]
     Vec3 translation{0, 0, 0}; // [m]
 
-    Vec3 to_start(const Vec3& x) const;
-    Vec3 to_present(const Vec3& x0) const;
-    double distance(const Vec3& x) const; // [m] negative in the solid
-    Vec3 normal(const Vec3& x) const;     // unit, out of the solid
+    Vec3 to_start(const Vec3& x) const;    // [m]
+    Vec3 to_present(const Vec3& x0) const; // [m]
+    double distance(const Vec3& x) const;  // [m] negative in the solid
+    Vec3 normal(const Vec3& x) const;      // unit, out of the solid
 };
 
 // The solids in which the liquid's function goes on, and at whose surface it is cut.

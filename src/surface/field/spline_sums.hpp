@@ -10,6 +10,7 @@ struct SplineSums {
     double reach[3] = {0, 0, 0}; // of a point, in lattice steps
     int dimensions = 3;
 
+    // `width` h of the spline [m]; its support radius is 2 h.
     SplineSums(const Lattice& lattice, double width) : dimensions(lattice.dimensions) {
         for (int k = 0; k < dimensions; ++k) {
             to_h[k] = lattice.step[k] / width;

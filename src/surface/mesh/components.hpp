@@ -8,7 +8,7 @@ namespace treacle::surface {
 // The patch where host code reads it.
 struct HostPatch {
     int vertices = 0, triangles = 0, per = 3; // corners of a triangle
-    std::vector<double> position;
+    std::vector<double> position;             // [vertices * 3] [m]
     std::vector<std::int64_t> key;
     std::vector<int> corner, own;
 };

@@ -23,6 +23,7 @@ struct Mesh {
     std::int64_t first_vertex = 0, first_triangle = 0;
     std::int64_t total_vertices = 0, total_triangles = 0; // of all ranks
 
+    // Vertices, those of other ranks included.
     std::int64_t size() const { return static_cast<std::int64_t>(vertices.size() / 3); }
 };
 

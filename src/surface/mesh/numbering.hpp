@@ -3,12 +3,13 @@
 
 namespace treacle::surface {
 
+// Values at the vertices of a patch, on the device.
 struct VertexValues {
     Array<double> normal, velocity; // [vertices * 3]
     Array<double> pressure;         // [vertices]
     Array<int> liquid;              // [vertices]
     Array<double> scalar;           // [scalars][vertices]
-    int scalars = 0;
+    int scalars = 0;                // numbers per vertex
 };
 
 // Triangles of the patch that the mesh has.

@@ -15,6 +15,7 @@ struct Patch {
     int corners_per_triangle = 3;
 };
 
+// Triangles of a function's surface in this rank's cells and in layers around them, made anew for each frame.
 class Triangulation {
 public:
     // `layers` around the rank's box, in lattice cells: up to 7.
@@ -26,7 +27,7 @@ public:
         Lattice lattice;
         NodeField field;
         Array<int> mask, first; // [slots * nodes] vertices of a node: bits, and the first of them
-        Array<double> position;
+        Array<double> position; // [vertices * 3] [m]
         CellBox box;            // tiles of this rank
         CellBox cells;          // lattice cells in question
 
