@@ -7,13 +7,13 @@ namespace treacle::search {
 // A figure, such as the logarithm of a viscosity that was found, at one resolution.
 struct Rung {
     double spacing = 0; // any unit
-    double value = 0;
-    int runs = 1; // that the value is of: its noise is less by their square root
+    double value = 0;   // figure at this spacing, a logarithm
+    int runs = 1;       // that the value is of: its noise is less by their square root
 };
 
 // The figure at spacing zero, and what is known of its error.
 struct Extrapolation {
-    double value = 0;
+    double value = 0;      // figure at spacing zero
     double correction = 0; // value - the finest rung's
     double deviation = 0;  // standard deviation of the value
     double noise = 0;      // standard deviation of the finest rung's value, part of the deviation
@@ -23,8 +23,10 @@ struct Extrapolation {
 
 // Noise of the values of rungs.
 struct RungNoise {
-    double deviation = 0; // standard deviation of a value of one run at the coarsest spacing, as of other seeds and shifts by parts of a cell; 0: none
-    int freedom = 4;      // degrees of freedom that it was measured with
+    // Standard deviation of a value of one run at the coarsest spacing, as of other seeds and shifts by parts of a cell;
+    // 0: none.
+    double deviation = 0;
+    int freedom = 4; // degrees of freedom that it was measured with
 };
 
 // (RX1) value(h) = value + a (h / coarsest)^p (1 + 0.1 e) + n (h / coarsest)^1.5, with e of unit variance and the noise n: each cell of a contour errs by a part of

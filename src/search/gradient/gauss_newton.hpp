@@ -4,11 +4,12 @@
 
 namespace treacle::search {
 
+// Options of GaussNewton, in units of the residuals' noise and shares of the objective.
 struct GaussNewtonOptions {
     double bend = 3;     // noises beyond which residuals count linearly (Huber 1964)
     double flat = 0.005; // share of the objective: what gains less is not worth a run
     double noise = 0.2;  // objective below which residuals are within their noise, and the share is of this
-    Limits limits{};
+    Limits limits{};     // of evaluations, generations and the objective
 };
 
 // Gauss-Newton within a trust region, on residuals that have no derivatives (the idea of DFO-LS, Cartis et al. 2019). Runs along

@@ -5,12 +5,13 @@
 
 namespace treacle::search {
 
+// Options of SurrogateSearch.
 struct SurrogateOptions {
-    std::uint64_t seed = 1;
-    std::size_t first = 0;    // points of the first batch; 0: 2 n + 2
-    std::size_t batch = 1;    // points of a later one, fixed by the study and not by its lanes
+    std::uint64_t seed = 1;    // of the hypercube and of the choice's random starts
+    std::size_t first = 0;     // points of the first batch; 0: 2 n + 2
+    std::size_t batch = 1;     // points of a later one, fixed by the study and not by its lanes
     double improvement = 1e-5; // over the range of values: an expected one below this ends the search
-    Limits limits{};
+    Limits limits{};           // of evaluations, generations and the objective
 };
 
 // Efficient global optimisation (Jones et al. 1998): a Gaussian process through what was measured, and next where it expects
