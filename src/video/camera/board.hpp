@@ -10,6 +10,7 @@
 
 namespace treacle::video {
 
+// Kinds of flat targets that find_board recognises.
 enum class BoardKind {
     chessboard,         // corners of squares
     asymmetric_circles, // rows of circles, every second one shifted by half of the distance in a row
@@ -22,8 +23,8 @@ struct Board {
     int columns = 9, rows = 6; // of points
     double spacing = 0;        // [m] side of a square; circles: between neighbouring rows
 
-    std::string text() const; // "chessboard with 9 x 6 inner corners"
-    int count() const { return columns * rows; }
+    std::string text() const;                    // "chessboard with 9 x 6 inner corners"
+    int count() const { return columns * rows; } // points of the whole board
 };
 
 // "9x6", "circles 4x11", "symmetric 7x5". InputError.

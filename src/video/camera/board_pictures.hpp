@@ -5,8 +5,10 @@
 
 namespace treacle::video {
 
+// Options of find_boards.
 struct BoardPicturesOptions {
-    BoardSearch search;
+    BoardSearch search; // the same for every picture
+    // Called after each picture and frame, with the part of the work that is done, 0 to 1.
     std::function<void(double fraction)> progress = [](double) {};
 };
 

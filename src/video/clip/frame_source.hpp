@@ -22,10 +22,10 @@ struct TimedFrame {
 struct Orientation {
     int a = 1, b = 0, c = 0, d = 1;
 
-    bool upright() const { return a == 1 && d == 1; }
-    bool swaps_sides() const { return a == 0; }
-    int degrees() const;          // clockwise: 0, 90, 180 or 270
-    bool mirrored() const { return a * d - b * c < 0; }
+    bool upright() const { return a == 1 && d == 1; }   // true when nothing needs turning or mirroring
+    bool swaps_sides() const { return a == 0; }         // true when width and height change places
+    int degrees() const;                                // clockwise: 0, 90, 180 or 270
+    bool mirrored() const { return a * d - b * c < 0; } // determinant below 0
 };
 
 // The picture turned.
@@ -55,6 +55,8 @@ struct ClipInfo {
     bool variable_rate() const;
 };
 
+// A clip, the times of its frames, and the faults that are let pass by open_frames. true_rate and time_map exclude each
+// other.
 struct SourceRequest {
     std::filesystem::path clip; // a video, a folder, or a pattern: *.png, frame_%04d.png
     double rate = 0;            // frames per second of pictures

@@ -14,6 +14,7 @@ extern "C" {
 
 namespace treacle::video::libav {
 
+// Deleters for std::unique_ptr, by FFmpeg's own functions.
 struct CloseInput {
     void operator()(AVFormatContext* context) const { avformat_close_input(&context); }
 };
@@ -30,6 +31,7 @@ struct FreeScaler {
     void operator()(SwsContext* context) const { sws_freeContext(context); }
 };
 
+// Owning pointers; null: none.
 using Input = std::unique_ptr<AVFormatContext, CloseInput>;
 using Codec = std::unique_ptr<AVCodecContext, FreeCodec>;
 using Frame = std::unique_ptr<AVFrame, FreeFrame>;

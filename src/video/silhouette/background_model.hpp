@@ -18,6 +18,7 @@ public:
     BackgroundModel(BackgroundModel&&) noexcept;
     BackgroundModel& operator=(BackgroundModel&&) = delete;
 
+    // One empty frame of the `of_frames` that are learnt; all of one size, at one brightness.
     void learn(const Image& frame, int of_frames);
     // After the last frame that is learnt.
     void freeze();

@@ -8,9 +8,10 @@
 
 namespace treacle::video {
 
+// Frozen model of the scene without liquid.
 struct EmptyScene {
-    BackgroundModel model;
-    std::string note; // where it was taken from
+    BackgroundModel model; // at the brightness of the first frame that was learnt
+    std::string note;      // where it was taken from
 };
 
 // Learns the scene without liquid from what `settings.empty` names, else from the frames before the first that changes.
