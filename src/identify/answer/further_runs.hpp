@@ -5,7 +5,7 @@
 
 namespace treacle::identify {
 
-search::Point point_of(const Eigen::VectorXd& vector);
+search::Point point_of(const Eigen::VectorXd& vector); // [p] coordinates as the searches take them
 
 // A run at the estimate and one to either side of it, a few standard deviations away: the local model then says what the
 // runs near the answer say. Only for what the search has not done.
