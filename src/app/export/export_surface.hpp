@@ -7,6 +7,7 @@
 
 namespace treacle::app {
 
+// Arguments of `treacle export --to surface`.
 struct SurfaceRequest {
     std::filesystem::path source;    // a run's folder
     std::string format = "ply";      // "ply", "obj", "vtp"

@@ -4,6 +4,7 @@
 
 namespace treacle::app {
 
+// Arguments of `treacle identify`, beyond those of a sweep.
 struct IdentifyRequest : SweepRequest {
     std::string compared_curve; // a rheometer's table, as read_measured_curve takes it; empty: none
     bool hidden = false; // draws pressure and speed, see hidden_fields.hpp

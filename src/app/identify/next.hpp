@@ -3,6 +3,7 @@
 
 namespace treacle::app {
 
+// Arguments of `treacle next`, beyond those of `treacle identify`.
 struct NextRequest : IdentifyRequest {
     double low = 1, high = 30; // [1/s] shear rates over which the flow curve is asked for
 };

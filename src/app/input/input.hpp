@@ -17,6 +17,7 @@ struct Input {
     std::vector<Transfer> transfers;
     bool on_grid() const { return method.kind == MethodKind::grid; }
 
+    // Keys of the whole scene file: the scene's blocks and `method`.
     void declare(Declaration& d);
 };
 

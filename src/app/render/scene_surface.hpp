@@ -8,9 +8,11 @@
 
 namespace treacle::app {
 
+// Domain and spacing of a scene for src/surface, in SI; other options have their defaults.
 surface::Domain surface_domain(const Input& input);
 surface::Options surface_options(const Input& input);
 
+// Options of a SceneSurface.
 struct SurfaceChoice {
     surface::Options options;              // its scalars are those below
     std::vector<std::string> scalars = {}; // fields that the mesh takes, see scalar_names

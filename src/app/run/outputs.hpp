@@ -7,6 +7,7 @@
 
 namespace treacle::app {
 
+// Beginning of a run's files: all new, or after the rows and frames that a checkpoint goes with.
 enum class Opening { fresh, resumed };
 
 // The files that a run writes while it goes: frames, steps.csv, measurements.csv, bodies.csv, the lost particles.
@@ -18,6 +19,7 @@ public:
     Outputs(const io::RunFolder& folder, const Input& input, Simulation& simulation, const Progress& progress,
             Opening opening);
 
+    // The liquid's particles, with the fields of the scene's `output.fields`, id and liquid; each rank its own rows.
     void write_frame(const Progress& progress);
     // Once for a run where nothing solid moves, otherwise with every frame.
     void write_solids(const Progress& progress);

@@ -25,7 +25,7 @@ struct StepFigures {
 // The liquid's particles of this rank as measurements see them.
 struct LiquidView {
     Array3 position, velocity; // [m], [m/s]
-    Array<int> liquid;
+    Array<int> liquid;         // index of the scene's liquid [capacity]
     int owned = 0;
     double spacing = 0; // [m]
     double reach = 0;   // over which a particle's surroundings are looked at [m]
@@ -36,8 +36,8 @@ struct LiquidView {
 // State that a checkpoint holds besides the fields of the particle stores.
 struct RestartState {
     std::vector<std::int64_t> decomposition; // empty: of another number of ranks
-    std::vector<double> bodies;
-    std::vector<double> history; // of the method, whatever the number of ranks
+    std::vector<double> bodies;              // of rigid::RigidBodies::state(), the same on every rank
+    std::vector<double> history;             // of the method, whatever the number of ranks
 };
 
 // A run's method, as the time loop drives it. All but the getters are collective.
@@ -60,6 +60,7 @@ public:
     virtual void refresh() = 0;
     virtual LiquidTotals totals() const = 0;
 
+    // Stores of this rank: liquid, and the particles of solids. References stay valid as long as the simulation.
     virtual ParticleStore& liquid() = 0;
     virtual const ParticleStore& liquid() const = 0;
     virtual ParticleStore* solid() = 0; // null where solids are no particles

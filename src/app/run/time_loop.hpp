@@ -6,13 +6,14 @@
 
 namespace treacle::app {
 
+// Everything that a TimeLoop needs beside the simulation and the progress.
 struct LoopSetup {
-    Comm comm;
-    io::RunFolder folder;
-    Input input;
+    Comm comm;              // of the run's ranks
+    io::RunFolder folder;   // exists on all ranks
+    Input input;            // validated
     std::string state_hash; // of continuation.hpp
-    double wall_limit = 0; // [s]
-    Company company;
+    double wall_limit = 0;  // [s]
+    Company company;        // log and callbacks of a caller in the same process
 };
 
 // Carries a run from where its progress stands to its end, with all output on the way.

@@ -28,6 +28,7 @@ struct Geometry {
 // Index of a body's loads and slip: the six sides of the domain come first, then the bodies of the scene.
 inline constexpr int domain_sides = 6;
 
+// Kernel, support radius [m] and spacings [m] of the particles on solids, as src/sph takes them.
 sph::WallSetup wall_setup(const Input& input);
 
 // Depth of a solid's particle layer below its surface, at which a resting lattice of liquid that touches the
@@ -59,6 +60,7 @@ struct ParticleCounts {
 // (IsphStep::spread): cut half a spacing off, a liquid around a body would lack half a layer, and fall into the gaps.
 scene::VolumeFill liquid_fill(const Input& input, const Geometry& geometry, const scene::Lattice& lattice);
 
+// Local, the same on each rank. Without inflow; no solid particles with method grid.
 ParticleCounts estimate_particles(const Input& input, const Geometry& geometry);
 
 // Refuses a geometry with faults: bodies in each other, liquid in a solid or outside of the domain, no liquid at all,

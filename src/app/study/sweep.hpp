@@ -5,11 +5,12 @@
 
 namespace treacle::app {
 
+// Arguments of `treacle sweep`.
 struct SweepRequest {
-    std::filesystem::path study;
-    std::filesystem::path out;           // default: out/<name of the study's folder or file>
-    std::vector<std::string> overrides;  // of the study: "runs.lanes=2"
-    bool retry_failed = false;
+    std::filesystem::path study;        // file, or a folder that holds study.yaml
+    std::filesystem::path out;          // default: out/<name of the study's folder or file>
+    std::vector<std::string> overrides; // of the study: "runs.lanes=2"
+    bool retry_failed = false;          // runs that failed before are done again
 };
 
 // `treacle sweep` in a process without MPI: does the runs of the study that are not done, and writes table.csv, table.h5
