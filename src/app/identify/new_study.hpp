@@ -9,7 +9,7 @@
 
 namespace treacle::app {
 
-// An option that tells something seen, for a first guess; its name is that of the option without dashes.
+// An option for an observation that a first guess needs; its name is that of the option without dashes.
 struct SightOption {
     const char* name;
     const char* doc;

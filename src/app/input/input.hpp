@@ -21,7 +21,7 @@ struct Input {
     void declare(Declaration& d);
 };
 
-// A change of an input: "time.end=20 s", and what asked for it: "--until 20 s", "study.yaml:12: viscosity".
+// A change of an input: "time.end=20 s", and its origin: "--until 20 s", "study.yaml:12: viscosity".
 struct Change {
     std::string assignment, origin;
 };

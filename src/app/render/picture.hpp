@@ -39,7 +39,7 @@ struct DrawnSolids {
     void add(const Vec3& position, SolidKind kind);                                           // position: [m]
     std::size_t count() const { return (walls.size() + bodies.size() + hollows.size()) / 3; } // particles of all three
 };
-// Layers over the points, which must stay. Hollow bodies shine through: one looks at what is in them.
+// Layers over the points, which must stay. Hollow bodies are translucent, so that their content is in the picture.
 void add_solid_layers(const DrawnSolids& points, double spacing, std::vector<video::ParticleLayer>& layers);
 
 } // namespace treacle::app

@@ -11,7 +11,7 @@ namespace treacle::app {
 enum class Opening { fresh, resumed };
 
 // The files that a run writes while it goes: frames, steps.csv, measurements.csv, bodies.csv, the lost particles.
-// Collective; tables live on rank 0.
+// Collective; tables are on rank 0.
 class Outputs {
 public:
     // Resumed: rows and frames later than the progress are dropped.
@@ -30,7 +30,7 @@ public:
     // Appends the culprits to lost_particles.csv.
     void write_lost(const Progress& progress, const StepFigures& report);
     void flush();
-    // Waits until the disk has all rows.
+    // Blocks until the disk has all rows.
     void sync();
 
 private:

@@ -22,15 +22,15 @@ struct StepFigures {
     std::vector<std::string> warnings; // for the log
 };
 
-// The liquid's particles of this rank as measurements see them.
+// The liquid's particles of this rank for measurements.
 struct LiquidView {
     Array3 position, velocity; // [m], [m/s]
     Array<int> liquid;         // index of the scene's liquid [capacity]
     int owned = 0;
     double spacing = 0; // [m]
-    double reach = 0;   // over which a particle's surroundings are looked at [m]
+    double reach = 0;   // over which a particle's surroundings are sampled [m]
     double volume = 0;  // of a particle at rest [m3], [m2] in the plane
-    Array<int> waiting; // not 0 of liquid behind an inlet's opening; without rows where none waits
+    Array<int> waiting; // not 0 of liquid behind an inlet's opening; without rows where there is none
 };
 
 // State that a checkpoint holds besides the fields of the particle stores.
@@ -46,7 +46,7 @@ public:
     virtual ~Simulation() = default;
     virtual const Comm& comm() const = 0;
 
-    // Puts the scene's particles in, each rank those of its own part, and starts. Returns what the user should know
+    // Puts the scene's particles in, each rank those of its own part, and starts. Returns notes for the user
     // about the scene: fallbacks, thin bodies, what is not modelled.
     virtual std::vector<std::string> fill(const Geometry& geometry) = 0;
     // Goes on from a checkpoint whose fields have been read into the stores.

@@ -44,10 +44,10 @@ private:
     StopControl stop_;
     Log log_;
     LiquidTotals totals_;
-    double next_frame_ = 0;       // [s] simulated
-    double next_line_ = 0;        // [s] simulated
-    double start_time_ = 0;       // [s] simulated, of this sitting
-    double next_wall_save_ = 0;   // [s] of the clock
+    double next_frame_ = 0;     // [s] simulated
+    double next_line_ = 0;      // [s] simulated
+    double start_time_ = 0;     // [s] simulated, of this session
+    double next_wall_save_ = 0; // [s] of the clock
     std::int64_t start_step_ = 0;
     std::int64_t saved_step_ = -1; // of the newest checkpoint
     bool told_enough_ = false;

@@ -63,11 +63,11 @@ scene::VolumeFill liquid_fill(const Input& input, const Geometry& geometry, cons
 // Local, the same on each rank. Without inflow; no solid particles with method grid.
 ParticleCounts estimate_particles(const Input& input, const Geometry& geometry);
 
-// Refuses a geometry with faults: bodies in each other, liquid in a solid or outside of the domain, no liquid at all,
+// Checks a geometry for faults: bodies in each other, liquid in a solid or outside of the domain, no liquid at all,
 // more particles than the machine's memory holds. Throws InputError with all of it.
 void validate_geometry(const Input& input, const Geometry& geometry, const Comm& comm);
 
-// Bytes that a run needs per liquid and per solid particle, all told.
+// Bytes that a run needs per liquid and per solid particle, in total.
 double bytes_per_particle(const Input& input);
 
 // The largest that a liquid has anywhere and at any shear rate [Pa s].
@@ -96,7 +96,7 @@ double limiting_viscosity(const Input& input);
 bool any_slip_length(const Input& input);
 
 // Resolves `integration: automatic`: implicit where viscosities vary, solids have slip lengths, or where the explicit
-// viscosity would take part in choosing the step, that is where its limit is within four times the largest step that
+// viscosity would affect the step, that is where its limit is within four times the largest step that
 // all else allows.
 sph::ViscosityIntegration viscosity_integration(const Input& input);
 

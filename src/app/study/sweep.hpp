@@ -26,7 +26,7 @@ std::vector<study::Candidate> sweep_candidates(const identify::StudyFile& file);
 // A study's file, or the study.yaml in a folder. Throws InputError when it is not there.
 std::filesystem::path find_study(const std::filesystem::path& name);
 
-// Asks for runs; the numbers of those that differ, in their order: points that give the same run are one row.
+// Requests runs; returns the numbers of those that differ, in their order: points that give the same run are one row.
 std::vector<std::int64_t> ask_once(study::StudyRuns& runs, const std::vector<study::Candidate>& candidates);
 
 // Tables and plots of these runs, and a line each for those that failed. Exit code 0 when all are done, 3 when some failed, 5

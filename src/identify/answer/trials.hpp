@@ -32,7 +32,7 @@ public:
     struct Stopped {};
     using Cuts = std::function<double(std::size_t)>;
     std::vector<std::optional<EvaluatedRun>> run(Wanted wanted, const Cuts& cut = {});
-    // Lanes that would idle while later calls of `run` wait may do these meanwhile; without any, they end.
+    // Lanes that would idle while later calls of `run` block may do these meanwhile; without any, they end.
     void offer(const Wanted& expected);
     bool speculates() const { return file_.study.runs.speculate && runs_.lanes() > 1; }
     // Runs at the search's spacing with the measured values as they are.

@@ -5,7 +5,7 @@
 
 namespace treacle::identify {
 
-// Inverse of the covariance that the view's parameters of an experiment have before the film is looked at.
+// Inverse of the covariance that the view's parameters of an experiment have before the film is compared.
 using ViewInformation = Eigen::Matrix<double, view_count, view_count>;
 
 // One run against all experiments: its coordinates, and the residuals of each experiment.
@@ -15,7 +15,7 @@ struct EvaluatedRun {
 };
 
 // Prior knowledge of the parameters before any film, where there are several: they lie within their ranges. Where films
-// do not tell them one by one, the answer is then a region that ends, and not a point at its end.
+// do not determine them one by one, the answer is then a region that ends, and not a point at its end.
 struct RangePrior {
     Eigen::VectorXd lower, upper; // [p] of the coordinates; empty: none is used
 
@@ -26,7 +26,7 @@ struct RangePrior {
 
 // The search's objective: half of the weighted squares of the residuals in units of their usual noise, mean over segments,
 // with Huber's loss beyond `bend` noises, least over the view's parameters within their priors. Contours of the run that lie far beyond
-// the observed ones add to it, which segments of these do not see.
+// the observed ones add to it, on which segments of these do not depend.
 double residual_objective(const EvaluatedRun& run, const std::vector<ViewInformation>& priors, double bend = 3);
 
 // Residuals of a run whose mean loss is its objective, for searches that use them: those of all segments at the view that suits the run best,
@@ -55,7 +55,7 @@ struct VarianceParts {
 // t distribution's, with Welch's and Satterthwaite's degrees for the sum.
 double ninety_percent(const VarianceParts& parts, double freedom);
 
-// The parameter that suits a part of an experiment's frames best, all parts seen by one view.
+// The parameter that suits a part of an experiment's frames best, with one view for all parts.
 struct WindowAnswer {
     double from = 0, to = 0; // times of its first and last frame [s]
     double change = 0;       // from the answer of all, of the logarithm of a viscosity
@@ -74,7 +74,7 @@ struct Estimate {
     std::vector<VarianceParts> parts; // [p] of its variance
     Eigen::MatrixXd covariance;       // [p][p] of pixels, views and ranges
     std::vector<double> naive; // (I5b) [p] standard deviation if points of the contour were independent and the view known: far too small, to compare with
-    std::vector<double> freedom;       // [p] degrees of freedom of the part of the pixels: few where few blocks tell it
+    std::vector<double> freedom;       // [p] degrees of freedom of the part of the pixels: few with few blocks
     std::vector<Eigen::VectorXd> view; // per experiment [view_count]: what the fit takes them for, less what was stated
     std::vector<double> noise;         // per experiment: standard deviation of a segment's residual in its unit, robust
     std::vector<double> dilution;      // per experiment: how many segments count as one

@@ -14,7 +14,7 @@ class Declaration;
 
 namespace treacle::identify {
 
-// Standard deviations of what a comparison of contours does not know exactly. They enter the interval, as parameters that
+// Standard deviations of inputs of a comparison that are not exact. They enter the interval, as parameters that
 // need no run: the contours move a little.
 struct ViewUncertainty {
     double time_zero = 5e-3; // [s]

@@ -37,9 +37,9 @@ struct Lattice {
 enum class Filling { points, room };
 
 struct VolumeFill {
-    std::vector<Regions> liquids; // where two overlap, the first one wins
+    std::vector<Regions> liquids; // where two overlap, the first one counts
     Regions solids;
-    double clearance = 0; // [m] least distance of a particle from the solids; 0: points on a face are decided as those of the liquid
+    double clearance = 0; // [m] least distance of a particle from the solids; 0: points on a face count as those of the liquid
     Lattice lattice;
     Bounds part; // half-open box [min, max): only the particles in it are made
     Filling filling = Filling::points;

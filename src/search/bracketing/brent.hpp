@@ -25,7 +25,7 @@ public:
     void accept(Value f) { accept(propose(), f); }                 // the value at next()
     void accept(double x, Value f) { accept({x, last_step_}, f); } // at another point within the bracket
     double on_lattice(double u) const;                             // nearest lattice point: origin + k tolerance / 2
-    // Sample with the least value so far; ranking() decides among bounds and failures
+    // Sample with the least value so far; bounds and failures in the order of ranking()
     const Sample& best() const { return x_; }
     double lower() const { return lower_; } // end of the bracket, in the coordinate of the axis
     double upper() const { return upper_; } // end of the bracket, in the coordinate of the axis

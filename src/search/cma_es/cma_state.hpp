@@ -21,7 +21,7 @@ struct CmaConstants {
 };
 
 // Mean, step size and covariance of CMA-ES, and their update from the ranks of candidates. Independent of functions,
-// bounds and random numbers. or random numbers.
+// bounds and random numbers.
 class CmaState {
 public:
     CmaState(std::vector<double> mean, double sigma, CmaConstants constants);

@@ -12,7 +12,7 @@ struct GradientOptions {
     Limits limits{};         // of evaluations (difference quotients included), generations and the objective
 };
 
-// Methods that follow gradients by central differences; the points of a gradient are asked for at once. Everything is
+// Methods that follow gradients by central differences; the points of a gradient are requested at once. Everything is
 // in steps of the axes.
 class GradientSearch : public Search {
 public:

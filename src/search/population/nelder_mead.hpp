@@ -15,7 +15,7 @@ class NelderMead : public Search {
 public:
     explicit NelderMead(std::vector<Axis> axes, NelderMeadOptions options = {});
 
-    // The other points that this step may ask for.
+    // The other points that this step may request.
     std::vector<Point> speculate() const override { return others_; }
     // A reflected or contracted vertex counts only when it is better than the worst: no difference to the search.
     double cut(std::size_t) const override { return cut_; }

@@ -14,10 +14,11 @@ struct SurrogateOptions {
     Limits limits{};           // of evaluations, generations and the objective
 };
 
-// Efficient global optimisation (Jones et al. 1998): a Gaussian process through what was measured, and next where it expects
-// the largest improvement (E1). The first batch is the start and a Latin hypercube within two steps of it, followed by nearer ones while too few have values; further points of a batch
-// are chosen as if those before had their expected values. Failed runs and bounds enter no fit: where they are, the
-// choice takes the worst value, or the bound, for true.
+// Efficient global optimisation (Jones et al. 1998): a Gaussian process through what was measured, and the next point
+// at the largest expected improvement (E1). The first batch is the start and a Latin hypercube within two steps of it,
+// followed by nearer ones while too few have values; further points of a batch are chosen as if those before had their
+// expected values. Failed runs and bounds enter no fit: where they are, the choice assumes the worst value, or the
+// bound.
 class SurrogateSearch : public Search {
 public:
     explicit SurrogateSearch(std::vector<Axis> axes, SurrogateOptions options = {});

@@ -7,7 +7,7 @@
 namespace treacle::search {
 
 // A small dense matrix, by rows. Sums run in the order of their indices and nothing is vectorised across them: results
-// are the same bits on every processor, which a replayed search needs and Eigen does not promise.
+// are the same bits on every processor, which a replayed search needs and Eigen does not guarantee.
 class Matrix {
 public:
     Matrix() = default;

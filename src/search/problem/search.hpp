@@ -17,7 +17,7 @@ struct Axis {
     double lower = -std::numeric_limits<double>::infinity(); // included; -infinity: none
     double upper = std::numeric_limits<double>::infinity();  // included; infinity: none
     double start = 0;                                        // first guess, within the bounds
-    double step = 1;      // how far around the start the answer is looked for at first: a standard deviation
+    double step = 1;      // initial standard deviation of the search around the start
     double tolerance = 0; // a change too small to matter; 0: 1e-11 steps
     double smallest() const { return tolerance > 0 ? tolerance : 1e-11 * step; }
 };
@@ -50,8 +50,8 @@ std::vector<std::size_t> ranking(std::span<const Value> values);
 
 // Class of the condition that ended a search; Stop::name has the condition itself.
 enum class StopKind {
-    target,    // the value that was asked for is reached
-    converged, // the answer is as exact as was asked for
+    target,    // the target value is reached
+    converged, // the answer is within the tolerances
     stalled,   // no progress can be expected
     budget,    // evaluations or generations are used up
     failed,    // no candidate had a value
@@ -112,7 +112,7 @@ public:
 
     const std::optional<Stop>& stopped() const { return stop_; } // none while `ask` still returns points
     const std::optional<Best>& best() const { return best_; }    // of measured values
-    virtual Point centre() const;         // best guess of the answer; the best point where the method has no other
+    virtual Point centre() const;         // best estimate of the answer; the best point where the method has no other
     virtual Point spread() const = 0;     // [n] extent of the search around the centre, along each axis
     virtual const char* name() const = 0; // as in the study's file and the report
 

@@ -18,7 +18,7 @@ struct Iteration {
     SolveReport report{};
     double norm_b = 0;
     // Norm of the residual below which it counts as zero: products of smaller numbers may underflow to the zero that a
-    // breakdown is told by.
+    // breakdown is detected by.
     double least = 1e-140;
 
     bool end(Outcome outcome) {

@@ -11,8 +11,8 @@ namespace treacle::study {
 
 enum class Scale { linear, log };
 
-// A number as a study file writes it: "12 Pa.s" is 12 with the unit "Pa.s". No unit is known here; the scene's
-// own reader checks it.
+// A number as a study file writes it: "12 Pa.s" is 12 with the unit "Pa.s". Units are checked by the scene's
+// own reader alone.
 struct Quantity {
     double value = 0;
     std::string unit;

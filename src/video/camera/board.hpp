@@ -30,13 +30,13 @@ struct Board {
 // "9x6", "circles 4x11", "symmetric 7x5". InputError.
 Board read_board(const std::string& text);
 
-// InputError for a board that looks the same turned by 180 degrees: its place in the scene would have two answers.
+// InputError for a board that is the same turned by 180 degrees: its place in the scene would have two answers.
 // Chessboards whose numbers of corners are both even or both odd, asymmetric circles with an even number of rows,
 // symmetric circles.
 void check_board(const Board& board);
 
 // Places of the points [m], row by row, in axes of the board: x along a row, y along a column, z into the board, away
-// from who looks at it. The first point of a chessboard is the inner corner of a black corner square.
+// from the viewer. The first point of a chessboard is the inner corner of a black corner square.
 std::vector<Vec3> board_points(const Board& board);
 
 // The points in a picture.

@@ -22,7 +22,7 @@ struct ClipOptions {
     int turned = 0;                // clockwise degrees that the display matrix states: frames are stored turned back
     double frames_per_second = 30; // of an AVI, and the duration of the last frame
     int reordered = 0;             // B-frames between others, as phones write them
-    // Tests of what a reader must refuse or name:
+    // Faults that a reader must report, for tests:
     bool interlaced = false;
     bool hybrid_log_gamma = false;
     int pixel_width = 1, pixel_height = 1; // sample aspect ratio

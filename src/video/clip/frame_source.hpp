@@ -10,7 +10,7 @@
 
 namespace treacle::video {
 
-// A picture of a clip with its time. Upright: turned as the container or the picture's own data say.
+// A picture of a clip with its time. Upright: turned by the container's or the picture's own data.
 struct TimedFrame {
     std::int64_t index = 0; // from 0, in the order of display
     double stamp = 0;       // time stamp of the container [s]
@@ -37,10 +37,10 @@ enum class FieldOrder { progressive, interlaced, unknown };
 
 // Information of a clip's header and of the stamps of its frames. Sizes are those of upright frames.
 struct ClipInfo {
-    std::string file, kind;       // kind: "H.264 video in mov,mp4,…", "12 PNG pictures"
-    int width = 0, height = 0;    // [pixels]
-    Orientation orientation;      // what the container asks for
-    int bits = 8;                 // a colour
+    std::string file, kind;    // kind: "H.264 video in mov,mp4,…", "12 PNG pictures"
+    int width = 0, height = 0; // [pixels]
+    Orientation orientation;   // as the container states it
+    int bits = 8;              // a colour
     Transfer transfer = Transfer::unknown;
     FieldOrder fields = FieldOrder::unknown;
     double pixel_aspect = 1;      // width over height of a pixel

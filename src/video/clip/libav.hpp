@@ -38,7 +38,7 @@ using Frame = std::unique_ptr<AVFrame, FreeFrame>;
 using Packet = std::unique_ptr<AVPacket, FreePacket>;
 using Scaler = std::unique_ptr<SwsContext, FreeScaler>;
 
-// Keeps FFmpeg from printing; its first complaint since the last call of `take_complaint` is kept in their place.
+// Keeps FFmpeg from printing; its first message since the last call of `take_complaint` is kept in their place.
 void capture_log();
 std::string take_complaint();
 

@@ -12,7 +12,7 @@
 
 namespace treacle::video {
 
-// Kind of a layer: what the particles stand for decides how they may hide each other.
+// Kind of a layer: the object that the particles stand for, on which occlusion depends.
 enum class LayerKind {
     liquid, // drawn in full
     body,   // drawn in full, grey

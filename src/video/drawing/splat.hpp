@@ -39,7 +39,7 @@ Ray ray_through(const Camera& camera, float x, float y);
 // depth the earlier sphere stays. Spheres that touch the plane of the camera are left out.
 void splat(const Camera& camera, std::span<const Sphere> spheres, DepthBuffer& buffer);
 
-// Pixels that may see a sphere, ends excluded; empty for one that touches the plane of the camera.
+// Pixels that a sphere may cover, ends excluded; empty for one that touches the plane of the camera.
 struct PixelBox {
     int left, right, top, bottom;
     bool is_empty() const { return left >= right || top >= bottom; }

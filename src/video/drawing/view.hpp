@@ -17,7 +17,7 @@ struct View {
     Vec3 position{0, -1, 0};             // [m]
     Vec3 target{0, 0, 0};                // [m], seen at the centre of the picture
     Vec3 up{0, 0, 1};                    // not parallel to the direction of view; any length
-    double vertical_field_of_view = 0.7; // [rad]; orthographic views see what this angle spans at the target
+    double vertical_field_of_view = 0.7; // [rad]; orthographic: height that this angle spans at the target
     int width = 1280, height = 720;      // [pixels]
     Projection projection = Projection::perspective;
     std::optional<scene::CameraModel> model = {}; // a measured camera in the place of all but the size

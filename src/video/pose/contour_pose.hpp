@@ -6,7 +6,7 @@ namespace treacle::video {
 
 // Range of the search, and deviations of the start.
 struct ContourPoseOptions {
-    double search = 60;  // [pixels] from the outline within which the solid's outline is looked for at first
+    double search = 60;    // [pixels] from the outline within which the solid's outline is searched at first
     double angle = 0.0524; // [rad] 3 degrees: deviation of the start about each axis, where its covariance is not known
     double shift = 0.03;   // [m] of the start along each axis, likewise
 };
@@ -28,8 +28,8 @@ struct ContourPose {
 // errors as correlated along the outline, over a length that follows from the residuals (contour_noise.hpp): it counts as
 // independent pieces, never as independent pixels. The covariance of the lens counts as well.
 //
-// InputError for a silhouette of another size than the camera's pictures, and where less than a fifth of the outline finds
-// the solid's.
+// InputError for a silhouette of another size than the camera's pictures, and where less than a fifth of the outline
+// matches the solid's.
 ContourPose refine_on_contour(const CameraRecord& given, const SeenSolid& solid, const Silhouette& silhouette, const ContourPoseOptions& options);
 
 } // namespace treacle::video

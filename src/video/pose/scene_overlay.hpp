@@ -23,7 +23,7 @@ struct SceneOverlay {
     std::string caption;            // bottom left, plain ASCII; may be empty
 };
 
-// A frame with the scene drawn over it as the camera sees it: the solids tinted and with bright outlines, liquids blue,
+// A frame with the scene drawn over it by the camera: the solids tinted and with bright outlines, liquids blue,
 // bodies orange; the edges of the domain grey; the axes at the scene's origin red, green, blue; a silhouette's outline
 // white. InputError for a frame of another size than the camera's pictures.
 Image draw_overlay(const CameraRecord& camera, const std::filesystem::path& frame, const SceneOverlay& overlay);

@@ -42,7 +42,7 @@ struct ClipCheck {
     bool usable() const;
 };
 
-// Looks at every frame. `info` of the source, with its damage, is judged too.
+// Reads every frame. `info` of the source, with its damage, is checked too.
 ClipCheck check_clip(FrameSource& source, const std::function<void(std::int64_t, std::int64_t)>& progress);
 
 } // namespace treacle::video

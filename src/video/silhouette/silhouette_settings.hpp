@@ -32,7 +32,7 @@ struct ExclusionSettings {
     void declare(Declaration& d);
 };
 
-// Everything that decides how a clip becomes silhouettes, as YAML that is written beside them and read again.
+// All settings from a clip to silhouettes, as YAML that is written beside them and read again.
 struct SilhouetteSettings {
     SilhouetteMethod method = SilhouetteMethod::gmm;
 
