@@ -35,7 +35,7 @@ struct Search {
     Array3 of;
     Array<double> along_x, along_y, along_z; // of the candidates: contiguous, so that tests go several at a time
     double radius2;
-    int n;     // particles that look for neighbours
+    int n;     // particles whose neighbours are searched
     bool same; // a particle is not its own neighbour
 
     KOKKOS_INLINE_FUNCTION void find_runs(const int c[3], Runs& runs) const {
@@ -86,7 +86,7 @@ struct Search {
         each_of(chunk_index, [&](int, double, double, double, const Runs& runs) { batches += runs.batches; });
         return batches;
     }
-    // The neighbours among the candidates [start, start + batch), as bits. All of the batch is tried, the last one
+    // The neighbours among the candidates [start, start + batch), as bits. All of the batch is tested, the last one
     // reading into the padding behind the coordinates; the outcome of a test is as good as random, so that hits are
     // collected as bits, not by branches.
     KOKKOS_INLINE_FUNCTION unsigned hits(Lanes x, Lanes y, Lanes z, int start, int last, int self) const {
@@ -101,7 +101,7 @@ struct Search {
         const unsigned own = static_cast<unsigned>(self - start);
         return own < batch ? bits & ~(1u << own) : bits;
     }
-    // Tests the candidates of a chunk's particles once; their outcomes wait in `masks` until the rows are laid out.
+    // Tests the candidates of a chunk's particles once; their outcomes stay in `masks` until the rows are laid out.
     KOKKOS_INLINE_FUNCTION void test(int chunk_index, std::uint16_t* mask, const Array<std::int64_t>& count) const {
         each_of(chunk_index, [&](int i, double x, double y, double z, const Runs& runs) {
             const int self = same ? i : -batch;

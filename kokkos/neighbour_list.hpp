@@ -6,7 +6,7 @@ namespace treacle {
 // For each owned particle of a store, the particles of a store (the same or another) closer than a radius,
 // in the order of their cells and ids, itself left out. Compressed rows: neighbours of i are
 // index(offset(i)) ... index(offset(i + 1) - 1), row numbers of the other store, ghosts included.
-// Candidates are tested once; a bit for each of them waits until the rows are laid out.
+// Candidates are tested once; a bit for each of them is stored until the rows are laid out.
 class NeighbourList {
 public:
     Array<std::int64_t> offset{"treacle::neighbour_offset", 0}; // [owned + 1]

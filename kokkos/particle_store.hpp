@@ -22,7 +22,7 @@ struct Field {
     std::string name;
     std::string unit;
     FieldRole role = FieldRole::state;
-    bool output = false; // may be asked for in frames
+    bool output = false; // may be requested for frames
     FieldArray array;
 };
 

@@ -9,7 +9,7 @@
 namespace treacle {
 
 namespace {
-// Open MPI tells glibc to keep all memory in one heap, where arrays that grow leave holes: a third of a run's memory.
+// Open MPI makes glibc keep all memory in one heap, where arrays that grow leave holes: a third of a run's memory.
 // Large arrays get pages of their own again, and give them back; what solvers allocate anew at each step stays in the
 // heap, which is kept.
 void keep_large_arrays_out_of_the_heap() {

@@ -3,8 +3,8 @@
 
 namespace treacle {
 
-// Asks for the line of the cache that an address is in, whether there is anything at that address or not; on devices other
-// threads work while one waits.
+// Prefetches the line of the cache that an address is in, whether there is anything at that address or not; on devices
+// other threads run during a stall.
 KOKKOS_INLINE_FUNCTION void prefetch([[maybe_unused]] const void* address) {
 #if !defined(__CUDA_ARCH__) && !defined(__HIP_DEVICE_COMPILE__)
     __builtin_prefetch(address);

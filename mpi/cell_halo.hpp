@@ -20,7 +20,7 @@ public:
     const CellBox& active() const { return active_; } // block of the last connect()
     int layers() const { return layers_; }            // of halo, >= 0
 
-    // Collective: halo cells take the values of their owners. Halo cells that nobody owns, outside of the block, keep
+    // Collective: halo cells take the values of their owners. Halo cells without an owner, outside of the block, keep
     // theirs. All arrays in one message per neighbour; each has window().size() entries or more.
     void gather(std::initializer_list<Array<double>> values);
     void gather(std::initializer_list<Array<int>> values);

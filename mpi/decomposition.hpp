@@ -8,7 +8,7 @@
 namespace treacle {
 
 // Distribution of the grid's cells: cell-aligned boxes, one per rank, by recursive coordinate bisection. Boxes may be
-// empty when there are more ranks than cells. Every rank knows all boxes.
+// empty when there are more ranks than cells. Every rank has all boxes.
 class Decomposition {
 public:
     Decomposition(const Comm& comm, const CellGrid& grid);

@@ -13,7 +13,7 @@ struct Message {
     std::vector<char> bytes;
 };
 
-// Collective: delivers messages whose receivers do not know of them (non-blocking consensus: the cost grows
+// Collective: delivers messages that their receivers have not posted (non-blocking consensus: the cost grows
 // with the messages and the logarithm of the ranks). Returns what arrived, ordered by sender; several messages
 // of one sender keep their order.
 std::vector<Message> exchange_sparse(const Comm& comm, const std::vector<Message>& outgoing);

@@ -15,7 +15,7 @@ public:
     // Collective, when the decomposition has been cut anew.
     void connect(const Decomposition& decomposition);
 
-    // Collective: finds who needs which cells, makes room for the ghosts behind the owned rows of the store,
+    // Collective: finds the ranks that need each cell, makes room for the ghosts behind the owned rows of the store,
     // enters their cells into the cell list, and gathers position (periodic images shifted) and id.
     void rebuild(ParticleStore& store, CellList& cells);
 

@@ -23,7 +23,7 @@ public:
     // Cuts by the particles that were added since the last cut. Collective.
     void cut(Decomposition& decomposition);
 
-    // True when this many owned particles ask for a cut: their ratio is beyond the limit, and by a twentieth beyond
+    // True when this many owned particles require a cut: their ratio is beyond the limit, and by a twentieth beyond
     // what the last cut left, since the best cut along cells may itself be uneven. Collective.
     bool is_due(const Comm& comm, int owned) const;
     // To be called once the particles are where a cut due sent them. Collective.

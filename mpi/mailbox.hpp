@@ -7,7 +7,7 @@
 
 namespace treacle {
 
-// Texts between ranks that do not wait for each other: a rank looks for letters when it suits it.
+// Texts between ranks without synchronisation: a rank polls for letters at any time.
 class Mailbox {
 public:
     struct Letter {
@@ -17,16 +17,16 @@ public:
 
     // Collective.
     explicit Mailbox(const Comm& comm);
-    // Waits until all letters of this rank are on their way.
+    // Blocks until all letters of this rank are on their way.
     ~Mailbox();
     Mailbox(const Mailbox&) = delete;
     Mailbox& operator=(const Mailbox&) = delete;
 
     // Returns at once; the text is copied. `rank`: receiver, of the mailbox's own group.
     void send(int rank, const std::string& text);
-    // A letter that has arrived; those of one sender in their order. Does not wait.
+    // A letter that has arrived; those of one sender in their order. Does not block.
     std::optional<Letter> poll();
-    // Waits for a letter, and leaves the core to others meanwhile.
+    // Blocks until a letter arrives, and yields the core meanwhile.
     Letter wait();
 
 private:

@@ -38,7 +38,7 @@ void unpack_state(const ParticleStore& store, int first, int n, const Array<doub
 }
 
 namespace {
-// Inside of a box of cells by more than round-off; what is nearer to its sides is looked up.
+// Inside of a box of cells by more than round-off; positions nearer to its sides are looked up.
 struct Inside {
     double lo[3], hi[3];
 

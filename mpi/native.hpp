@@ -5,7 +5,7 @@
 
 namespace treacle {
 
-// The native communicator, for the libraries that ask for one. Link MPI::MPI_CXX to include this.
+// The native communicator, for the libraries that need one. Link MPI::MPI_CXX to include this.
 static_assert(sizeof(MPI_Comm) <= sizeof(std::intptr_t));
 inline MPI_Comm native(const Comm& comm) { return (MPI_Comm)comm.handle(); }
 

@@ -15,7 +15,7 @@ public:
     std::span<const int> columns() const { return columns_; }
 
     // Sends off what others need of this rank's own rows; finish() returns the values of the columns, valid until the
-    // next start(). Ranks without a partner have nothing to wait for.
+    // next start(). Ranks without a partner return at once.
     void start(std::span<const double> rows);
     std::span<const double> finish();
     std::span<const double> gather(std::span<const double> rows) {

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-// Main of every test that needs MPI or Kokkos: rank 0 speaks, any rank's failure fails the run.
+// Main of every test that needs MPI or Kokkos: rank 0 prints, any rank's failure fails the run.
 int main(int argc, char** argv) {
     treacle::MpiRuntime mpi(argc, argv);
     treacle::KokkosRuntime kokkos(argc, argv);

@@ -14,7 +14,7 @@ namespace {
 
 using namespace treacle;
 
-// Kokkos takes options of its own, and would answer --help.
+// Kokkos takes options of its own, and its own --help.
 void split_arguments(int argc, char** argv, std::vector<std::string>& ours, std::vector<char*>& of_kokkos) {
     for (int i = 0; i < argc; ++i) {
         const bool kokkos = std::strncmp(argv[i], "--kokkos-", 9) == 0;

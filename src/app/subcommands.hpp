@@ -12,7 +12,9 @@
 
 namespace treacle::app {
 
+// Arguments that an option collects, in their order.
 using Words = std::vector<std::string>;
+// A command that is ready to run on all ranks. Collective; throws Error.
 using Command = std::function<ExitCode(const Comm&)>;
 
 // Result that a subcommand fills in; `make` turns it into the command when all is read.
@@ -33,6 +35,7 @@ struct SourceWords {
     std::string scene;
     Words overrides, data, materials;
 
+    // Collective: finds the scene's file. Throws InputError.
     InputSource source(const Comm& comm) const;
 };
 

@@ -7,7 +7,7 @@ namespace treacle {
 // Numbers 0, 1, 2 … of the keys that come, in the order in which they come: a hash table with open addressing.
 class KeyNumbers {
 public:
-    // Forgets all keys; room for so many is there from the start.
+    // Removes all keys; room for so many is there from the start.
     void clear(std::size_t expected) {
         std::size_t size = 16;
         while (size < 2 * expected) size *= 2;

@@ -39,7 +39,7 @@ public:
     }
 
     // Called before the clock of each phase starts: with a barrier, a phase no longer counts the time in which its rank
-    // waits for slower ones to end the phase before.
+    // blocks until slower ones end the phase before.
     void wait_before(std::function<void()> wait) { wait_ = std::move(wait); }
 
     // In the order of first use.

@@ -36,7 +36,7 @@ struct InflowSetup {
     std::int64_t first_id = 0;        // of what flows in; all others' are below
 };
 
-// Layers of a method's lattice, and how many of them wait behind an opening.
+// Layers of a method's lattice, and their number behind an opening.
 struct Layers {
     double spacing = 0; // [m]
     int held = 0;

@@ -202,7 +202,7 @@ bool GridStep::solves_together(double dt) const {
     const auto solve = setup_.options.stokes.solve;
     if (!viscous() || solve == StokesSolve::split) return false;
     if (solve == StokesSolve::together) return true;
-    constexpr double spread = 0.1; // of nu dt over dx^2, from which what one after the other gets wrong is seen
+    constexpr double spread = 0.1; // of nu dt over dx^2, from which the splitting error is significant
     return setup_.options.second_projection && largest_viscosity() * dt > spread * setup_.density * grid_.dx * grid_.dx;
 }
 

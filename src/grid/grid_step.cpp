@@ -101,8 +101,9 @@ void GridStep::particles_to_grid() {
     copy_faces(grid_, cells_halo_.window(), velocity_, start_);
 }
 
-// Distances at the centres of cells. Liquid that no centre sees, drops and sheets thinner than a cell, would have no
-// pressure and fall through the floor: where a cell with particles has no liquid beside it, its own centre is in the liquid.
+// Distances at the centres of cells. Liquid that contains no centre, drops and sheets thinner than a cell, would have
+// no pressure and fall through the floor: where a cell with particles has no liquid beside it, its own centre is in the
+// liquid.
 void GridStep::take_centres() {
     const auto& nodes = solids_.nodes();
     const int middle = grid_.dimensions == 2 ? 3 : 7, dimensions = grid_.dimensions;
@@ -137,7 +138,7 @@ void GridStep::find_surface() {
     take_centres();
     fraction_builder_.build(solids_.nodes(), solids_.distance(), level_set_.distance(), setup_.options.fractions, fractions_, solids_.walls());
     resting_.find(solids_, fraction_builder_, bodies_);
-    if (!bodies_.any_moves()) { // what rests has no shares, but the lists of the faces are looked at
+    if (!bodies_.any_moves()) { // what rests has no shares, but the lists of the faces are read
         const auto faces = static_cast<std::size_t>(cells_halo_.window().size()) + 1;
         for (auto& of : shares_) {
             if (bodies_.size() == 0 || of.first.extent(0) >= faces) continue;

@@ -23,7 +23,7 @@ void GridStep::show_pressures() {
     pressures_to_particles(grid_, cells_halo_.window(), wall_pressures_.at_centres(), particles_);
 }
 
-// The pressures of all solves of the step, on what P2 knows no bodies of.
+// Loads by the pressures of all solves of the step on solids without a term in P2.
 void GridStep::load_resting(StepReport& report, double dt, bool at_once) {
     auto walls = wall_scene();
     if (viscous()) walls.viscous = &viscosity_.problem().places();

@@ -10,7 +10,7 @@ namespace treacle::io {
 // vertices, binary. csv: a header with units, one line a particle.
 enum class ExportFormat { ply, vtp, csv };
 
-// "ply", "vtp", "csv". Throws InputError for another one; obj is refused because it knows neither velocities
+// "ply", "vtp", "csv". Throws InputError for another one; obj is refused because it has neither velocities
 // nor any other field of a particle.
 ExportFormat export_format(const std::string& name);
 // "ply" etc., also the extension of the file.

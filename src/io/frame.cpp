@@ -30,8 +30,8 @@ std::string frame_file(const std::string& name, std::int64_t step) {
     return name + number;
 }
 
-// The arrays that make a cloud of points an UnstructuredGrid: one partition per rank with particles, for
-// readers trip over empty ones; a single empty partition when there are no particles at all.
+// The arrays that make a cloud of points an UnstructuredGrid: one partition per rank with particles,
+// since readers fail on empty ones; a single empty partition when there are no particles at all.
 struct VertexCells {
     std::vector<std::int64_t> count; // of this partition; empty on ranks without one
     std::vector<std::int64_t> connectivity;

@@ -21,10 +21,10 @@ struct BuildInfo {
 BuildInfo build_info();
 
 using Versions = std::vector<std::pair<std::string, std::string>>; // name, version
-// The libraries that this folder knows: HDF5 (as loaded) and MPI (as compiled against).
+// The libraries of this folder: HDF5 (as loaded) and MPI (as compiled against).
 Versions library_versions();
 
-// 64-bit FNV-1a of a text as 16 hexadecimal digits: tells scenes apart, no protection against intent.
+// 64-bit FNV-1a of a text as 16 hexadecimal digits: distinguishes scenes, no protection against intent.
 std::string text_hash(const std::string& text);
 
 // Name of this machine; "unknown" where it has none.

@@ -23,7 +23,7 @@ void add_matching(const std::filesystem::path& folder, const std::string& patter
     throw InputError(Diagnostic{path.string(), problem, reason, cure});
 }
 
-// Everything that can go wrong is looked at before anything is changed.
+// Everything that can go wrong is checked before anything is changed.
 void check_writable(const std::filesystem::path& path) {
     auto parent = std::filesystem::absolute(path);
     while (!std::filesystem::exists(parent)) parent = parent.parent_path();

@@ -31,7 +31,7 @@ struct RunFolder {
     std::filesystem::path lost_particles() const { return root / "lost_particles.csv"; }
     std::filesystem::path frames() const { return root / "frames"; }
     std::filesystem::path checkpoints() const { return root / "checkpoints"; }
-    // A file of this name asks the run to stop.
+    // A file of this name stops the run.
     std::filesystem::path stop() const { return root / "STOP"; }
 };
 
@@ -40,7 +40,7 @@ struct RunFolder {
 // when it cannot be made; nothing is changed then. Overwriting removes the files that a run makes, by name, and no other file.
 RunFolder prepare_run_folder(const Comm& comm, const std::filesystem::path& path, ExistingFiles existing);
 
-// Collective: the folder of a run to look at or, with Access::write, to go on with. Throws InputError on every rank when
+// Collective: the folder of a run to read or, with Access::write, to go on with. Throws InputError on every rank when
 // it is missing or holds no effective.yaml, and for writing when another program writes into it.
 RunFolder open_run_folder(const Comm& comm, const std::filesystem::path& path, Access access = Access::read);
 

@@ -105,8 +105,8 @@ public:
     const Pose& pose(std::size_t body) const { return states_[body].pose; }         // at time()
     const Vec3& velocity(std::size_t body) const { return states_[body].velocity; } // of the centre [m/s]
     Vec3 spin(std::size_t body) const;                                              // [rad/s]
-    // A method whose velocities are those of the middles of steps says by how much those of the ends, for what is shown, are
-    // ahead of them: 6 numbers a body [m/s], [rad/s].
+    // A method whose velocities are those of the middles of steps sets by how much those of the ends, for what is
+    // shown, are ahead of them: 6 numbers a body [m/s], [rad/s].
     void set_lead(std::vector<double> lead) { lead_ = std::move(lead); }
     Vec3 end_velocity(std::size_t body) const { return velocity(body) + lead(body, 0); }
     Vec3 end_spin(std::size_t body) const { return spin(body) + lead(body, 3); }

@@ -47,7 +47,7 @@ public:
     }
 
 private:
-    // Places body a and the nearest images of those near it; notes which of these do not obey loads.
+    // Places body a and the nearest images of those near it; notes which of these are kinematic or static.
     void place(std::size_t a, const std::vector<std::size_t>& near) {
         placed_.clear();
         resting_.clear();

@@ -29,9 +29,10 @@ struct Movable {
     Vec3 twist{0, 0, 0};                   // [rad]
 };
 
-// Impulses such that each contact has at least the wanted velocity along its normal, with Coulomb's friction; then shifts that take
-// back a share of each overlap. They change neither momentum nor, but for the lever arms that a shift changes, angular momentum.
-// Bodies that joints link answer as `together` says. `speed` [m/s] is the scale of velocities, `spacing` [m] that of shifts.
+// Impulses such that each contact has at least the target velocity along its normal, with Coulomb's friction; then
+// shifts that take back a share of each overlap. They change neither momentum nor, but for the lever arms that a shift
+// changes, angular momentum. `together` gives the response of bodies linked by joints. `speed` [m/s] is the scale of
+// velocities, `spacing` [m] that of shifts.
 void solve_contacts(const std::vector<Contact>& contacts, std::vector<Movable>& bodies, const Mobility& together,
                     double speed, double spacing);
 

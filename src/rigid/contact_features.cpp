@@ -5,14 +5,14 @@
 namespace treacle::rigid {
 
 namespace {
-constexpr double step = 2e-3;       // [spacings] how far directions are followed out of a surface
-constexpr double askew = 2e-5;      // of that step, what a direction out of the cone may lose: 6 mrad
+constexpr double step = 2e-3;  // [spacings] how far directions are followed out of a surface
+constexpr double askew = 2e-5; // of that step, what a direction out of the cone may lose: 6 mrad
 constexpr double most_turning = 0.3; // [rad] by which it may be out of it more, as the solids turn to each other in the step
-constexpr double lift = 2 * step;   // [spacings] by which a point that is looked at is out of what it overlaps
-constexpr double deepest = 0.1;     // [spacings] by which it is moved for that
-constexpr double patch = 0.75;      // [spacings] about a sample that it stands for
+constexpr double lift = 2 * step;     // [spacings] by which a probed point is out of the solid that it overlaps
+constexpr double deepest = 0.1;       // [spacings] by which it is moved for that
+constexpr double patch = 0.75;        // [spacings] about a sample that it stands for
 constexpr double patch_margin = 0.25; // [spacings] by how much a point of it may be nearer to another solid, off edges
-constexpr double still = 1e-7;      // [spacings]
+constexpr double still = 1e-7;        // [spacings]
 constexpr int settlings = 16;
 constexpr int halvings = 24;
 constexpr double straight = 1e-4; // [spacings] that an edge may be off its tangent
@@ -49,8 +49,8 @@ bool NearestFeatures::covered(const Vec3& foot, const Vec3& normal) const {
     });
 }
 
-// The touch as it is seen from where the point is out of all that it overlaps, moved into its own solid; nothing where others cover
-// the surface.
+// The touch from the position at which the point is out of all that it overlaps, moved into its own solid; nothing
+// where others cover the surface.
 std::optional<Touch> NearestFeatures::seen(Touch touch, const Vec3& inwards) const {
     const double least = lift * spacing_;
     const auto nearest = [&](const Vec3& x) {

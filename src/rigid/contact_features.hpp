@@ -60,8 +60,8 @@ struct Near {
 };
 
 // Pairs of points of two solids that are nearest to each other: their normal lies in the normal cones of both. The signed distance
-// decides: a direction d is in the cone of the point x when the point at x + e d is at the distance e.
-// Solids that rest count as one, so that no face is seen that another one covers.
+// is the criterion: a direction d is in the cone of the point x when the point at x + e d is at the distance e.
+// Solids that rest count as one, so that no face counts that another one covers.
 class NearestFeatures {
 public:
     // `around`: what else rests near the two.

@@ -11,7 +11,7 @@ constexpr double settled = 1e-9;    // error of velocities, over that by gravity
 constexpr double taken_back = 0.2;  // of an overlap, per step
 constexpr double tolerated = 0.005; // overlap, in spacings, that keeps contacts closed
 constexpr double shifted = 1e-8;    // error of shifts, in spacings
-// Below this share of what bodies would give way by themselves, joints hold them.
+// Below this share of the free bodies' response, joints count as holding them.
 constexpr double held = 1e-9;
 
 using Eigen::Index;

@@ -33,7 +33,7 @@ double RigidBodies::gravity_along(const Contact& contact) const {
     return along(contact.body) - (contact.other >= 0 ? along(static_cast<std::size_t>(contact.other)) : 0);
 }
 
-// State of the contact in the rest of the step, and the velocity that it wants for that. Velocities are those of the
+// State of the contact in the rest of the step, and its target velocity. Velocities are those of the
 // middle of the step, from which gravity makes those at the time of an impact: with them the speed before it is given
 // back, times the restitution, and the motion along straight lines, before and after, leads where the one along
 // parabolas does.

@@ -13,7 +13,7 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr int rounds = 40;
-constexpr int idle_rounds = 8; // in a row that do not halve the error, after which no more is tried
+constexpr int idle_rounds = 8; // in a row that do not halve the error, after which the iteration ends
 constexpr int sweeps = 20;     // of Gauss-Seidel, a round
 constexpr int guesses = 40;    // of who touches, a round
 constexpr int at_once = 8;     // of these, all contacts together
@@ -162,7 +162,8 @@ private:
         return out;
     }
 
-    // The states of all contacts anew, or that of the one whose state is most wrong, without which guesses may go round in circles.
+    // The states of all contacts anew, or that of the one whose state is most wrong, without which the iteration may
+    // cycle.
     enum class Guess { all, worst };
     void guess(Guess which) {
         std::vector<Verdict> now;

@@ -6,10 +6,10 @@
 namespace treacle::rigid {
 
 namespace {
-// Fraction of a row's own response that others leave when the row says nothing new: the square of how far off roundings
-// and gaps put it.
+// Fraction of a row's own response that others leave when the row depends on others: the square of how far off
+// roundings and gaps put it.
 constexpr double redundant = 1e-9;
-// Rest of a diagonal entry of the response, over the entry, when other motions say the same already.
+// Rest of a diagonal entry of the response, over the entry, when it depends on other motions.
 constexpr double same_motion = 1e-12;
 
 Vec3 part(std::span<const double> numbers, std::size_t at) {

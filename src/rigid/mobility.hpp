@@ -23,7 +23,7 @@ struct JointRow {
 };
 
 // Response of bodies linked by joints to impulses: the matrix M^-1 - M^-1 J^T (J M^-1 J^T)^+ J M^-1, symmetric and
-// positive semidefinite, with the rows J of the joints. Rows that say again what others say are left out. Impulses and
+// positive semidefinite, with the rows J of the joints. Rows that depend linearly on others are left out. Impulses and
 // velocities are 6 numbers a body, angular ones about its centre.
 class Mobility {
 public:

@@ -6,7 +6,7 @@
 namespace treacle::scene {
 
 // A liquid with its properties at one temperature. Those of food and cosmetics scatter by tens of per cent
-// and more between products: the source says so, and a measurement of the user's own is better.
+// and more between products: the source states it, and a measurement of the user's own is better.
 struct Material {
     std::string_view name;
     double density = 0;         // [kg/m3]

@@ -293,7 +293,7 @@ struct Camera {
     Vec3 up{0, 0, 1};                       // of any length
     double field_of_view = 0.7;             // vertical [rad]
     int width = 1280, height = 720;         // [pixels]
-    bool automatic = true;                  // placed to see the whole domain
+    bool automatic = true;                  // placed such that the whole domain is in the picture
     bool size_given = false;                // width or height stand in the scene
     std::string where;                      // of the file
 
@@ -322,7 +322,7 @@ struct Measurement {
 };
 
 // Everything of the scene file that is not an option of a method. Declares its blocks side by side into the
-// root; what parses is consistent in itself, but shapes and meshes have not been looked at.
+// root; what parses is consistent in itself, but shapes and meshes have not been read.
 struct Scene {
     int schema_version = 1;
     std::string title;

@@ -14,8 +14,8 @@ namespace {
 constexpr std::array orders{0.5, 0.75, 1.0, 1.25, 1.5, 1.75, 2.0};
 constexpr std::array sizes{0.003, 0.01, 0.03, 0.1, 0.3, 1.0}; // of the coarsest rung's error
 constexpr std::array noise_factors{0.5, 0.71, 1.0, 1.41, 2.0, 2.83, 4.0};
-constexpr double usual_order = 1.1, order_deviation = 0.3; // before the rungs are seen: free surfaces are of first order, what else there is of second
-constexpr double impurity = 0.1;    // of a power of the spacing, relative
+constexpr double usual_order = 1.1, order_deviation = 0.3; // without the rungs: free surfaces are of first order, what else there is of second
+constexpr double impurity = 0.1;     // of a power of the spacing, relative
 constexpr double noise_order = 1.5;  // in spacing
 constexpr int passes = 3;            // of the slope that the impurity is a part of
 constexpr double least_noise = 1e-5; // of values that are given without

@@ -12,7 +12,7 @@
 namespace treacle::sph {
 
 namespace {
-// A solid particle costs little: only those near liquid are looked at.
+// A solid particle costs little: only those near liquid are processed.
 constexpr double solid_weight = 0.05;
 
 bool viscosity_by_operator(const IsphSetup& setup) {
@@ -98,15 +98,15 @@ void IsphStep::rebalance() {
 
 void IsphStep::place_liquid() {
     auto window = migration_.to_owner(liquid_.store, decomposition_).cells;
-    if (solids_unknown(setup_.options)) window = decomposition_.box(); // solids look for liquid of other ranks as well
+    if (solids_unknown(setup_.options)) window = decomposition_.box(); // solids have liquid of other ranks as neighbours
     sort_.sort(liquid_.store, setup_.grid, window, cells_);
     halo_.rebuild(liquid_.store, cells_);
 }
 
 void IsphStep::place_solids() {
     const auto occupied = migration_.to_owner(solid_.store, decomposition_).cells;
-    // The whole box, not only the cells with solids: liquid anywhere in it meets the solids of other ranks, and it
-    // moves on before the solids are placed anew.
+    // The whole box, not only the cells with solids: liquid anywhere in it may be near the solids of other ranks, and
+    // it moves on before the solids are placed anew.
     sort_.sort(solid_.store, setup_.grid, join(decomposition_.box(), occupied), solid_cells_);
     solid_halo_.rebuild(solid_.store, solid_cells_);
     solid_halo_.gather(solid_.store, {solid_.volume_field(), solid_.body_field(), solid_.velocity_field(), solid_.normal_field()});

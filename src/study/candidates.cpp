@@ -53,7 +53,7 @@ std::vector<Candidate> candidates_of(const Study& study, const std::vector<Point
             try {
                 out.push_back(candidate_of(study, scene, point, read_scene));
             } catch (const InputError& error) {
-                // A fault of a key at every point is told once, with the first value.
+                // A fault of a key at every point is reported once, with the first value.
                 for (const auto& problem : error.diagnostics()) {
                     const bool known = std::ranges::any_of(problems, [&](const Diagnostic& one) {
                         return without_values(one.where) == without_values(problem.where) && without_values(one.problem) == without_values(problem.problem);

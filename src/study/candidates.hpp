@@ -6,14 +6,14 @@
 
 namespace treacle::study {
 
-// A key of a scene that is set, and the place that asks for it: "study.yaml:12: viscosity".
+// A key of a scene that is set, and the place that states it: "study.yaml:12: viscosity".
 struct Assignment {
     std::string text; // "liquids.syrup.viscosity=12 Pa.s"
     std::string origin;
 };
 
-// Facts of a scene for a study; the program's own reader of scenes tells it. Throws InputError where the scene is not
-// valid with these assignments.
+// Facts of a scene for a study; returned by the program's own reader of scenes. Throws InputError where the scene is
+// not valid with these assignments.
 struct SceneFacts {
     std::string content; // all that a run's result depends on: every value, and the contents of the files that it names
     double end = 0;      // [s] of simulated time
@@ -30,7 +30,7 @@ JournalOwner owner_of(const Study& study, const std::string& program);
 // Version and sources of this program, in one line.
 std::string program_identity();
 
-// A run that may be asked for.
+// A run that may be requested.
 struct Candidate {
     std::string scene; // its name
     Point values;
@@ -40,7 +40,7 @@ struct Candidate {
     std::vector<std::string> changes = {}; // as in RunRequest
     double cut = no_cut; // it may stop early once its objective is above
 };
-// Throws InputError when the scene refuses the values or changes.
+// Throws InputError when the values or changes are invalid for the scene.
 Candidate candidate_of(const Study& study, const StudyScene& scene, const Point& values, const SceneReader& read_scene, const std::vector<std::string>& changes = {});
 // Candidates of every point in every scene, the scenes of a point side by side. Throws InputError with what is wrong in
 // all of them.

@@ -10,7 +10,7 @@ namespace treacle::study {
 // Parameters File Data Format"), and the number of the evaluation.
 struct DakotaParameters {
     std::vector<std::pair<std::string, std::string>> variables; // label, value
-    int evaluation = 0;                                         // 0: not told
+    int evaluation = 0;                                         // 0: not stated
 };
 // Throws InputError with file:line.
 DakotaParameters read_dakota_parameters(const std::filesystem::path& path);

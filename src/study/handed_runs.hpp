@@ -16,9 +16,9 @@ std::vector<std::int64_t> hand_out(const Study& study, const Journal& journal, s
 
 // Numbers of folders that take_in() found.
 struct TakenIn {
-    int done = 0, failed = 0; // new outcomes
-    int known = 0;            // had the same outcome before
-    int open = 0;             // handed out, and not done yet
+    int done = 0, failed = 0;      // new outcomes
+    int known = 0;                 // had the same outcome before
+    int open = 0;                  // written as requests, and not done yet
     std::vector<std::string> left; // folders that were left alone, each with the reason
 };
 // Takes the results in the folders into the journal, in the order of their numbers. A result that comes after its run was

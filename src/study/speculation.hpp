@@ -8,13 +8,13 @@
 
 namespace treacle::study {
 
-// Runs that may be asked for later, done on lanes that would idle. A finished one lies in FOLDER/KEY until a run of its key is
-// asked for. No journal and no table knows of them, so that a study's answer is the same with them and without.
+// Runs that may be requested later, done on lanes that would idle. A finished one lies in FOLDER/KEY until a run of its
+// key is requested. No journal and no table contains them, so that a study's answer is the same with them and without.
 class Speculation {
 public:
     Speculation(const Study& study, std::filesystem::path folder) : study_(study), folder_(std::move(folder)) {}
 
-    // The likeliest first; those offered before that have not been started are forgotten.
+    // The likeliest first; those offered before that have not been started are removed.
     void offer(std::vector<Candidate> candidates);
     bool is_idle() const { return offered_.empty() && running_.empty(); }
 
@@ -23,19 +23,18 @@ public:
     std::optional<LaneTask> next(const Journal& journal);
     // The last of those under way that is no more offered. Its lane may be taken for one that is.
     std::optional<std::int64_t> stale() const;
-    // The one started last of those under way that nobody has asked for. Its lane may be taken for a run that was asked
-    // for.
+    // The one started last of those under way without a request. Its lane may be taken for a requested run.
     std::optional<std::int64_t> least_wanted() const;
-    // True when a run of this key is under way; it is then kept to its end for who asked.
+    // True when a run of this key is under way; it is then kept to its end for the request.
     bool claim(const std::string& key);
-    // The run on this lane task has ended, or was ended: its key, and whether it was asked for. Unless it has a result, its
-    // folder is removed.
+    // The run on this lane task has ended, or was ended: its key, and true when it was requested. Unless it has a
+    // result, its folder is removed.
     struct Ended {
         std::string key;
         bool claimed = false;
     };
     Ended ended(std::int64_t number);
-    // Moves a finished run to the folder of the run that was asked for; false when there is none.
+    // Moves a finished run to the folder of the run that was requested; false when there is none.
     bool take(const std::string& key, const std::filesystem::path& folder) const;
     double bytes() const; // on disk
 

@@ -18,10 +18,10 @@ namespace treacle::study {
 
 namespace {
 constexpr const char* session_folder = "session";
-constexpr double stop_grace = 20; // [s] for runs that are asked to end
+constexpr double stop_grace = 20;                  // [s] for runs that got SIGTERM
 constexpr std::uintmax_t least_space = 16'000'000; // [bytes] of the disk: what the start of a run's ranks takes
 
-// The last line of a run's log that says something: the error that ended it.
+// The last line of a run's log that is not empty: the error that ended it.
 std::string last_words(const std::filesystem::path& log) {
     std::ifstream file(log);
     std::string line, last;
@@ -58,7 +58,7 @@ RunStatus status_of(const LaneResult& result) {
     case ExitCode::out_of_memory: return RunStatus::out_of_memory;
     default: break;
     }
-    // A launcher tells the signal of a rank so.
+    // Exit code of a launcher for the signal of a rank.
     return result.ending.exit_code > 128 && result.ending.exit_code < 160 ? RunStatus::killed : RunStatus::failed;
 }
 
@@ -121,7 +121,8 @@ bool StudyRuns::adopt_finished(std::int64_t number) {
     const auto& run = request(number);
     auto result = read_result(run_folder(number), run.key);
     if (result && result->bound && *result->bound <= cut(number)) result.reset();
-    // Speculative runs have no cut. Where one is asked for with a cut, what is recorded would depend on what lanes had time for.
+    // Speculative runs have no cut. Where one is requested with a cut, what is recorded would depend on what lanes had
+    // time for.
     const bool may_take = cut(number) == no_cut;
     if (!result && may_take && speculation_.take(run.key, run_folder(number))) result = read_result(run_folder(number), run.key);
     if (result) {
@@ -295,7 +296,7 @@ void StudyRuns::give_up(std::int64_t speculative) {
     speculation_.ended(speculative);
 }
 
-// Runs that were asked for, each on a free lane or one that speculates; on the lanes that are left what is speculated about.
+// Requested runs, each on a free lane or one that speculates; on the lanes that are left what is speculated about.
 void StudyRuns::fill_lanes(std::deque<std::int64_t>& queue, std::set<std::int64_t>& under_way) {
     const auto make_room = [&](std::optional<std::int64_t> number) {
         if (number) give_up(*number);
@@ -324,7 +325,7 @@ void StudyRuns::take(const std::vector<LaneResult>& results, std::deque<std::int
     for (const auto& result : results) {
         if (result.number > 0) {
             under_way.erase(result.number);
-            // A run that was asked to end has no outcome; it is done again.
+            // A run that was stopped has no outcome; it is done again.
             if (result.end == LaneEnd::stop && (result.ending.exit_code != 0 || result.ending.signal != 0)) continue;
             finish(result);
             continue;
@@ -334,7 +335,7 @@ void StudyRuns::take(const std::vector<LaneResult>& results, std::deque<std::int
         const auto number = journal_.find(ended.key)->number;
         under_way.erase(number);
         changed_ = true;
-        // One that failed fails again, and then says why.
+        // One that failed fails again, and then logs the reason.
         if (!adopt_finished(number)) queue.push_front(number);
     }
 }

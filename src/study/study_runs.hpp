@@ -29,23 +29,23 @@ struct StudySetup {
 // End of StudyRuns::run(): all runs have an outcome, or a stop was asked for.
 enum class StudyEnd { complete, stopped };
 
-// The runs of a study: asked for by values, done once each on lanes, remembered in the journal.
+// The runs of a study: requested by values, done once each on lanes, recorded in the journal.
 class StudyRuns {
 public:
-    // Makes the folder, and takes it for itself. Throws InputError when another program holds it, and for a journal of
+    // Makes the folder, and locks it. Throws InputError when another program holds it, and for a journal of
     // another study.
     StudyRuns(const Study& study, StudySetup setup, Log& log);
 
-    // The number of this run: that of the same run asked for before, or the next one. Its cut holds until it is asked for anew: a run that
-    // stopped early at a bound which is not above it is done again.
+    // The number of this run: that of an earlier request of the same run, or the next one. Its cut holds until the next
+    // request: a run that stopped early at a bound which is not above it is done again.
     std::int64_t ask(const Candidate& candidate);
     // Does those of the runs that have no outcome yet, on all lanes, in their order. Failed ones stay so, unless they are to
     // be retried. Outcomes are the same on any number of lanes. Throws InputError for a figure that a run's tables do not
     // have; the runs that are done stay so.
     StudyEnd run(std::span<const std::int64_t> runs, bool retry_failed = false);
 
-    // Candidates that may be asked for later, the likeliest first: work for lanes that idle while `run` waits for its runs. They
-    // change no outcome. Those offered before are forgotten; without any, what is under way is ended.
+    // Candidates that may be requested later, the likeliest first: work for idle lanes while `run` blocks. They
+    // change no outcome. Those offered before are removed; without any, what is under way is ended.
     void offer(std::vector<Candidate> candidates);
 
     // For those who do the runs themselves: the runs without an outcome, each once, in their order; the folder and request of
@@ -89,11 +89,11 @@ private:
     std::vector<std::pair<std::filesystem::path, Journal>> others_; // studies whose runs count
     int lane_count_;
     Speculation speculation_;
-    std::unique_ptr<Lanes> lanes_; // while runs are done, and as long as there is something to speculate about
-    bool changed_ = false; // runs have ended since the last report
-    double simulated_end_ = 0; // [s], of the last run that was asked for
-    std::map<std::int64_t, double> work_; // of the runs asked for
-    std::map<std::int64_t, double> cuts_; // of those asked for last, where they have one
+    std::unique_ptr<Lanes> lanes_;        // while runs are done, and as long as there is something to speculate about
+    bool changed_ = false;                // runs have ended since the last report
+    double simulated_end_ = 0;            // [s], of the last requested run
+    std::map<std::int64_t, double> work_; // of the requested runs
+    std::map<std::int64_t, double> cuts_; // of those requested last, where they have one
     std::chrono::steady_clock::time_point start_, last_report_;
 };
 

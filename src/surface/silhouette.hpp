@@ -17,8 +17,8 @@ struct HidingTriangles {
     std::vector<std::array<int, 3>> triangles; // [m][3]
 };
 
-// (SI1) The liquid as a camera sees it: a pixel is covered when its centre lies in a projected triangle, on an edge only when
-// that is a top or left one, and no solid is nearer there. The same bits on any number of ranks.
+// (SI1) The liquid in a camera's picture: a pixel is covered when its centre lies in a projected triangle, on an edge
+// only when that is a top or left one, and no solid is nearer there. The same bits on any number of ranks.
 struct Silhouette {
     int width = 0, height = 0;
     std::vector<std::uint8_t> mask;  // [height][width] 1: liquid

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Cameras from files: poses in a scene, pictures through a real lens, and what is said about bad input.
+"""Cameras from files: poses in a scene, pictures through a real lens, and messages about bad input.
 
 usage: calibrate_test.py PROGRAM MPIEXEC
 """
@@ -86,7 +86,7 @@ class Cameras(Workplace):
             self.assertEqual(self.picture(os.path.join("pictures1", name)), self.picture(os.path.join("pictures2", name)))
         drawn = optics.read_png(self.path("pictures1", names[0]))
         self.assertEqual(drawn.shape, (240, 320))
-        # The top front edge of the block, seen where the lens sees it: liquid below, none above.
+        # The top front edge of the block, at the pixel of the lens model: liquid below, none above.
         at = optics.project(LENS, turn, shift, numpy.array([[0.05, 0.0, 0.06]]))[0]
         above, below = (drawn[int(round(at[1])) + step, int(round(at[0]))] for step in (-4, 4))
         self.assertGreater(abs(above - below), 0.05)

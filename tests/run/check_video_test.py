@@ -55,7 +55,7 @@ class CheckVideo(Workplace):
 
     def test_camera_that_moves(self):
         films.film(self.path("film"), GROWING)
-        # The last frames see another part of the scene.
+        # The last frames show another part of the scene.
         for k in range(12, 16):
             picture = numpy.roll(films.texture(seed=9)[..., None] + numpy.zeros(3) + 150, 37, axis=1)
             films.write_png(self.path("film", f"f_{k:03d}.png"), numpy.clip(picture, 0, 255).astype(numpy.uint8))

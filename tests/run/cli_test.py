@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Runs the program as a user does: bad scenes get an answer, commands do what they say.
+"""Runs the program as a user does: bad scenes get a message, commands do what is documented.
 
 usage: cli_test.py PROGRAM MPIEXEC GROUP RANKS
 """
@@ -109,7 +109,7 @@ BAD_SCENES = {
 # Problems in one scene, where it is more than one.
 PROBLEMS = {"several_problems": 3}
 
-# A refused scene is answered before anything large is allocated: an empty program takes about 100 MB a rank.
+# The error of a bad scene comes before anything large is allocated: an empty program takes about 100 MB a rank.
 MOST_MEMORY_KB = 300_000
 
 
@@ -150,7 +150,7 @@ class Workplace(unittest.TestCase):
         return done
 
     def refusal(self, *arguments, ranks=None):
-        """Of a command that must end with exit code 2 and say something once, on rank 0, to stderr only."""
+        """Output of a command that must end with exit code 2 and print a message once, on rank 0, to stderr only."""
         done = self.treacle(*arguments, ranks=ranks, code=2)
         self.assertEqual(done.stdout, "")
         lines = without_mpi(done.stderr)
@@ -444,7 +444,7 @@ class WithRun(Workplace):
 
 
 class Alone(unittest.TestCase):
-    """The program given is lonely_error: rank 1 throws while rank 0 waits for it."""
+    """The program given is lonely_error: rank 1 throws while rank 0 blocks."""
 
     def test_an_error_on_one_rank_ends_all(self):
         done = launch([], 2)

@@ -77,7 +77,7 @@ class EarlyStop(Workplace):
                 self.assertLess(one[2], frames)
             else:
                 self.assertEqual(one[2], frames)
-        # The search asks for the same, finds the same, and its answer, of whole runs alone, is the same.
+        # The search requests the same points with the same result, and its answer, of whole runs alone, is the same.
         self.assertEqual(self.answer("early"), self.answer("whole"))
         ours, theirs = self.searched("early"), self.searched("whole")
         self.assertEqual([one[:2] for one in ours], [one[:2] for one in theirs])

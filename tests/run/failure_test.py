@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A simulation that fails ends with exit code 3, says why, and leaves the last checkpoint intact.
+"""A simulation that fails ends with exit code 3, prints the reason, and leaves the last checkpoint intact.
 
 usage: failure_test.py PROGRAM MPIEXEC RANKS
 """

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Runs that others do: asked for as folders, by job arrays or by Dakota's files, and taken in again.
+"""Runs that others do: requested as folders, by job arrays or by Dakota's files, and taken in again.
 
 usage: file_driven_test.py PROGRAM MPIEXEC
 """

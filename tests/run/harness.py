@@ -1,4 +1,4 @@
-"""What the drivers of this folder share: launching the program, and looking at what a run leaves behind."""
+"""What the drivers of this folder share: launching the program, and reading the files of a run."""
 import json
 import os
 import shutil

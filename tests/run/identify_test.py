@@ -354,7 +354,7 @@ class Identify(Workplace):
         self.write_curve(lambda rate: 10)
         at_curve, at_answer = misfits(compared()[1])
         self.assertLess(at_curve, 1.5 * at_answer + 0.1)
-        # One that takes too long is told, and so is a curve that no such law is near to.
+        # One that takes too long is reported, and so is a curve that no such law is near to.
         self.write_curve(lambda rate: 20)
         self.assertIn("timed out", compared("--set", "runs.time_limit=1 ms")[1])
         self.write_curve(lambda rate: 10 if rate < 5 else 1)

@@ -141,7 +141,7 @@ inlets: [{disc: {centre: [0.0011, 0, 0], direction: [0, 0, -1], radius: 0.01}, v
 time: {end: 0.4}
 output: {interval: 0.4}
 """
-# Liquid below an inlet, whose waiting layers are none of it.
+# Liquid below an inlet, whose buffer layers are none of it.
 BASIN = """schema_version: 1
 domain: {dimensions: 2, max: [0.6, 1.2], spacing: 4 cm}
 liquids: [{name: w, density: 1000, viscosity: 1 Pa.s, shapes: [{box: {min: [0, 0], max: [0.6, 0.8]}}]}]

@@ -23,7 +23,7 @@ SAME_MEAN = 0.02 * 0.02  # [m]
 
 class Folder(Workplace):
     def test_a_second_run_is_refused_while_the_first_goes_on(self):
-        endless = {**LONG, "time.end": "100"}  # until it is told to stop
+        endless = {**LONG, "time.end": "100"}  # until it is stopped
         first = self.start("run", DAM, "--out", "run", *overrides(endless), ranks=2)
         self.wait_for_frames(first, "run")
         for command in [["run", DAM, "--out", "run", "--overwrite"], ["resume", "run"]]:
@@ -67,7 +67,7 @@ class Kill(Workplace):
         return max((int(name[11:20]) for name in names if name.endswith(".h5")), default=0)
 
     def wait_for_checkpoints(self, process, count):
-        """Until the sitting has written so many, and for a part of the time that they took."""
+        """Until the session has written so many, and for a part of the time that they took."""
         begun, first = time.monotonic(), self.saved()
         while process.poll() is None and self.saved() < first + CHECKPOINT * count:
             time.sleep(0.002)

@@ -1,6 +1,6 @@
 #include "app/study/end_together.hpp"
 
-// Rank 1 throws outside of any guard while the others wait for it.
+// Rank 1 throws outside of any guard while the others block.
 int main(int argc, char** argv) {
     using namespace treacle;
     const MpiRuntime mpi(argc, argv);

@@ -65,7 +65,7 @@ class New(Workplace):
                 self.assertEqual(words[0], "treacle")
                 told = self.treacle(*words[1:]).stdout
         value = float(re.search(r"viscosity = (\S+) Pa.s, 90 % interval", told).group(1))
-        # What each template is asked for, and no less.
+        # Minimal results of each template's commands.
         self.assertLess(abs(value / 9 - 1), 0.05, told)
         self.assertIn("index.html", told)
 

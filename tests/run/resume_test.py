@@ -126,7 +126,7 @@ class Resume(Workplace):
                                  len(os.listdir(self.path("run", "frames"))), "solids of every frame")
 
     def test_bodies_from_files_keep_their_shapes(self):
-        """The files are looked up beside the scene; a run goes on from elsewhere, and ends when they are gone."""
+        """The files are searched beside the scene; a run goes on from elsewhere, and ends when they are gone."""
         mesh = self.path("wedge.obj")
         with open(mesh, "w") as file:
             file.write(WEDGE)

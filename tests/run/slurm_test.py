@@ -15,7 +15,7 @@ from sweep_test import Study
 
 ROOT = os.path.dirname(os.path.dirname(harness.HERE))
 SLURM = os.path.join(ROOT, "tests", "slurm", "slurm")
-# The program; task 5 waits in its first attempt, to be killed there.
+# The program; task 5 sleeps in its first attempt, to be killed there.
 WAITING = """#!/bin/sh
 if [ "$SLURM_ARRAY_TASK_ID" = 5 ] && [ "${{SLURM_RESTART_COUNT:-0}}" = 0 ]; then touch {folder}/waits; exec sleep 300; fi
 exec {program} "$@"
@@ -42,7 +42,7 @@ class Jobs(Study):
 
     def start_again_at_once(self, job):
         self.wait(lambda: "PENDING" in self.states(job), job)
-        time.sleep(5)  # the node remembers that it has killed the job, to the second
+        time.sleep(5)  # the node records that it has killed the job, to the second
         self.run_command("scontrol", "update", f"JobId={job}", "StartTime=now")
 
     def wait(self, condition, job, seconds=200):

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Liquids start with the motion that the scene says, and shapes made of shapes hold liquid back, with both methods.
+"""Liquids start with the motion that the scene states, and shapes made of shapes hold liquid back, with both methods.
 
 usage: start_test.py PROGRAM MPIEXEC
 """

@@ -15,13 +15,13 @@ from harness import SCENES, TIGHT, Workplace, overrides, ranks_of
 DAM = os.path.join(SCENES, "dam.yaml")
 RANKS = 1
 SAME_RANKS = 1e-12  # as in resume_test.py
-# A run of 200 steps takes a second or more: time to ask it to stop. Frames every 10 steps tell that it is under way.
+# A run of 200 steps takes a second or more: time to stop it. Frames every 10 steps show that it is under way.
 LONG = {**TIGHT, "time.end": "0.2", "time.step": "0.001", "output.interval": "0.01",
         "output.checkpoint_interval": "0", "lost_limit": "0.1"}
 
 
 class Stop(Workplace):
-    straight = None  # the last frame of the run that nobody stops
+    straight = None  # the last frame of the run without a stop
 
     def setUp(self):
         super().setUp()

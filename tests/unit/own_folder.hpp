@@ -5,7 +5,7 @@
 
 namespace treacle::test {
 
-// A folder that nobody else has, gone with all that is in it at the end of the test.
+// A folder of this test alone, removed with all that is in it at the end of the test.
 class OwnFolder {
 public:
     OwnFolder() {

@@ -1,4 +1,4 @@
-"""A tank of liquid at rest: run once, and looked at after its start has died away."""
+"""A tank of liquid at rest: run once, and evaluated after its start has died away."""
 import os
 import sys
 
@@ -32,7 +32,7 @@ class TankAtRest(Workplace):
         self.settled_frames, self.history, self.loads = type(self).done
 
     def slope(self, frame, low, high, of=True):
-        """Of the pressure over the depth [Pa/m] between two heights, where no particle sees a wall, the surface or an
+        """Of the pressure over the depth [Pa/m] between two heights, where no particle's support has a wall, the surface or an
         interface."""
         x, p = frame["position"], frame["pressure"]
         margin = 3 * SPACING

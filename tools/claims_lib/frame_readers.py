@@ -1,4 +1,4 @@
-"""Frames as users' readers see them: h5py and VTK."""
+"""Frames in users' readers: h5py and VTK."""
 
 import dataclasses
 

@@ -40,7 +40,7 @@ def wall_corrected(viscosity, tube):
 
 def fall(context, folder, viscosity, cells, *, tube=False, coupling="strong", solve="together", ranks=2):
     """Velocity of the ball after its start, or the fastest one where the coupling lets it reach the floor [m/s], with steps
-    that its velocity at the end asks for, not its start. In the box of the tube, since that of scene.yaml is so short that its
+    that its velocity at the end requires, not its start. In the box of the tube, since that of scene.yaml is so short that its
     surface lets the ball sink 7 % faster."""
     relaxation = 2 / 9 * (DENSITIES[1] + DENSITIES[0] / 2) * RADIUS**2 / viscosity
     end = min(max(15 * relaxation, STEPS * STEP), LONGEST)

@@ -55,7 +55,7 @@ def meshes(context):
 def build_peer(context, folder):
     source = pathlib.Path(context.peer(NAME)).resolve() / "src"
     program = folder / NAME
-    windows = ["-Derrno_t=int", "-Dfopen_s(file,name,mode)=((*(file)=fopen(name,mode))==nullptr)"]  # its loadOBJ knows no other
+    windows = ["-Derrno_t=int", "-Dfopen_s(file,name,mode)=((*(file)=fopen(name,mode))==nullptr)"]  # its loadOBJ reads no other
     files = [path for path in sorted(source.glob("*.cpp")) if path.name != "main.cpp"]
     execute(context, ["c++", "-O3", "-std=c++11", *windows, f"-I{source}", pathlib.Path(__file__).with_name("flipviscosity3d.cpp"),
                       *files, "-o", program])
@@ -72,7 +72,7 @@ def run_peer(context, program, cells, viscosity, folder):
 
 
 def our_steps(context, cells, viscosity, folder):
-    """Of one run, for all that look at it."""
+    """Of one run, for all that use it."""
     return context.once(("bunny in a sphere", cells, viscosity), lambda: run_ours(context, cells, viscosity, folder))
 
 
@@ -88,7 +88,7 @@ def seconds_of(steps):
 
 
 def compare(context, program, cells, viscosity, folder):
-    """A line of text, and whether ours is as much faster as asked: in the air, and in the sphere."""
+    """A line of text, and whether ours is as much faster as required: in the air, and in the sphere."""
     theirs, particles = run_peer(context, program, cells, viscosity, folder)
     steps = our_steps(context, cells, viscosity, folder)
     ours, landed = seconds_of(steps), steps["time"] > TOUCH

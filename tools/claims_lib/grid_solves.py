@@ -38,7 +38,7 @@ def viscosity_solve(context):
 
 
 def pressure_solve(context):
-    """The test holds 24^3 and 48^3 to what was measured; what was asked is less."""
+    """The test holds 24^3 and 48^3 to what was measured; the requirement is less."""
     parts, ok = [], True
     for ranks in (1, 4):
         report = run_gtest(context, "grid_pressure_test", "Pressures.TakeFewIterationsWhateverTheSize", ranks=ranks)

@@ -48,7 +48,7 @@ def run_gtest(context, program, name_filter, *, ranks=0, timeout=1800):
 
 
 def gtest_on_ranks(context, program, name_filter, *, at_least):
-    """The figure of tests that must pass on 1, 2, 3 and 4 ranks, no fewer of them than said."""
+    """The figure of tests that must pass on 1, 2, 3 and 4 ranks, no fewer of them than stated."""
     reports = {ranks: run_gtest(context, program, name_filter, ranks=ranks) for ranks in (1, 2, 3, 4)}
     ok = all(report.ok and report.ran >= at_least for report in reports.values())
     return Figure("; ".join(f"{ranks} ranks: {report.text()}" for ranks, report in reports.items()), ok)

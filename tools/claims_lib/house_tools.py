@@ -63,7 +63,7 @@ def tidy(context):
 
 
 def spelling(context):
-    """Words that are right though it does not know them stand in .codespellrc, with a reason."""
+    """Right words that are not in its dictionary stand in .codespellrc, with a reason."""
     program, version = needed(context, "codespell")
     tracked = subprocess.run(["git", "ls-files"], capture_output=True, text=True, cwd=context.root, check=True).stdout.splitlines()
     context.note([program, "$(git ls-files)"])

@@ -226,7 +226,7 @@ def recovered(context, viscosity, folder):
 
 
 def all_recovered(context):
-    """The answers by viscosity; those that were there when a call was stopped are not sought again."""
+    """The answers by viscosity; those that were there when a call was stopped are not computed again."""
     found = {}
     with kept(context, "container") as root:
         for viscosity in [10] if context.quick else sorted(THEIRS):

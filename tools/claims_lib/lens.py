@@ -1,4 +1,4 @@
-"""Cameras with OpenCV's distortion and what they see, for rows on cameras: written anew from the formulas, so that the
+"""Cameras with OpenCV's distortion and their projections, for rows on cameras: written anew from the formulas, so that the
 program is compared with something that is not itself."""
 
 import dataclasses

@@ -15,7 +15,7 @@ THREADS = 2
 DENSITY_ERROR = 1e-4  # of both, mean share of the rest density
 # Liquid cubes of this many particles a side, the time step, our corrections of the pressures, and the ends of its DFSPH and
 # of its IISPH [s]: two sizes of the same tank. Its liquid starts thinner than at rest, and its solves are cheap until it is
-# not: to end early spares it iterations. Each is compared over the steps that it made. Steps of 4 ms want a correction.
+# not: to end early spares it iterations. Each is compared over the steps that it made. Steps of 4 ms need a correction.
 CASES = ((49, 2e-3, 0, 0.32, 0.32), (49, 4e-3, 1, 0.32, 0.32), (76, 1.3e-3, 0, 0.39, 0.2))
 QUICK_CASE = (30, 4e-3, 1, 0.32, 0.32)
 LID = {"domain.boundaries.z_max": "wall"} # as the peer's tank has

@@ -39,7 +39,7 @@ class Finished:
 
 
 def execute(context, command, *, expect=0, timeout=3600, env=None, cwd=None):
-    """Runs a command and notes it. expect: the exit code that it must have, or None for any."""
+    """Runs a command and notes it. expect: the required exit code, or None for any."""
     command = [str(word) for word in command]
     context.note(command)
     start = time.monotonic()

@@ -41,7 +41,7 @@ def draw_board(rays, turn, shift, random, noise):
     """A picture of the board on a grey table: light that falls off to the rim, blur of 0.8 pixel, noise."""
 
     def tone(x, y):
-        # Where the ray (x, y, 1) meets the plane of the board.
+        # Where the ray (x, y, 1) crosses the plane of the board.
         along = (turn[:, 2] @ shift) / (turn[0, 2] * x + turn[1, 2] * y + turn[2, 2])
         point = [along * a - s for a, s in zip((x, y, 1.0), shift)]
         u, v = (sum(turn[k, axis] * point[k] for k in range(3)) / SQUARE for axis in (0, 1))
@@ -58,7 +58,7 @@ def draw_board(rays, turn, shift, random, noise):
 
 
 def distortion_error(found, truth):
-    """Largest difference [pixels] over the picture of where two lenses see the same ray, apart from what focal lengths and
+    """Largest difference [pixels] over the picture between the images of one ray in two lenses, apart from what focal lengths and
     a turn of the camera explain: the former have a figure of their own, the latter belongs to the pose."""
     u, v = (a.ravel() for a in numpy.meshgrid(numpy.linspace(0, truth.width - 1, 41), numpy.linspace(0, truth.height - 1, 25)))
     x, y = truth.rays(u, v)
@@ -208,7 +208,7 @@ distortion_coefficients: [{6}]
 
 
 def camera_pose(random):
-    """World to camera of one that looks at the block from somewhere above the table, everything in the picture."""
+    """World to camera of one directed at the block from somewhere above the table, everything in the picture."""
     while True:
         azimuth, height = random.uniform(0, 2 * numpy.pi), random.uniform(0.25, 1.1)
         middle = BLOCK / 2 + random.uniform(-0.01, 0.01, 3)
@@ -243,7 +243,7 @@ def smooth_noise(random, shape, deviation, length):
 
 
 def block_mask(random, turn, shift):
-    """Black where a ray meets the block, each pixel moved by noise that is alike over some pixels."""
+    """Black where a ray hits the block, each pixel moved by noise that is alike over some pixels."""
     seen = optics.project(BOARD_LENS, turn, shift, corners_of_block())
     low, high = numpy.floor(seen.min(axis=0)).astype(int) - 6, numpy.ceil(seen.max(axis=0)).astype(int) + 7
     low, high = numpy.maximum(low, 0), numpy.minimum(high, [BOARD_LENS.width, BOARD_LENS.height])

@@ -22,7 +22,7 @@ output: {{interval: 10}}
 
 
 def flows(context, names, asked):
-    """Tests whose figures lie within what is asked."""
+    """Tests whose figures lie within the requirement."""
     report = run_gtest(context, "grid_stokes_flows_test", ":".join(f"StokesFlows.{name}" for name in names))
     return Figure(report.text(), report.ok and report.ran == asked)
 

@@ -65,7 +65,7 @@ def place(bodies, name="b"):
 
 
 def glides(along, speed, way):
-    """The judge of a body that must go on as it does: its speed and the way it comes by, to 1 %."""
+    """Check of a body that must go on as it does: its speed and the way it comes by, to 1 %."""
     def judge(run):
         bodies = run.bodies()
         moved = place(bodies)

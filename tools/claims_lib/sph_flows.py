@@ -372,7 +372,7 @@ def seen_height(run, _):
 
 
 def waiting_layers(context):
-    """Liquid 0.8 m deep, and an inlet at it or above it, behind which layers wait."""
+    """Liquid 0.8 m deep, and an inlet at it or above it, behind which there are buffer layers."""
     rows = context.sample(itertools.product((0.8, 0.86, 0.96), (0.1, 0.3, 0.6)), 3)
     return over_cases(context, rows, "basin", lambda row: BASIN.format(centre=row[0], width=row[1]), seen_height,
                       lambda row: f"inlet at {row[0]} m, {row[1]} wide")

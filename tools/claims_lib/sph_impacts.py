@@ -1,4 +1,4 @@
-"""Rows of `sph` on impacts: a liquid that meets a wall, a body or a liquid loses energy and never gains it."""
+"""Rows of `sph` on impacts: a liquid that hits a wall, a body or a liquid loses energy and never gains it."""
 
 import dataclasses
 import itertools

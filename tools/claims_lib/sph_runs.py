@@ -1,4 +1,4 @@
-"""Runs behind the rows of `sph`: on 1, 2 and 3 ranks, looked at however they end, and their energies."""
+"""Runs behind the rows of `sph`: on 1, 2 and 3 ranks, evaluated however they end, and their energies."""
 
 import contextlib
 
@@ -25,7 +25,7 @@ def scene_run(context, text, name, *, ranks=2, **options):
 
 
 def judged(run, fault, judge):
-    """What judge(run) returns, a text and whether it is right; a run that ended badly is not right, whatever it shows."""
+    """What judge(run) returns, a text and whether it is right; a run that ended badly is not right, whatever its results."""
     try:
         text, ok = judge(run)
     except Exception as error:

@@ -33,7 +33,7 @@ RULES = {  # of figure 2.6, by their names there
 SOLID_TERM = "unified"
 # A run is stable when at most one particle in a thousand goes through a wall, its energy never rises by more than this share
 # of the first (single particles that are thrown out of corners do not count, a layer that is does), and the mean compression
-# stays below what is asked of weakly compressible SPH (Monaghan 1994): a liquid that loses its volume is none.
+# stays below the limit of weakly compressible SPH (Monaghan 1994): a liquid that loses its volume is none.
 RISE, COMPRESSION = 0.02, 0.01
 STABLE = (f"stable: at most 0.1 % of the particles lost, energy never rises by {RISE:.0%} of the first, mean compression below "
           f"{COMPRESSION:g}; the largest step that is, with the next smaller one")

@@ -21,7 +21,7 @@ class Unmeasured(Exception):
 
 
 class CommandFailed(Exception):
-    """A command behind a row ended otherwise than the row expects."""
+    """A command behind a row ended otherwise than the row requires."""
 
 
 class TimedOut(CommandFailed):
@@ -30,7 +30,7 @@ class TimedOut(CommandFailed):
 
 @dataclasses.dataclass(frozen=True)
 class Figure:
-    """What a row measured: the figure as text, and whether it is within what was asked."""
+    """What a row measured: the figure as text, and whether it is within the requirement."""
 
     measured: str
     ok: bool
@@ -49,7 +49,7 @@ class Table:
 
     def __init__(self, name, built=True):
         self.name = name
-        self.built = built  # its rows need a build folder; those of others say so themselves
+        self.built = built  # its rows need a build folder; rows of other tables declare it
         self.rows = []
 
     def row(self, name, *, claim, asked):
@@ -81,7 +81,7 @@ class Context:
         return smallest if self.smallest else quick if self.quick else full
 
     def once(self, key, measure):
-        """What measure() returned, for rows that look at the same runs; measured once in a call of tools/claims."""
+        """What measure() returned, for rows on the same runs; measured once in a call of tools/claims."""
         if key not in self.kept:
             self.kept[key] = measure()
         return self.kept[key]

@@ -1,4 +1,4 @@
-"""Containers with a hole that are filmed and whose viscosity is searched: a study is done once, and tables and figures look at it."""
+"""Containers with a hole that are filmed and whose viscosity is searched: a study is done once, and tables and figures use it."""
 
 import dataclasses
 import math
@@ -44,7 +44,7 @@ class Study:
     found: dict  # see numbers()
 
     def trials(self, name="out"):
-        """All that ended, in the order in which the search asked for them."""
+        """All that ended, in the order of the search's requests."""
         table = Columns(self.folder / name / "table.csv")
         spacings = table["spacing"] if "spacing" in table else [math.nan] * len(table)
         rows = zip(table["run"], table["viscosity"], spacings, table.text("status"), table["seconds"])
@@ -52,7 +52,7 @@ class Study:
                 for folder in [self.folder / name / "runs" / f"{int(run):04d}"] if status == "done"]
 
     def searched(self, name="out"):
-        """E of the runs that the search asked for, in its order: without those around the answer, of other spacings and for the noise."""
+        """E of the runs that the search requested, in its order: without those around the answer, of other spacings and for the noise."""
         rows = re.findall(r"<tr><td>\d+</td><td>search</td><td>(\d+)</td>", (self.folder / name / "report/index.html").read_text())
         return [objective(self.folder / name / "runs" / f"{int(run):04d}") for run in rows]
 
@@ -91,7 +91,7 @@ def study_of(context, results, liquid, container, search_range):
 
 
 def measured(context, results, folder, liquid, container, search_range):
-    """Films a run, searches its viscosity, runs that again; what both runs tell is taken, and their frames are dropped."""
+    """Films a run, searches its viscosity, runs that again; the results of both runs are taken, and their frames are dropped."""
     containers.write_scene(folder, container)
     once(folder, "truth", lambda: containers.run_at(context, folder, "truth", container, liquid.viscosity, container.film_cells))
     once(folder, "film", lambda: containers.film(context, folder, container))

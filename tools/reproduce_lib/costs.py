@@ -16,7 +16,7 @@ def total_seconds(steps):
 
 
 def iterations_over_time(axes, rows, labels, column=0):
-    """Draws the rows (..., time [s], iterations) of each label, told by a column: each step, and a running mean."""
+    """Draws the rows (..., time [s], iterations) of each label, by a column: each step, and a running mean."""
     import numpy
 
     for label in labels:

@@ -25,7 +25,7 @@ class Entry:
     title: str
     run: object  # function of a Context and Results
     quick: int   # what it takes with --quick on two cores [s]
-    shares: str = ""  # name of the studies that it looks at with others: the second of them takes seconds
+    shares: str = ""  # name of the studies that it shares with others: the second of them takes seconds
 
 
 _entries = {}
@@ -59,7 +59,7 @@ class Results:
 
     def __init__(self, folder, ranks, out=sys.stdout, studies=None):
         self.folder = pathlib.Path(folder)
-        self.studies = studies or self.folder / "studies"  # what several entries look at
+        self.studies = studies or self.folder / "studies"  # shared by several entries
         self.ranks = ranks
         self.files = []
         self._out = out
@@ -120,7 +120,7 @@ class Results:
 
 
 def reproduce(one, context, folder, ranks, out=sys.stdout, studies=None):
-    """Runs an entry; its folder gets its files and commands.json, which says what was run."""
+    """Runs an entry; its folder gets its files and commands.json, which has the commands."""
     results = Results(folder, ranks, out, studies)
     start = time.monotonic()
     results.say(f"{one.name}: {one.title}")

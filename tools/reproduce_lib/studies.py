@@ -1,4 +1,4 @@
-"""Studies that several tables and figures look at: done once, and they go on where they were stopped."""
+"""Studies that several tables and figures use: done once, and they go on where they were stopped."""
 
 import json
 import shutil
@@ -16,7 +16,7 @@ def once(folder, name, make):
 
 
 def drop(folder, name):
-    """Removes a part, which is made again where it is asked for."""
+    """Removes a part, which is made again at its next use."""
     (folder / f"{name}.done").unlink(missing_ok=True)
     shutil.rmtree(folder / name, ignore_errors=True)
 

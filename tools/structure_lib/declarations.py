@@ -1,7 +1,7 @@
 """Public declarations of headers, and which of them no comment explains.
 
 A declaration is explained by a comment behind it, directly below it, or above it within its group: the lines about it without an empty one
-between them. The comment of a type is one for the first group of its members, too, but for numbers, which want their unit.
+between them. The comment of a type is one for the first group of its members, too, but for numbers, which need their unit.
 """
 
 import dataclasses

@@ -7,7 +7,7 @@ FOLDERS = ("src", "kokkos", "mpi")
 SUFFIXES = (".cpp", ".hpp")
 
 COMMENT = re.compile(r"^\s*//")
-# Comments, strings (raw ones first) and characters, in the order in which they hide each other; digits' separators are none.
+# Comments, strings (raw ones first) and characters, in the order of their precedence; digits' separators are none.
 HIDING = re.compile(r'//[^\n]*|/\*.*?\*/|R"(\w*)\(.*?\)\1"|"(?:\\.|[^"\\\n])*"|(?<![0-9a-fA-F])\'(?:\\.|[^\'\\\n])+\'', re.DOTALL)
 
 
@@ -50,7 +50,7 @@ def comments(text):
 
 
 def code(text, strings=True):
-    """The text without comments, and without what strings hold unless they are asked for; lines keep their numbers."""
+    """The text without comments, and without the text in strings unless `strings`; lines keep their numbers."""
     def blank(found):
         word = found[0]
         if strings and not word.startswith(("//", "/*")):

@@ -1,6 +1,6 @@
 """Home-made names that the field has terms for, and those of them that the tree still uses.
 
-A name is retired once nothing in the sources has it; from then on tools/check_structure refuses it. `IN_USE` are those that wait for that: a
+A name is retired once nothing in the sources has it; from then on tools/check_structure reports it. `IN_USE` are those still in the sources: a
 name that is renamed leaves that set.
 """
 

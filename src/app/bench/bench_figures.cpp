@@ -53,7 +53,7 @@ std::string one_line(const io::Value& value) {
 namespace {
 using Measure = std::function<double(const StepSample&)>;
 
-// Evaluation of the steps into what the table and the file say.
+// Evaluation of the steps into the numbers of the table and the file.
 class Evaluation {
 public:
     explicit Evaluation(const BenchFigures& figures) : at_(figures) {}

@@ -8,9 +8,9 @@
 
 namespace treacle::app {
 
-// Over the measured steps.
+// Median and range of a quantity over the measured steps.
 struct Spread {
-    double median = 0, min = 0, max = 0;
+    double median = 0, min = 0, max = 0; // unit of the values; 0 without values
 };
 Spread spread(std::vector<double> values);
 
@@ -49,6 +49,7 @@ struct BenchFigures {
     double counted_bytes = 0; // of the solver's own arrays, summed over the ranks
 };
 
+// Text for the terminal, and the same numbers for a JSON file in SI.
 std::string bench_table(const BenchFigures& figures);
 io::Value bench_values(const BenchFigures& figures);
 // JSON without line ends.

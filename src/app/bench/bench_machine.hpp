@@ -8,7 +8,7 @@ namespace treacle::app {
 
 // Machine and build on which the figures of a benchmark depend.
 struct Machine {
-    std::string processor; // "unknown" where the system does not tell
+    std::string processor; // "unknown" where the system has no such entry
     int cores = 0;         // of this rank's node
     std::string back_end;  // "Kokkos 3.4.1 Serial"
 };

@@ -104,7 +104,7 @@ private:
     std::int64_t rows_ = 0, entries_ = 0, particles_ = 0;
 };
 
-// Puts the particles out of their lattice and gives them the pressure of their depth, from which the step tells
+// Puts the particles out of their lattice and gives them the pressure of their depth, by which the step separates
 // the surface from the bulk.
 void PressureBench::shake() {
     const auto& liquid = step_.liquid();
@@ -217,7 +217,7 @@ void PressureBench::measure(solve::Matrix& matrix) {
             const double before = product_seconds(matrix);
             comm_.barrier();
             const auto start = Clock::now();
-            // Stops by the residual alone: the measure only listens.
+            // Stops by the residual alone: the measure is evaluated only.
             const auto listen = [&one, start](std::span<const double> r) {
                 one.history.add(r, start);
                 return 0.0;

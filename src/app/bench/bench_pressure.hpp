@@ -9,6 +9,7 @@
 
 namespace treacle::app {
 
+// Arguments of `treacle bench pressure`.
 struct PressureBenchRequest {
     std::int64_t particles = 300'000;         // about; of the dam break that is built in
     std::vector<std::string> preconditioners; // words of method.pressure.preconditioner; empty: a choice

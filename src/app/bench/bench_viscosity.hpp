@@ -8,6 +8,7 @@
 
 namespace treacle::app {
 
+// Arguments of `treacle bench viscosity`.
 struct ViscosityBenchRequest {
     std::vector<int> cells;                   // along each side of the cube; empty: 96
     std::vector<std::string> preconditioners; // words of method.viscosity.preconditioner; empty: multilevel, boomeramg

@@ -13,7 +13,7 @@ namespace treacle::app {
 
 namespace {
 
-// Collects the problems of several looks at the scene into one error.
+// Collects the problems of several checks of the scene into one error.
 class Problems {
 public:
     void of(const std::function<void()>& look) {

@@ -7,8 +7,9 @@
 
 namespace treacle::app {
 
+// Arguments of `treacle check`.
 struct CheckRequest {
-    InputSource source;
+    InputSource source;            // scene file, and the changes to it
     std::filesystem::path picture; // PNG of the particles at the start; empty: none
 };
 

@@ -18,14 +18,14 @@ struct ExperimentCamera {
 // Throws InputError for a camera that is neither a file beside the study nor one of the scene's.
 ExperimentCamera experiment_camera(const identify::StudyFile& file, const identify::Experiment& experiment, const Input& input);
 
-// Compares a run, be it under way, with the masks of a film; the masks that the camera would see go into masks_NAME/ in the folder.
+// Compares a run, be it under way, with the masks of a film; the simulated masks go into masks_NAME/ in the folder.
 // Collective; each rank draws some of the frames.
 class FilmComparison {
 public:
     // The study must stay. Throws InputError.
     FilmComparison(const Comm& comm, const identify::StudyFile& file, const identify::Experiment& experiment, std::filesystem::path folder);
 
-    // Compares the masks that a run under way has reached meanwhile, in turns of a mask a rank; others wait.
+    // Compares the masks that a run under way has reached meanwhile, one mask per rank at a time; other ranks block.
     void compare_reached(const RunView& run);
     // All others, and then writes residuals_NAME.csv and mismatches_NAME.csv. The run has ended.
     void complete(const RunView& run);

@@ -130,7 +130,7 @@ ObservationNeeds sheet_needs(const StudyFile& file, const Experiment& experiment
             for (const double v : {one.x, one.y, one.u, one.v}) out.content += " " + format_number(v);
         }
     }
-    // A method that changes with the viscosity looks like a flow that does.
+    // A method that changes with the viscosity has the effect of a flow that does.
     if (input.on_grid() && input.method.grid.stokes.solve == grid::StokesSolve::automatic) {
         out.assignments.push_back({"method.grid.stokes.solve=together", s.where + ": one method over the range of viscosities"});
     }

@@ -120,7 +120,7 @@ ObservationNeeds scene_needs(const StudyFile& file, const study::StudyScene& sce
         if (own > 0) interval = interval > 0 ? std::min(interval, own) : own;
     }
     out.content = io::text_hash(content);
-    if (out.times.empty()) return out; // series alone: no frame is looked at
+    if (out.times.empty()) return out; // series alone: no frame is read
     // Frames at the observations' own times: surfaces that are moved there by their velocity alone miss what the flow gains in between.
     out.assignments.push_back({"output.interval=0", "the times of what is observed"});
     // Rungs correct for what falls with the spacing: steps too, which frames and not the flow may have limited, at all rungs by the same.

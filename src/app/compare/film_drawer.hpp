@@ -9,17 +9,19 @@
 
 namespace treacle::app {
 
-// Draws a run as the camera of an experiment sees it at the times of the film's masks; each rank by itself.
+// Draws the picture of a run in an experiment's camera at the times of the film's masks; each rank by itself.
 class FilmDrawer {
 public:
     // Throws InputError. The run must stay.
     FilmDrawer(const identify::StudyFile& file, const identify::Experiment& experiment, const RunView& run);
 
+    // Masks that are compared, in the order of time.
     const std::vector<identify::ObservedFrame>& frames() const { return frames_; }
-    const scene::CameraModel& camera() const { return model_; }
+    const scene::CameraModel& camera() const { return model_; } // with the lens and pose of the experiment
 
+    // Liquid at the time of a mask and a little later; frame: index in frames(), < its size.
     identify::SimulatedFrame draw(std::size_t frame);
-    // Likewise of the liquid's mirror image in the plane of the experiment's occupancy; solids stay as they are.
+    // The same of the liquid's mirror image in the plane of the experiment's occupancy; solids stay as they are.
     identify::SimulatedFrame draw_mirrored(std::size_t frame);
 
 private:

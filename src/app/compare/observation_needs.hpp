@@ -15,7 +15,7 @@ struct ObservationNeeds {
     double step_per_spacing = 0; // [s/m] largest step of a run over its spacing; 0: none
 };
 
-// The least time between observations in their order [s]; 0 for one. `time` tells that of one.
+// The least time between observations in their order [s]; 0 for one. `time` returns that of one.
 template <class Frames, class Time>
 double least_interval(const Frames& frames, Time time) {
     double least = 0;

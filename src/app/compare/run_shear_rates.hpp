@@ -5,6 +5,7 @@
 
 namespace treacle::app {
 
+// Shear rates of the liquid of one run [1/s].
 struct RunShearRates {
     identify::ShearRates all;                      // of all frames but the first
     std::vector<identify::FrameShearRates> frames; // of those that dissipate

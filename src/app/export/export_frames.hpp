@@ -7,6 +7,7 @@
 
 namespace treacle::app {
 
+// Arguments of `treacle export` for particles.
 struct ExportRequest {
     std::filesystem::path source; // a run's folder, or one frame
     std::string format;           // "ply", "vtp", "csv"

@@ -44,7 +44,7 @@ bool report_check(const Comm& comm, const surface::Mesh& mesh, Log& log) {
     return false;
 }
 
-// The liquids whose surfaces are asked for, by their numbers and what the files' names say of them.
+// The liquids whose surfaces are requested, by their numbers, with their part of the files' names.
 std::vector<std::pair<int, std::string>> pick_liquids(const scene::Scene& scene, const std::string& name) {
     if (name.empty()) return {{-1, ""}};
     std::vector<std::pair<int, std::string>> out;

@@ -99,7 +99,7 @@ Table read_table(const std::filesystem::path& path) {
 void show_steps(const RunView& run, Log& log) {
     const auto table = read_table(run.folder.steps());
     log.line("steps: " + std::to_string(table.rows));
-    constexpr std::size_t shown = 10; // the first columns say how far it is; steps.csv has the rest
+    constexpr std::size_t shown = 10; // the first columns show its progress; steps.csv has the rest
     for (std::size_t i = 0; i < std::min(shown, table.last.size()); ++i) {
         const auto number = read_number(table.last[i].second);
         log.line(label("last " + table.last[i].first) +

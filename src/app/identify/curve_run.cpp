@@ -45,7 +45,7 @@ struct TrialScenes {
     std::vector<std::string> changes;
 };
 
-// Asks for the runs, and waits; numbers of runs that failed are told with their reasons.
+// Does the runs, and blocks until they end; runs that failed are logged with their reasons.
 void run_trial(const AskedStudy& asked, const TrialScenes& trial_scenes, identify::Trial& trial, identify::ComparedCurve& out, identify::Identification& found) {
     const auto& [file, runs, read_scene] = asked;
     for (const auto& scene : file.study.scenes) trial.runs.push_back(runs.ask(study::candidate_of(file.study, scene, trial_scenes.words, read_scene, trial_scenes.changes)));

@@ -36,7 +36,7 @@ IdentifiedStudy identified_study(const IdentifyRequest& request) {
     study::StudyRuns runs(file.study, {out.folder, this_program(), {}}, log);
     out.answer = identify::identify(file, priors, runs, scenes.reader(), log);
     if (out.measured && out.answer.estimate) out.compared = run_at_curve({file, runs, scenes.reader()}, priors, *out.measured, out.answer, log);
-    std::vector<std::int64_t> of_parameters; // runs that the values of the parameters tell whole
+    std::vector<std::int64_t> of_parameters; // runs that the values of the parameters determine
     std::map<std::int64_t, std::filesystem::path> folders;
     for (const auto& run : runs.journal().runs()) {
         folders[run.number] = runs.folder_of(run.number);

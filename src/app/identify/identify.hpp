@@ -4,6 +4,7 @@
 
 namespace treacle::app {
 
+// Arguments of `treacle identify`, beyond those of a sweep.
 struct IdentifyRequest : SweepRequest {
     std::string compared_curve; // a rheometer's table, as read_measured_curve takes it; empty: none
     bool hidden = false; // draws pressure and speed, see hidden_fields.hpp
@@ -23,8 +24,8 @@ struct IdentifiedStudy {
 // any run.
 IdentifiedStudy identified_study(const IdentifyRequest& request);
 
-// `treacle identify` in a process without MPI: searches the parameters with which the study's scenes look like its films,
-// and writes the table of the runs and a report. Exit code 0 with an answer, 3 without, 5 when stopped.
+// `treacle identify` in a process without MPI: searches the parameters with which the study's scenes match its films
+// best, and writes the table of the runs and a report. Exit code 0 with an answer, 3 without, 5 when stopped.
 ExitCode identify_study(const IdentifyRequest& request);
 
 } // namespace treacle::app

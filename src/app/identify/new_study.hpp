@@ -9,7 +9,7 @@
 
 namespace treacle::app {
 
-// An option that tells something seen, for a first guess; its name is that of the option without dashes.
+// An option for an observation that a first guess needs; its name is that of the option without dashes.
 struct SightOption {
     const char* name;
     const char* doc;
@@ -17,9 +17,10 @@ struct SightOption {
 };
 std::span<const SightOption> sight_options();
 
+// Arguments of `treacle new`.
 struct NewStudyRequest {
-    std::string name; // of the template; empty: list them
-    std::filesystem::path folder;
+    std::string name;                         // of the template; empty: list them
+    std::filesystem::path folder;             // made when it is missing; must be empty
     std::vector<std::string> form;            // "length=7 cm +- 0.05 cm"
     std::map<std::string, std::string> sight; // values of sight_options() that were given
 };

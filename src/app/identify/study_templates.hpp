@@ -25,7 +25,7 @@ struct FirstGuess {
     double (*viscosity)(const FormValues&); // [Pa s] of the form's values and the options'
 };
 
-// An experiment that `treacle new` knows: its files are those of the folder of its name.
+// An experiment of `treacle new`: its files are those of the folder of its name.
 struct StudyTemplate {
     std::string name;
     std::vector<FirstGuess> guesses;

@@ -4,6 +4,7 @@
 
 namespace treacle::app {
 
+// Treatment of a folder that is there and holds something: an error, or its removal by `finish`.
 enum class ExistingFolder { refuse, replace };
 
 // A folder that is filled under a temporary name and gets its own when all of it is there; gone without `finish`.
@@ -15,8 +16,8 @@ public:
     FolderUnderWay(const FolderUnderWay&) = delete;
     FolderUnderWay& operator=(const FolderUnderWay&) = delete;
 
-    const std::filesystem::path& path() const { return temporary_; }
-    void finish();
+    const std::filesystem::path& path() const { return temporary_; } // the temporary name, beside the final one
+    void finish(); // replaces the folder; SimulationError when it cannot
 
 private:
     std::filesystem::path folder_, temporary_;

@@ -10,8 +10,8 @@ namespace treacle::app {
 template <class View>
 auto host_rows(const View& view, int n) {
     const auto host = on_host(view);
-    using Value = typename View::non_const_value_type;
-    using Out = std::conditional_t<std::is_floating_point_v<Value>, double, std::int64_t>;
+    using Value = typename View::non_const_value_type;                                     // of the device
+    using Out = std::conditional_t<std::is_floating_point_v<Value>, double, std::int64_t>; // of the host
     constexpr int width = View::rank == 1 ? 1 : 3;
     std::vector<Out> out(static_cast<std::size_t>(n) * width);
     for (int i = 0; i < n; ++i) {
@@ -28,7 +28,7 @@ auto host_rows(const View& view, int n) {
 template <class View, class T>
 void set_rows(const View& view, const std::vector<T>& rows) {
     const auto host = on_host(view);
-    using Value = typename View::non_const_value_type;
+    using Value = typename View::non_const_value_type; // of the device
     constexpr std::size_t width = View::rank == 1 ? 1 : 3;
     for (std::size_t i = 0; i < rows.size() / width; ++i) {
         if constexpr (View::rank == 1) {

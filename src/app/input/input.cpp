@@ -7,7 +7,7 @@
 namespace treacle::app {
 
 namespace {
-// Spacings that the fastest liquid moves in a step, unless the scene says.
+// Spacings that the fastest liquid moves in a step, unless the scene states it.
 constexpr double usual_sph_cfl = 0.2, usual_grid_cfl = 3;
 } // namespace
 
@@ -39,7 +39,8 @@ Input read(Document document, const InputSource& source) {
 Input load_input(const InputSource& source) {
     auto document = Document::load(source.scene);
     if (source.materials.empty()) return read(document, source);
-    // Materials go into liquids, whose names and number the scene itself tells; overrides may be of keys that come with a material.
+    // Materials go into liquids, whose names and number the scene itself states; overrides may be of keys that come
+    // with a material.
     auto transfers = find_transfers(source.materials, read(document, InputSource{}).scene, source.scene);
     for (const auto& one : transfers) put_material(one, document);
     auto input = read(document, source);

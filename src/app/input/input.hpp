@@ -17,10 +17,11 @@ struct Input {
     std::vector<Transfer> transfers;
     bool on_grid() const { return method.kind == MethodKind::grid; }
 
+    // Keys of the whole scene file: the scene's blocks and `method`.
     void declare(Declaration& d);
 };
 
-// A change of an input: "time.end=20 s", and what asked for it: "--until 20 s", "study.yaml:12: viscosity".
+// A change of an input: "time.end=20 s", and its origin: "--until 20 s", "study.yaml:12: viscosity".
 struct Change {
     std::string assignment, origin;
 };

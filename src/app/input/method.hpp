@@ -4,6 +4,7 @@
 
 namespace treacle::app {
 
+// Discretisation of the liquid.
 enum class MethodKind {
     sph, // particles alone: hybrid incompressible SPH (dissertation, chapters 2 to 4)
     grid // particles carry what a MAC grid moves (chapter 5)
@@ -16,6 +17,7 @@ struct MethodOptions : sph::SphOptions {
     grid::GridOptions grid;
     std::string where;
 
+    // Keys of the block `method`.
     void declare(Declaration& d);
 };
 

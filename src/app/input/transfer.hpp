@@ -26,7 +26,7 @@ std::vector<Transfer> find_transfers(const std::vector<std::string>& arguments, 
 // Sets density, viscosity, rheology and, where it is known, surface tension of the liquid.
 void put_material(const Transfer& transfer, Document& document);
 
-// Sentences: that the films do not tell the material well, or that the liquid has become another one by other options.
+// Sentences: that the films determine the material poorly, or that the liquid has become another one by other options.
 std::vector<std::string> doubts(const Transfer& transfer, const scene::Liquid& liquid);
 
 // Lines for people: the file, the temperature, how each value is known.

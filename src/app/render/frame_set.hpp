@@ -23,7 +23,7 @@ FrameRange read_frame_range(const std::string& text);
 // The places in a series of `count` frames. Throws InputError for a place that there is not, and for none.
 std::vector<std::size_t> pick_frames(const FrameRange& range, std::size_t count);
 
-// A finished or running run, opened to look at: its scene, its frames.
+// A finished or running run, opened for reading: its scene, its frames.
 struct RunView {
     io::RunFolder folder;
     Input input;                                 // of effective.yaml

@@ -11,7 +11,7 @@ namespace treacle::app {
 // The field that stands for the liquids' own colours.
 inline constexpr const char* no_field = "none";
 
-// A frame's liquid as the camera sees it.
+// A frame's liquid in the camera's picture.
 struct LiquidPicture {
     video::LiquidView view;
     double time = 0;        // [s]

@@ -12,7 +12,7 @@
 namespace treacle::app {
 
 namespace {
-// Rows of the table: the step, then the columns asked for.
+// Rows of the table: the step, then the requested columns.
 std::vector<std::vector<double>> read_columns(const std::filesystem::path& path, const std::vector<std::string>& names) {
     if (!std::filesystem::exists(path)) {
         throw InputError({path.string(), "cannot be read", "it says where bodies are", "give the folder of a run that is whole"});

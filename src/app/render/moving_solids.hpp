@@ -12,8 +12,9 @@ public:
     // Collective. Throws InputError. The run must stay.
     MovingSolids(const Comm& comm, const RunView& run);
 
+    // At the end of the step, from bodies.csv; before the first one: at the start.
     surface::Solids at(std::int64_t step) const;
-    bool any_moves() const { return !poses_.empty(); }
+    bool any_moves() const { return !poses_.empty(); } // false when all bodies are static
     // Velocity of the point x of a body [m/s].
     Vec3 velocity(std::int64_t step, std::size_t body, const Vec3& x) const;
 
@@ -27,7 +28,7 @@ private:
 };
 
 // Distance [m] from the solids that do not fill all space but what they hold, negative inside; `none` without any. Bodies of the names in
-// `through` are seen through.
+// `through` are transparent.
 std::function<double(const Vec3&)> distance_of_seen(const Input& input, const surface::Solids& solids, double none, const std::vector<std::string>& through = {});
 
 } // namespace treacle::app

@@ -9,8 +9,10 @@ namespace treacle::app {
 
 // View of a scene, shared by the pictures of `check` and `render`.
 
+// The domain with its mirror images [m].
 video::DomainBox domain_box(const scene::Domain& domain);
 
+// Size of a picture, in the place of the camera's.
 struct PictureSize {
     int width = 0, height = 0; // [pixels]; 0: the camera's
 };
@@ -24,6 +26,7 @@ PictureSize read_picture_size(const std::string& text);
 scene::Camera find_camera(const scene::Scene& scene, const std::string& name);
 video::View view_of(const scene::Camera& camera, const scene::Domain& domain, const PictureSize& size);
 
+// Part of a scene that a particle of a solid belongs to; decides what it hides.
 enum class SolidKind {
     wall,   // of the domain
     body,
@@ -33,10 +36,10 @@ enum class SolidKind {
 struct DrawnSolids {
     std::vector<double> walls, bodies, hollows; // [n][3] [m]
 
-    void add(const Vec3& position, SolidKind kind);
-    std::size_t count() const { return (walls.size() + bodies.size() + hollows.size()) / 3; }
+    void add(const Vec3& position, SolidKind kind);                                           // position: [m]
+    std::size_t count() const { return (walls.size() + bodies.size() + hollows.size()) / 3; } // particles of all three
 };
-// Layers over the points, which must stay. Hollow bodies shine through: one looks at what is in them.
+// Layers over the points, which must stay. Hollow bodies are translucent, so that their content is in the picture.
 void add_solid_layers(const DrawnSolids& points, double spacing, std::vector<video::ParticleLayer>& layers);
 
 } // namespace treacle::app

@@ -109,7 +109,7 @@ public:
         if (request.cut) {
             if (job.run.input.scene.domain.dimensions != 3)
                 throw InputError({"--cut", "the scene is in two dimensions", "it shows all that is in it", "leave it out"});
-            (void)video::facing(*request.cut, video::Camera(job.view)); // refuses what cannot be seen
+            (void)video::facing(*request.cut, video::Camera(job.view)); // throws for fields that cannot be drawn
             if (request.style == Style::spheres) solids_.emplace(comm, job.run);
         }
         if (request.style == Style::surface) {

@@ -8,14 +8,16 @@
 
 namespace treacle::app {
 
+// Domain and spacing of a scene for src/surface, in SI; other options have their defaults.
 surface::Domain surface_domain(const Input& input);
 surface::Options surface_options(const Input& input);
 
+// Options of a SceneSurface.
 struct SurfaceChoice {
-    surface::Options options;              // its scalars are those below
-    std::vector<std::string> scalars = {}; // fields that the mesh takes, see scalar_names
-    std::optional<std::array<Vec3, 2>> box = {}; // [m] corners of the part that is wanted
-    bool images = false;                   // mesh and rows with the mirror images, for drawing (surface/mirror.hpp)
+    surface::Options options;                    // its scalars are those below
+    std::vector<std::string> scalars = {};       // fields that the mesh takes, see scalar_names
+    std::optional<std::array<Vec3, 2>> box = {}; // [m] corners of the part that is meshed
+    bool images = false; // mesh and rows with the mirror images, for drawing (surface/mirror.hpp)
 };
 
 // The surfaces of a run's liquid, frame by frame, cut at walls and at the solids where these are at the frame's time.

@@ -14,6 +14,7 @@ public:
     // of velocity, pressure and liquid those that the frame has. Throws InputError that lists the names.
     SurfaceFields(const std::string& list, const io::Frame& frame, io::SurfaceFormat format);
 
+    // Names as in scalar_names, for SurfaceChoice::scalars.
     const std::vector<std::string>& scalars() const { return scalars_; }
     // The mesh's part of a file; it must stay, and this object too.
     io::SurfacePart part_of(const surface::Mesh& mesh, double time);

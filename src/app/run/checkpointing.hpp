@@ -13,7 +13,7 @@ struct Progress {
     double initial_mass = 0;        // [kg]
     std::int64_t initial_particles = 0;
     std::array<std::int64_t, loss_causes> lost{}; // by cause
-    double wall_seconds = 0;        // of earlier sittings
+    double wall_seconds = 0;                      // of earlier sessions
 };
 
 // Collective: writes a checkpoint of all state fields, keeps the last ones, removes older ones.

@@ -42,8 +42,8 @@ private:
     const Input& input_;
     grid::GridStep solver_;
     const Geometry& geometry_;
-    std::optional<SolidPoints> points_; // made when they are asked for: a run without frames needs none
-    double warned_ = 0; // residual that the last warning was about
+    std::optional<SolidPoints> points_; // made at their first use: a run without frames needs none
+    double warned_ = 0;                 // residual that the last warning was about
 };
 
 } // namespace treacle::app

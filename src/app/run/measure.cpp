@@ -57,7 +57,7 @@ double hat_below(double t, double radius) {
     return radius * (q < 0 ? 0.5 * (1 + q) * (1 + q) : 1 - 0.5 * (1 - q) * (1 - q));
 }
 
-// The part of space around a vertical line whose liquid is looked at, level by level.
+// The part of space around a vertical line whose liquid is sampled, level by level.
 struct Plumb {
     double at[3], radius;
     int up, dimensions;

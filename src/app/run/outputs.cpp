@@ -143,7 +143,7 @@ void Outputs::write_frame(const Progress& progress) {
     const auto& store = simulation_.liquid();
     auto names = input_.scene.output.fields;
     names.push_back("id");
-    if (input_.scene.liquids.size() > 1) names.push_back("liquid"); // pictures and ParaView tell them apart by it
+    if (input_.scene.liquids.size() > 1) names.push_back("liquid"); // pictures and ParaView distinguish them by it
     const auto positions = host_rows(store.position(), store.owned());
     const auto fields = collect_fields(store, names);
     frames_.write(progress.step, progress.time, make_block(positions, fields));

@@ -7,10 +7,11 @@
 
 namespace treacle::app {
 
+// Beginning of a run's files: all new, or after the rows and frames that a checkpoint goes with.
 enum class Opening { fresh, resumed };
 
 // The files that a run writes while it goes: frames, steps.csv, measurements.csv, bodies.csv, the lost particles.
-// Collective; tables live on rank 0.
+// Collective; tables are on rank 0.
 class Outputs {
 public:
     // Resumed: rows and frames later than the progress are dropped.
@@ -18,6 +19,7 @@ public:
     Outputs(const io::RunFolder& folder, const Input& input, Simulation& simulation, const Progress& progress,
             Opening opening);
 
+    // The liquid's particles, with the fields of the scene's `output.fields`, id and liquid; each rank its own rows.
     void write_frame(const Progress& progress);
     // Once for a run where nothing solid moves, otherwise with every frame.
     void write_solids(const Progress& progress);
@@ -28,7 +30,7 @@ public:
     // Appends the culprits to lost_particles.csv.
     void write_lost(const Progress& progress, const StepFigures& report);
     void flush();
-    // Waits until the disk has all rows.
+    // Blocks until the disk has all rows.
     void sync();
 
 private:

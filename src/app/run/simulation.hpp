@@ -22,22 +22,22 @@ struct StepFigures {
     std::vector<std::string> warnings; // for the log
 };
 
-// The liquid's particles of this rank as measurements see them.
+// The liquid's particles of this rank for measurements.
 struct LiquidView {
     Array3 position, velocity; // [m], [m/s]
-    Array<int> liquid;
+    Array<int> liquid;         // index of the scene's liquid [capacity]
     int owned = 0;
     double spacing = 0; // [m]
-    double reach = 0;   // over which a particle's surroundings are looked at [m]
+    double reach = 0;   // over which a particle's surroundings are sampled [m]
     double volume = 0;  // of a particle at rest [m3], [m2] in the plane
-    Array<int> waiting; // not 0 of liquid behind an inlet's opening; without rows where none waits
+    Array<int> waiting; // not 0 of liquid behind an inlet's opening; without rows where there is none
 };
 
 // State that a checkpoint holds besides the fields of the particle stores.
 struct RestartState {
     std::vector<std::int64_t> decomposition; // empty: of another number of ranks
-    std::vector<double> bodies;
-    std::vector<double> history; // of the method, whatever the number of ranks
+    std::vector<double> bodies;              // of rigid::RigidBodies::state(), the same on every rank
+    std::vector<double> history;             // of the method, whatever the number of ranks
 };
 
 // A run's method, as the time loop drives it. All but the getters are collective.
@@ -46,7 +46,7 @@ public:
     virtual ~Simulation() = default;
     virtual const Comm& comm() const = 0;
 
-    // Puts the scene's particles in, each rank those of its own part, and starts. Returns what the user should know
+    // Puts the scene's particles in, each rank those of its own part, and starts. Returns notes for the user
     // about the scene: fallbacks, thin bodies, what is not modelled.
     virtual std::vector<std::string> fill(const Geometry& geometry) = 0;
     // Goes on from a checkpoint whose fields have been read into the stores.
@@ -60,6 +60,7 @@ public:
     virtual void refresh() = 0;
     virtual LiquidTotals totals() const = 0;
 
+    // Stores of this rank: liquid, and the particles of solids. References stay valid as long as the simulation.
     virtual ParticleStore& liquid() = 0;
     virtual const ParticleStore& liquid() const = 0;
     virtual ParticleStore* solid() = 0; // null where solids are no particles

@@ -16,7 +16,7 @@ StopControl::StopControl(const Comm& comm, std::filesystem::path stop_file, doub
     signalled = 0;
     for (const int number : signals) {
         earlier_.emplace_back(number, std::signal(number, note_signal));
-        // Stays ignored, as nohup wants it.
+        // Stays ignored, as under nohup.
         if (earlier_.back().second == SIG_IGN) std::signal(number, SIG_IGN);
     }
 }

@@ -18,6 +18,7 @@ public:
     StopControl(const StopControl&) = delete;
     StopControl& operator=(const StopControl&) = delete;
 
+    // Cause of a stop; with several at once `ask` returns the first in this order.
     enum class Reason { none, signal, stop_file, wall_limit };
     // Collective: the same answer on every rank. One small reduction.
     Reason ask();
@@ -35,6 +36,7 @@ private:
     std::vector<std::pair<int, Handler>> earlier_; // handlers by the number of their signal
 };
 
+// "a signal", "the file STOP", "the time limit"; "" for none.
 std::string describe(StopControl::Reason reason);
 
 } // namespace treacle::app

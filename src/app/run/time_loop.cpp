@@ -25,7 +25,7 @@ std::int64_t lost_against_limit(const Progress& progress) {
     return std::accumulate(progress.lost.begin() + 1, progress.lost.end(), std::int64_t{0}); // all but what flowed out
 }
 
-// A step, or the least step, that the scene asks for and a limit forbids.
+// A step, or the least step, that the scene states and a limit forbids.
 void check_limit(const scene::Time& time, double limit, const std::string& of, const std::string& why,
                  const std::string& cure) {
     const double step = time.rule == scene::StepRule::fixed ? time.step : 0;
@@ -179,7 +179,7 @@ void TimeLoop::take_step(Outputs& outputs) {
     const double dt = choose_step();
     const auto report = solver_->advance(dt);
     ++progress_.step;
-    progress_.time += report.dt; // shorter than asked for where the liquid became too fast
+    progress_.time += report.dt; // shorter than stated where the liquid became too fast
     iterations_ += report.pressure_iterations;
     for (const auto& warning : report.warnings) log_.warn("step " + std::to_string(progress_.step) + ": " + warning);
     check_losses(report, outputs);
@@ -191,7 +191,7 @@ void TimeLoop::take_step(Outputs& outputs) {
     outputs.write_step(progress_, report, totals_);
     outputs.write_bodies(progress_, report);
     outputs.write_measurements(progress_);
-    outputs.flush(); // who watches the run sees each step
+    outputs.flush(); // each step is shown while the user watches the run
     write_due(outputs, report);
 }
 

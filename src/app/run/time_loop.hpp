@@ -6,13 +6,14 @@
 
 namespace treacle::app {
 
+// Everything that a TimeLoop needs beside the simulation and the progress.
 struct LoopSetup {
-    Comm comm;
-    io::RunFolder folder;
-    Input input;
+    Comm comm;              // of the run's ranks
+    io::RunFolder folder;   // exists on all ranks
+    Input input;            // validated
     std::string state_hash; // of continuation.hpp
-    double wall_limit = 0; // [s]
-    Company company;
+    double wall_limit = 0;  // [s]
+    Company company;        // log and callbacks of a caller in the same process
 };
 
 // Carries a run from where its progress stands to its end, with all output on the way.
@@ -43,10 +44,10 @@ private:
     StopControl stop_;
     Log log_;
     LiquidTotals totals_;
-    double next_frame_ = 0;       // [s] simulated
-    double next_line_ = 0;        // [s] simulated
-    double start_time_ = 0;       // [s] simulated, of this sitting
-    double next_wall_save_ = 0;   // [s] of the clock
+    double next_frame_ = 0;     // [s] simulated
+    double next_line_ = 0;      // [s] simulated
+    double start_time_ = 0;     // [s] simulated, of this session
+    double next_wall_save_ = 0; // [s] of the clock
     std::int64_t start_step_ = 0;
     std::int64_t saved_step_ = -1; // of the newest checkpoint
     bool told_enough_ = false;

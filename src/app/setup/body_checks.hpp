@@ -4,7 +4,7 @@
 
 namespace treacle::app {
 
-// Refuses bodies at the start: dynamic ones inside of others or of walls, or thinner than a spacing; moving ones
+// InputError for bodies at the start: dynamic ones inside of others or of walls, or thinner than a spacing; moving ones
 // without an extent; dynamic ones that cannot move.
 void check_bodies(const Input& input, const Geometry& geometry, std::vector<Diagnostic>& problems);
 

@@ -25,7 +25,7 @@ std::unique_ptr<sph::IsphStep> make_solver(const Comm& comm, const Input& input,
                                            const Geometry& geometry);
 
 // Puts the scene's particles into the solver and starts it. Collective; each rank makes those of its own box.
-// Returns what the user should know about the scene: fallbacks, thin bodies, what is not modelled.
+// Returns notes for the user about the scene: fallbacks, thin bodies, what is not modelled.
 std::vector<std::string> fill_solver(const Input& input, const Geometry& geometry, sph::IsphStep& solver);
 
 } // namespace treacle::app

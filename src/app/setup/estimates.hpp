@@ -26,7 +26,7 @@ Estimates estimate_run(const Input& input, const Geometry& geometry, std::uint64
 // Lines such as "Reynolds number  rho U H / mu = 1.2e+05", those that have a meaning for the scene.
 struct DimensionlessNumber {
     std::string name, formula;
-    double value = 0;
+    double value = 0; // [-]
 };
 std::vector<DimensionlessNumber> dimensionless_numbers(const Input& input, const Estimates& estimates);
 

@@ -32,7 +32,7 @@ scene::Side side_of(const scene::Face& face) {
     return scene::Side::wall;
 }
 
-// The solid of a shape, cut at the domain where it asks for that; `owner` for the note.
+// The solid of a shape, cut at the domain where its options state that; `owner` for the note.
 scene::SolidRegion place_shape(const scene::Shape& shape, const scene::Domain& domain, const std::string& owner,
                                std::vector<std::string>& notes) {
     scene::SolidRegion whole(shape, domain.dimensions);
@@ -248,7 +248,7 @@ void check_overlaps(const Input& input, const Geometry& geometry, std::vector<Di
 } // namespace
 
 namespace {
-// In as many digits as tell them apart.
+// With as many digits as distinguish them.
 std::pair<std::string, std::string> memory_texts(double needed, double available) {
     std::pair out(format_bytes(static_cast<std::uint64_t>(needed)), format_bytes(static_cast<std::uint64_t>(available)));
     if (out.first != out.second) return out;

@@ -28,6 +28,7 @@ struct Geometry {
 // Index of a body's loads and slip: the six sides of the domain come first, then the bodies of the scene.
 inline constexpr int domain_sides = 6;
 
+// Kernel, support radius [m] and spacings [m] of the particles on solids, as src/sph takes them.
 sph::WallSetup wall_setup(const Input& input);
 
 // Depth of a solid's particle layer below its surface, at which a resting lattice of liquid that touches the
@@ -59,13 +60,14 @@ struct ParticleCounts {
 // (IsphStep::spread): cut half a spacing off, a liquid around a body would lack half a layer, and fall into the gaps.
 scene::VolumeFill liquid_fill(const Input& input, const Geometry& geometry, const scene::Lattice& lattice);
 
+// Local, the same on each rank. Without inflow; no solid particles with method grid.
 ParticleCounts estimate_particles(const Input& input, const Geometry& geometry);
 
-// Refuses a geometry with faults: bodies in each other, liquid in a solid or outside of the domain, no liquid at all,
+// Checks a geometry for faults: bodies in each other, liquid in a solid or outside of the domain, no liquid at all,
 // more particles than the machine's memory holds. Throws InputError with all of it.
 void validate_geometry(const Input& input, const Geometry& geometry, const Comm& comm);
 
-// Bytes that a run needs per liquid and per solid particle, all told.
+// Bytes that a run needs per liquid and per solid particle, in total.
 double bytes_per_particle(const Input& input);
 
 // The largest that a liquid has anywhere and at any shear rate [Pa s].
@@ -94,7 +96,7 @@ double limiting_viscosity(const Input& input);
 bool any_slip_length(const Input& input);
 
 // Resolves `integration: automatic`: implicit where viscosities vary, solids have slip lengths, or where the explicit
-// viscosity would take part in choosing the step, that is where its limit is within four times the largest step that
+// viscosity would affect the step, that is where its limit is within four times the largest step that
 // all else allows.
 sph::ViscosityIntegration viscosity_integration(const Input& input);
 

@@ -8,8 +8,8 @@ namespace treacle::app {
 // The inlets and outlets of the scene as the solver takes them. Needs shapes and places, no particles.
 flow::InflowSetup make_inflow(const Input& input);
 
-// Refuses inlets with faults: outside of the domain, in a solid, where liquid is at the start, in each other or in an
-// outlet; smaller than a particle.
+// InputError for inlets with faults: outside of the domain, in a solid, where liquid is at the start, in each other or
+// in an outlet; smaller than a particle.
 void check_inflow(const Input& input, const Geometry& geometry, std::vector<Diagnostic>& problems);
 
 // Warnings, one sentence each: openings of a few particles.

@@ -11,7 +11,7 @@
 namespace treacle::app {
 
 namespace {
-// Densities of liquids in one scene over each other, up to which they were tried (src/sph/measurements.md).
+// Densities of liquids in one scene over each other, up to which they were validated (src/sph/measurements.md).
 constexpr double sure_density_ratio = 10;
 
 constexpr double largest_grid_cfl = 3;
@@ -68,7 +68,7 @@ void check_surface_tension(const Input& input, std::vector<Diagnostic>& problems
     }
 }
 
-// Refuses what only the implicit viscosity, or some of its forms, can do.
+// InputError for options that only the implicit viscosity, or some of its forms, supports.
 void check_viscosity(const Input& input, std::vector<Diagnostic>& problems) {
     const auto& options = input.method.viscosity;
     const bool implicit = viscosity_integration(input) == sph::ViscosityIntegration::implicit;
@@ -139,7 +139,7 @@ void check_method(const Input& input, std::vector<Diagnostic>& problems) {
     }
 }
 
-// Refuses what the grid's solver does not do yet.
+// InputError for options that the grid's solver does not support.
 void check_grid(const Input& input, std::vector<Diagnostic>& problems) {
     const auto refuse = [&](const std::string& where, const std::string& what, const std::string& cure) {
         problems.push_back({where, what + " cannot go with method.kind: grid", "it would be ignored", cure});

@@ -8,8 +8,8 @@
 namespace treacle::app {
 
 // Collective: runs a command and returns its exit code, or that of the error that it throws on any rank: the
-// same on every rank. Rank 0 prints the error. When one rank throws and the others wait for it elsewhere, in
-// a collective call of the command, the program is ended on all of them when its patience is over.
+// same on every rank. Rank 0 prints the error. When one rank throws and the others block elsewhere, in
+// a collective call of the command, the program is ended on all of them after a timeout.
 ExitCode end_together(const Comm& comm, const std::function<ExitCode()>& command,
                       std::chrono::seconds patience = std::chrono::seconds(30));
 

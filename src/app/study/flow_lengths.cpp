@@ -46,7 +46,7 @@ std::optional<double> channel_width(const scene::Domain& domain) {
     return walls ? std::optional(domain.max[1] - domain.min[1]) : std::nullopt;
 }
 
-// Mean thickness of all the liquid at the end of the run, as a layer over a floor [m]; 0 where it cannot be told.
+// Mean thickness of all the liquid at the end of the run, as a layer over a floor [m]; 0 where it cannot be determined.
 double spread_thickness(const Input& input, const Geometry& geometry) {
     const auto& scene = input.scene;
     const auto& liquid = scene.liquids.front();

@@ -4,7 +4,7 @@
 
 namespace treacle::app {
 
-// Something narrow in a scene's flow, on which surface tension or the spacing may tell.
+// Narrow passage of a scene's flow, on which surface tension or the spacing may have an effect.
 struct FlowLength {
     std::string name;  // "hole of container"
     double length = 0; // [m] radius of a hole or thread, thickness of a layer: that of the Bond number

@@ -38,7 +38,7 @@ struct HandedStudy {
     std::vector<std::int64_t> numbers;
 };
 
-// The folder of the request that Dakota's parameters ask for.
+// The folder of the request that Dakota's parameters state.
 std::filesystem::path write_dakota_request(const DakotaRequest& request) {
     const auto file = load_checked_study(request.study);
     const auto& study = file.study;

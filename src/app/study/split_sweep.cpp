@@ -18,7 +18,7 @@ namespace treacle::app {
 namespace {
 constexpr std::int64_t none_left = 0; // in the place of a run's number
 
-// Message of a group to rank 0 when it asks for its next run: how the last one ended.
+// Message of a group to rank 0 that requests its next run: the outcome of the last one.
 struct Ended {
     std::int64_t number = none_left; // none_left: there was none
     int code = 0;
@@ -37,13 +37,13 @@ struct Ended {
     }
 };
 
-// Rank 0's side: the runs that wait, and the journal.
+// Rank 0's side: the pending runs, and the journal.
 class HandOut {
 public:
     HandOut(study::StudyRuns& runs, std::vector<std::int64_t> all, bool retry_failed, int groups, Log& log)
         : runs_(runs), all_(std::move(all)), waiting_(runs.longest_first(runs.waiting(all_, retry_failed))), groups_(groups), log_(log) {}
 
-    // The next run's number, its folder written; none_left when there is none or the study is asked to stop.
+    // The next run's number, its folder written; none_left when there is none or the study is to stop.
     std::int64_t next(const Ended& last) {
         if (last.number != none_left) settle(last);
         if (stopped_ || next_ == waiting_.size()) return none_left;
@@ -135,7 +135,7 @@ private:
     Comm comm_, group_;
     int ranks_;
     Mailbox mail_;
-    int open_; // groups that have not been told that none is left
+    int open_; // groups that have not got none_left yet
 };
 
 // Study and hand-out, on rank 0 alone.

@@ -46,7 +46,7 @@ void print_runs(const identify::StudyFile& file) {
     check_memory(study, candidates);
 }
 
-// Takes out the experiments of which no film is there yet, and says so.
+// Takes out the experiments of which no film is there yet, with a message.
 void leave_out_unfilmed(identify::StudyFile& file) {
     const auto source = [&](const identify::Experiment& one) {
         if (one.kind == identify::ExperimentKind::piv) return file.beside(one.piv.files.front());

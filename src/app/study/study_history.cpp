@@ -15,7 +15,7 @@ namespace {
 using study::Journal;
 using study::RunStatus;
 
-// The study of a folder of results, from what its first run was asked by; without that its parameters go by numbers.
+// The study of a folder of results, from the request of its first run; without that its parameters go by numbers.
 study::Study study_of_folder(const std::filesystem::path& folder, const Journal& journal) {
     const auto first = folder / "runs" / study::request_folder(1);
     if (std::filesystem::exists(first / "params.yaml")) {
@@ -28,7 +28,7 @@ study::Study study_of_folder(const std::filesystem::path& folder, const Journal&
     return out;
 }
 
-// Finished runs of the other study that this one lacks; where their files are stays said.
+// Finished runs of the other study that this one lacks; the place of their files stays recorded.
 int merge(Journal& journal, const std::filesystem::path& other_folder) {
     const auto other = Journal::read(other_folder);
     if (other.owner().study != journal.owner().study || other.owner().program != journal.owner().program) {

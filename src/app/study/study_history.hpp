@@ -6,6 +6,7 @@
 
 namespace treacle::app {
 
+// Arguments of `treacle study history`.
 struct HistoryRequest {
     std::filesystem::path study; // a study's file, or the folder of its results
     std::filesystem::path out;   // of the study's results, where `study` is a file

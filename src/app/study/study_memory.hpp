@@ -13,8 +13,8 @@ double largest_run_memory(const study::Study& study, const std::vector<study::Ca
 // Memory that new processes may take, of the machine and of the control group [bytes].
 double available_memory();
 
-// Throws InputError when the runs of all lanes do not fit at once. Runs behind a launcher have the memory that it asks
-// for, and are not looked at.
+// Throws InputError when the runs of all lanes do not fit at once. Runs behind a launcher have the memory that it
+// requests for them, and are not checked.
 void check_memory(const study::Study& study, const std::vector<study::Candidate>& candidates);
 
 } // namespace treacle::app

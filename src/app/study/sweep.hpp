@@ -5,11 +5,12 @@
 
 namespace treacle::app {
 
+// Arguments of `treacle sweep`.
 struct SweepRequest {
-    std::filesystem::path study;
-    std::filesystem::path out;           // default: out/<name of the study's folder or file>
-    std::vector<std::string> overrides;  // of the study: "runs.lanes=2"
-    bool retry_failed = false;
+    std::filesystem::path study;        // file, or a folder that holds study.yaml
+    std::filesystem::path out;          // default: out/<name of the study's folder or file>
+    std::vector<std::string> overrides; // of the study: "runs.lanes=2"
+    bool retry_failed = false;          // runs that failed before are done again
 };
 
 // `treacle sweep` in a process without MPI: does the runs of the study that are not done, and writes table.csv, table.h5
@@ -25,7 +26,7 @@ std::vector<study::Candidate> sweep_candidates(const identify::StudyFile& file);
 // A study's file, or the study.yaml in a folder. Throws InputError when it is not there.
 std::filesystem::path find_study(const std::filesystem::path& name);
 
-// Asks for runs; the numbers of those that differ, in their order: points that give the same run are one row.
+// Requests runs; returns the numbers of those that differ, in their order: points that give the same run are one row.
 std::vector<std::int64_t> ask_once(study::StudyRuns& runs, const std::vector<study::Candidate>& candidates);
 
 // Tables and plots of these runs, and a line each for those that failed. Exit code 0 when all are done, 3 when some failed, 5

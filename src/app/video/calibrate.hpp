@@ -31,7 +31,7 @@ struct CalibrateRequest {
     std::string level, plumb;   // see video::read_levels
     std::string frame, overlay; // the scene is drawn over this frame into that PNG
 
-    std::string out = "camera.yaml";
+    std::string out = "camera.yaml"; // file of the camera: .yaml, .json or .xml
 };
 
 // `treacle calibrate`: lens and pose of a camera. Writes the camera's file and beside it, from pictures of a board,

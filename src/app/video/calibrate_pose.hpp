@@ -8,7 +8,7 @@ namespace treacle::app {
 // True for a request of a pose, an overlay or the vertical.
 bool asks_for_pose(const CalibrateRequest& request);
 
-// Finds the pose that the request asks for, refines it, prints how well it is known, draws the overlay. InputError.
+// Finds the pose by the request's means, refines it, prints how well it is known, draws the overlay. InputError.
 void find_pose(const CalibrateRequest& request, video::CameraRecord& camera, Log& log);
 
 } // namespace treacle::app

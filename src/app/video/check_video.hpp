@@ -9,11 +9,12 @@
 
 namespace treacle::app {
 
+// Arguments of `treacle check-video`.
 struct CheckVideoRequest {
-    video::SourceRequest source;
-    std::filesystem::path json; // the figures; none when empty
-    std::string camera;         // a camera file, or FILE:NAME; none when empty
-    Vec3 at{0, 0, 0};           // where the liquid is, in the scene [m]
+    video::SourceRequest source; // opened by video::open_any_frames
+    std::filesystem::path json;  // the figures; none when empty
+    std::string camera;          // a camera file, or FILE:NAME; none when empty
+    Vec3 at{0, 0, 0};            // where the liquid is, in the scene [m]
 };
 
 // `treacle check-video`: what a clip is like and what is wrong with it. Exit code 2 where it cannot be used. Collective;

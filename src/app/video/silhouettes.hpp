@@ -10,13 +10,14 @@
 
 namespace treacle::app {
 
+// Arguments of `treacle silhouettes`.
 struct SilhouettesRequest {
-    video::SourceRequest source;
-    std::filesystem::path out;
-    std::filesystem::path settings;   // YAML; see video::SilhouetteSettings
-    std::vector<std::string> changes; // "key=value", over the file's
-    ExistingFolder existing = ExistingFolder::refuse;
-    bool overlay = true;
+    video::SourceRequest source;                      // the clip and its times
+    std::filesystem::path out;                        // a folder
+    std::filesystem::path settings;                   // YAML; see video::SilhouetteSettings
+    std::vector<std::string> changes;                 // "key=value", over the file's
+    ExistingFolder existing = ExistingFolder::refuse; // treatment of `out` when it holds something
+    bool overlay = true;                              // overlay.mp4: the clip with the contours
 };
 
 // `treacle silhouettes`: mask_000000.png and on (0 background, 64 excluded, 255 liquid), silhouettes.csv, settings.yaml,

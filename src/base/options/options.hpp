@@ -97,7 +97,7 @@ public:
     }
     virtual void block_of(const std::string& key, const Members& members, const std::string& doc,
                           const std::string& shorthand = "") = 0;
-    // A block that may be absent; `present` says whether it is there before, the result whether it is after.
+    // A block that may be absent; `present`: true when it is there before; result: true when it is there after.
     virtual bool optional_block(const std::string& key, bool present, const Members& members,
                                 const std::string& doc) = 0;
 
@@ -186,7 +186,7 @@ void Declaration::one_of(E& value, const std::vector<std::pair<E, Alternative>>&
         if (meaning == value) index = keys.size();
         keys.push_back(alternative);
     }
-    // Known before its keys are read, so that they may look at it.
+    // Known before its keys are read, so that they may depend on it.
     for (std::size_t i = 0; i < keys.size(); ++i) {
         keys[i].members = [&value, &alternatives, i](Declaration& d) {
             if (d.parsing()) value = alternatives[i].first;

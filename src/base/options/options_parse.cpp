@@ -199,7 +199,7 @@ public:
     void allow_plane_vectors() override { session_.plane_vectors = true; }
     bool plane_vectors() const override { return session_.plane_vectors; }
 
-    // After the declaration: what the block has and nobody declared.
+    // After the declaration: keys of the block that are not declared.
     void reject_unknown_keys() {
         std::vector<std::string> known;
         for (const auto& [key, doc] : docs_) known.push_back(key);
@@ -326,7 +326,7 @@ private:
     std::string manual_path_;
     std::size_t unreadable_before_;
     std::map<std::string, std::string> docs_; // of the keys declared so far
-    std::set<std::string> lacking_;           // absent blocks of which it was said what they lack
+    std::set<std::string> lacking_;           // absent blocks whose missing keys have been reported
 };
 
 enum class OtherKeys { refused, left_alone };

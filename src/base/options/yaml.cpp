@@ -204,7 +204,7 @@ DocumentTree read_yaml(const std::string& text, const std::string& name, const s
     }
     TreeBuilder builder(tree, place);
     try {
-        // yaml-cpp 0.7 sees that a quote is not closed only when nothing, not even a line break, follows.
+        // yaml-cpp 0.7 reports an open quote only when nothing, not even a line break, follows.
         std::istringstream stream(text.substr(0, text.find_last_not_of(" \n\r") + 1));
         YAML::Parser parser(stream);
         parser.HandleNextDocument(builder);

@@ -26,7 +26,7 @@ public:
     // One number per column, else std::invalid_argument. Throws SimulationError when the disk is full.
     void append(std::span<const double> row);
     void flush();
-    // Flushes, and waits until the disk has the rows. Throws as append().
+    // Flushes, and blocks until the disk has the rows. Throws as append().
     void sync();
 
     const std::vector<std::string>& columns() const { return columns_; } // header, with units

@@ -7,7 +7,7 @@ namespace treacle {
 // Output on rank 0, none on the others.
 enum class Voice { speaks, silent };
 
-// Lines on the terminal. Only rank 0 speaks; the other ranks hold a silent one and call it just the same.
+// Lines on the terminal. Only rank 0 prints; the calls of the other ranks do nothing.
 // The progress bar is drawn only when the stream is a terminal.
 class Log {
 public:

@@ -101,7 +101,7 @@ std::optional<double> read_number(std::string_view text) {
     double value = 0;
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
     if (text.empty() || end != text.data() + text.size()) return {};
-    // from_chars does not say on which side; strtod gives infinity or the nearest small number.
+    // from_chars does not return the side; strtod gives infinity or the nearest small number.
     if (error == std::errc::result_out_of_range) return std::strtod(std::string(text).c_str(), nullptr);
     if (error != std::errc{}) return {};
     return value;

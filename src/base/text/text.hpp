@@ -24,7 +24,7 @@ std::string shorten(std::string text);
 // The shortest decimal that reads back as the same double.
 std::string format_number(double value);
 
-// Both in as many digits as tell them apart, four at least; of equal numbers the texts are equal.
+// Both with as many digits as distinguish them, four at least; of equal numbers the texts are equal.
 std::pair<std::string, std::string> tell_apart(double a, double b);
 
 // The whole text as one number, in any locale; nothing when it is not one. Infinite when too large.

@@ -10,7 +10,7 @@ namespace treacle {
 // "30 deg" is not taken for a length ratio and "5" per second not for an angular velocity.
 using Dimension = std::array<int, 5>;
 
-// Unit that an option expects: that of its plain numbers, always SI, and what else may be written.
+// Unit of an option: that of its plain numbers, always SI, and what else may be written.
 struct Unit {
     std::string_view name; // "density"
     std::string_view si;   // "kg/m3"; empty for a plain number
@@ -46,7 +46,7 @@ inline constexpr Unit angular_velocity{"angular velocity", "rad/s", {0, 0, -1, 0
 Unit viscosity_of(double density);
 } // namespace unit
 
-// Why a text is not a value of the unit asked for: the pieces of a Diagnostic.
+// Why a text is not a value of the unit required: the pieces of a Diagnostic.
 struct Complaint {
     std::string must;   // "must be a length [m]"
     std::string reason; // "Pa.s is a dynamic viscosity"
@@ -55,7 +55,7 @@ struct Complaint {
 
 // A number in SI, or a number with a unit ("10 Pa.s", "850 cP", "1 g/cm^3"), in SI. A value read through a
 // power of ten is correctly rounded: "5 mm" is the same double as 0.005. Not a number, another dimension, an
-// unknown unit and values that are not finite are complaints.
+// unknown unit and values that are not finite are errors.
 std::variant<double, Complaint> read_quantity(std::string_view text, const Unit& unit);
 
 // "3" as "3 Pa s"; a text that carries a unit stays as it is.

@@ -119,7 +119,7 @@ struct PartSum {
         }
         return {sum.fluid / used, sum.liquid / used, sum.wet / used};
     }
-    // The kind of all cells that the places of cell c take part of, or cut_place.
+    // The kind of all cells that the places of cell c are part of, or cut_place.
     KOKKOS_INLINE_FUNCTION int kind(const int c[3]) const {
         const int first = slot(places.nodes.window.index(c[0], c[1], c[2]));
         if (first >= 0) return cut_place;

@@ -21,7 +21,7 @@ constexpr double scatter_shift[2] = {0.04, 0.05};
 // A cell whose particles are this share of the seeded number has no surface in it if those around it are like it.
 constexpr double full_share = 0.5;
 
-// The mean of the particles of a half space is seen from height u at distance g(u), both over the reach: the weight
+// The mean of the particles of a half space is at distance g(u) from height u, both over the reach: the weight
 // (1 - s^2)^3 sums to (1 - s^2)^4 over the plane at distance s in space, to (1 - s^2)^3.5 over the line in the plane.
 // Returns u at g = 0, 1/table, ..., 1.
 std::vector<double> invert_half_space(int dimensions) {
@@ -138,7 +138,7 @@ struct Builder {
         }
         return near;
     }
-    // The images of particles [first, last) in some walls: seen from the place's own image they are the particles.
+    // The images of particles [first, last) in some walls: relative to the place's own image they are the particles.
     KOKKOS_INLINE_FUNCTION void add_mirrored(int first, int last, const double place[3], int mirror, const int side[3],
                                              double inverse_square, Mean& mean) const {
         double at[3] = {place[0], place[1], place[2]};

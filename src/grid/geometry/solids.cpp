@@ -9,7 +9,7 @@ namespace {
 // Cell widths of exact distances: outside for level sets near contact lines, inside as deep as a particle can come in
 // a step (CFL 3).
 constexpr double outer_band = 2, inner_band = 4;
-constexpr int tile = 4; // cells that are looked at together first
+constexpr int tile = 4; // cells that are tested together first
 
 // The cells of `all` that are not in `hole`, as up to six boxes.
 std::vector<CellBox> without(CellBox all, const CellBox& hole) {

@@ -14,7 +14,7 @@ void mark_faces(const MacGrid& grid, const CellBox& window, const FaceField& fie
 }
 
 namespace {
-// The cells of a window that somebody owns: those of the block and their images.
+// The cells of a window that have an owner: those of the block and their images.
 struct Block {
     CellBox active;
     int period[3]; // cells, 0: none

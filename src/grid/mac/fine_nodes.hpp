@@ -59,7 +59,7 @@ struct DistanceSampler {
         }
         return nodes.index(f[0], f[1], f[2]);
     }
-    // Value [m] and, where asked for, the gradient of the interpolant.
+    // Value [m] and, on request, the gradient of the interpolant.
     KOKKOS_INLINE_FUNCTION double at(const double x[3], double gradient[3] = nullptr) const {
         int base[3] = {0, 0, 0};
         double s[3] = {0, 0, 0};

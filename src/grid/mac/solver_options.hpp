@@ -13,7 +13,7 @@ namespace treacle::grid {
 enum class Coupling {
     strong, // bodies' velocities are unknowns beside the liquid's
     weak,   // the liquid takes bodies as they move, and they take its forces afterwards
-    one_way // bodies do not feel the liquid
+    one_way // the liquid has no effect on bodies
 };
 // Preconditioners of the pressure and viscous solves.
 enum class Preconditioner { multilevel, boomeramg, gamg, incomplete_cholesky, jacobi };

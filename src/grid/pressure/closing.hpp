@@ -7,12 +7,12 @@
 
 namespace treacle::grid {
 
-// (K) Gaps that close within a step. A pressure that acts in the liquid alone knows nothing of the other side of a gap: liquid
-// that meets a wall, liquid or a void overlaps it by all that it moves in the step, and a cell was found to take three times what
-// it holds. A cell beyond the surface into which more flows than it has room for has a pressure of its own for the rest of the
-// step, such that no more flows in than that; what backs up into the cell before it may close that one as well. This is the
-// inequality of unilateral incompressibility, div u >= -room/dt, p >= 0 (Narain et al. 2010, Gerszewski & Bargteil 2013), cell by
-// cell, found by solving again.
+// (K) Gaps that close within a step. A pressure that acts in the liquid alone is independent of the other side of a
+// gap: liquid that meets a wall, liquid or a void overlaps it by all that it moves in the step, and a cell was found to
+// take three times what it holds. A cell beyond the surface into which more flows than it has room for has a pressure
+// of its own for the rest of the step, such that no more flows in than that; what backs up into the cell before it may
+// close that one as well. This is the inequality of unilateral incompressibility, div u >= -room/dt, p >= 0 (Narain et
+// al. 2010, Gerszewski & Bargteil 2013), cell by cell, found by solving again.
 class Closing {
 public:
     // Input of find() and release(); arrays are over the window of the halo.

@@ -50,7 +50,7 @@ struct SumLoop {
     }
 };
 
-// True for a body whose motion something else than its loads decides.
+// True for a body whose motion is prescribed, not a result of its loads.
 bool is_constrained(const rigid::RigidBodies& bodies, std::size_t b) {
     const auto& setup = bodies.setup();
     if (!bodies.dynamic(b) || std::ranges::any_of(setup.bodies[b].locked, [](bool is) { return is; })) return true;

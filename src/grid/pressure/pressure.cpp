@@ -15,7 +15,7 @@ solve::Preconditioner translate(Preconditioner kind) {
     case Preconditioner::gamg: return solve::Preconditioner::gamg;
     case Preconditioner::incomplete_cholesky: return solve::Preconditioner::ic0;
     case Preconditioner::jacobi: return solve::Preconditioner::jacobi;
-    case Preconditioner::multilevel: break; // the solver asks the hierarchy
+    case Preconditioner::multilevel: break; // called by the solver for the hierarchy
     }
     return solve::Preconditioner::ic0;
 }

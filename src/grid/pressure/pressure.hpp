@@ -13,7 +13,7 @@ struct PressureScene {
     CellHalo& halo;
     const Array<double>& distance; // [m] of cell centres from the liquid's surface, < 0 inside
     const Fractions& fractions;    // open, face_fluid
-    const FaceShares& shares;      // not looked at without bodies
+    const FaceShares& shares;      // not used without bodies
     const rigid::RigidBodies& bodies;
     double density = 0;            // [kg/m3]
     double surface_tension = 0;    // [N/m]
@@ -44,12 +44,12 @@ public:
 
     enum class Surface { tense, relaxed }; // the pressure of surface tension acts, or has acted already
     // Collective. Velocities must be current one cell around the owned ones, and only those of owned faces are written.
-    // Pushes the bodies, as the coupling says. Adds to pressures(). SimulationError when the solve fails.
+    // Pushes the bodies, by the kind of coupling. Adds to pressures(). SimulationError when the solve fails.
     PressureReport project(const FaceField& velocity, rigid::RigidBodies& bodies, double dt,
                            Surface surface = Surface::tense);
 
     // Parts of project(), for a solve together with the viscosity (stokes.hpp); spans are [rows()]. Collective, but for
-    // those that say so. The faces that scene() describes; local.
+    // those with that option. The faces that scene() describes; local.
     PressureFaces describe(const PressureScene& scene) const;
     // velocity -= dt/(rho dx) (p_c - p_below), as project() does.
     void apply(std::span<const double> p, double dt, Surface surface, const FaceField& velocity);

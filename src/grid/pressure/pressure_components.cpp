@@ -6,7 +6,7 @@
 namespace treacle::grid {
 
 namespace {
-// Fraction of all that a constant pressure pushes by which a body must be pushed on the whole to give way.
+// Fraction of all that a constant pressure pushes with which a body must be pushed on the whole to move.
 constexpr double least_push = 1e-6;
 
 // Labels rise to those of parts that end at a surface, and fall to the least row otherwise.

@@ -13,8 +13,8 @@ namespace treacle::grid {
 class PressureComponents {
 public:
     // Collective. Weights one cell of each closed part, by as much as its diagonal: for right-hand sides that sum to zero
-    // that cell's pressure is zero then, and that of the others is what it is without the weight. Where dynamic bodies
-    // can give way to a constant pressure, there is nothing free: `lifted()` has what to take off of the product again.
+    // that cell's pressure is zero then, and that of the others is what it is without the weight. Where a dynamic body
+    // moves under a constant pressure, there is nothing free: `lifted()` has what to take off of the product again.
     void anchor(const Comm& comm, const solve::CsrBlocks& matrix, std::span<const double> to_surface,
                 const PressureCoupling& coupling, const rigid::RigidBodies& bodies);
     // Collective: takes the mean of each closed part off of b. Returns the largest share of |b| that was taken.

@@ -8,11 +8,12 @@
 
 namespace treacle::grid {
 
-// (L) Liquid that separates from walls above it. A pressure solve holds liquid to every wall, by pressures below that of the air
-// where need be. Full cells under a wall whose pressure is negative become cells beyond the surface for the rest of the step: their
-// pressure is zero and they may widen, but not take in more than they hold, which (K) sees to. This is the complementarity
-// p >= 0, div u >= 0 (Batty, Bertails & Bridson 2007, for walls), of cells under walls from which gravity pulls: what moves in the
-// liquid sucks at other walls, and there the pressure of the air holds them together.
+// (L) Liquid that separates from walls above it. A pressure solve holds liquid to every wall, by pressures below that
+// of the air where need be. Full cells under a wall whose pressure is negative become cells beyond the surface for the
+// rest of the step: their pressure is zero and they may widen, but not take in more than they hold, which (K) ensures.
+// This is the complementarity p >= 0, div u >= 0 (Batty, Bertails & Bridson 2007, for walls), of cells under walls from
+// which gravity pulls: what moves in the liquid sucks at other walls, and there the pressure of the air holds them
+// together.
 class Separation {
 public:
     // Input of find(); arrays are over the window of the halo.

@@ -27,8 +27,8 @@ KOKKOS_INLINE_FUNCTION void trace(const FaceSampler& faces, const double u[3], d
     for (int c = 0; c < 3; ++c) x[c] += dt * (0.25 * u[c] + 0.75 * later[c]);
 }
 
-// The gradient after particles have moved as it says, no larger than before: liquid that nothing surrounds would make it grow
-// from step to step.
+// The gradient after particles have moved by it, no larger than before: liquid that nothing surrounds would make it
+// grow from step to step.
 KOKKOS_INLINE_FUNCTION SmallMatrix carry(const SmallMatrix& gradient, double dt) {
     auto carried = carried_gradient(gradient, dt);
     const double before = gradient.squares(), after = carried.squares();
@@ -105,7 +105,7 @@ Departures advect(const Advection& how, const GridParticles& particles, double d
 }
 
 namespace {
-// Losses are rare and each one is reported: the host looks at all particles of this rank.
+// Losses are rare and each one is reported: the host checks all particles of this rank.
 std::vector<LostParticle> list_lost(const GridParticles& particles) {
     std::vector<LostParticle> lost;
     const auto x = on_host(particles.position()), u = on_host(particles.velocity());

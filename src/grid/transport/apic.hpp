@@ -5,9 +5,9 @@
 namespace treacle::grid {
 
 // Affine particle-in-cell transfers with the weights of linear interpolation (Jiang et al. 2015): with c = sum grad w u
-// both directions keep linear and angular momentum where all faces around a particle take part.
+// both directions keep linear and angular momentum where all faces around a particle have weights.
 
-// The particles that tell which liquid is where.
+// The particles that determine the liquid of each place.
 struct LiquidScene {
     const GridParticles& particles; // ghosts with their liquid and viscosity
     const CellList& cells;
@@ -64,7 +64,7 @@ struct FaceSampler {
         : window(cells), lower{grid.lower[0], grid.lower[1], grid.lower[2]}, inverse_width(1 / grid.dx), width(grid.dx),
           dimensions(grid.dimensions), faces(field) {}
 
-    // Component `axis` at x [m/s] and, where asked for, its gradient [1/s]. Outside of the window as at its border.
+    // Component `axis` at x [m/s] and, on request, its gradient [1/s]. Outside of the window as at its border.
     KOKKOS_INLINE_FUNCTION double component(int axis, const double x[3], double gradient[3] = nullptr) const {
         int base[3] = {0, 0, window.lo[2]};
         double s[3] = {0, 0, 0};

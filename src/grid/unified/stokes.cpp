@@ -10,7 +10,7 @@
 namespace treacle::grid {
 
 namespace {
-// Residual over the right-hand side with which a step can still go on: the solve has come near, and the report says so.
+// Residual over the right-hand side up to which the step is accepted; the report has it.
 constexpr double most_residual = 1e-2;
 
 solve::IdrOptions idr_options(const StokesOptions& options) {

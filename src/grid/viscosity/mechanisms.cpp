@@ -12,7 +12,7 @@ constexpr double most_resistance = 0.3, least_resistance = 1e-10;
 struct Stress {
     int kind;
     std::ptrdiff_t at;
-    double weight, sign; // sign: of the velocity of the face it is seen from, in its strain
+    double weight, sign; // sign: of the velocity of its face in the strain
 };
 struct FaceAt {
     int axis;
@@ -66,7 +66,7 @@ struct MechanismLoop {
         faces.each_stress(a, i, faces.normal, faces.shear, [&](double w) { stresses += static_cast<int>(w > 0); });
         return stresses == 1 && free(a, i);
     }
-    // The loose face that gives way to a stress with the least mass; false: there is none.
+    // The loose face in a stress with the least mass; false: there is none.
     KOKKOS_INLINE_FUNCTION bool gives_way(const Stress& stress, FaceAt& found) const {
         double least = -1;
         each_face(stress, [&](const FaceAt& face) {
@@ -175,7 +175,7 @@ void Mechanisms::build(const Comm& comm, const ViscousFaces& faces, const Viscou
     strength_.assign(shared_ ? static_cast<std::size_t>(system.rows()) : 0, 0.0);
 }
 
-// The rank of a mechanism's face finds its strength v^T r/(v^T M/dt v), those of the other faces ask it for that.
+// The rank of a mechanism's face finds its strength v^T r/(v^T M/dt v), those of the other faces request it.
 void Mechanisms::add(std::span<const double> r, std::span<double> z) {
     const auto rows = static_cast<std::size_t>(rows_);
     std::span<const double> around;

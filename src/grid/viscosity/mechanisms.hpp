@@ -11,8 +11,9 @@ namespace treacle::grid {
 // (V6) At a ragged surface a face may have no stress but one, which also acts on other such faces. They can move against each
 // other and strain nothing: a mechanism, which only its little mass holds. In
 //     z += sum over mechanisms v of v (v^T r) / (v^T M/dt v)
-// a preconditioner of the viscous system (viscosity.md) knows them; sweeps do not see what is stiff in each face and loose
-// in their sum. A mechanism is one face, all of whose stresses end at faces that have no other one and that give way.
+// a preconditioner of the viscous system (viscosity.md) treats them; sweeps do not reduce errors that are stiff in each
+// face and loose in their sum. A mechanism is one face, all of whose stresses end at faces that have no other one and
+// that are loose.
 class Mechanisms {
 public:
     // Collective. Those of the matrix that `system` has assembled for these faces.
@@ -20,7 +21,7 @@ public:
     // The sum above on this rank's rows. Collective, once per call of build() on all ranks alike.
     void add(std::span<const double> r, std::span<double> z);
 
-    // 1 for this rank's rows that take part in one; others keep what they have.
+    // 1 for this rank's rows that belong to one; others keep what they have.
     void mark(std::span<unsigned char> rows) const;
 
     std::int64_t count() const { return count_; } // over all ranks, each by the rank of its face

@@ -11,7 +11,7 @@ namespace treacle::grid {
 // Along which solids liquid slides.
 struct SlipSetup {
     std::vector<scene::Slip> slip;   // [bodies]
-    std::vector<double> slip_length; // [bodies] [m], where the slip says so
+    std::vector<double> slip_length; // [bodies] [m], by the slip's option
 };
 
 // Geometry of solids that liquid slides along, where there are any, for the viscous solve: the volume fractions of the

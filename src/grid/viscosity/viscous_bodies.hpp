@@ -7,9 +7,9 @@
 
 namespace treacle::grid {
 
-// Dynamic bodies as unknowns beside the faces (V5). Their velocities are V* + L q, with M^-1 = L L^T how the bodies answer
-// impulses with their joints and locked degrees of freedom: what cannot move has no column, and (V - V*) M (V - V*) = q.q.
-// With the strains D W_S R V of the bodies' motions,
+// Dynamic bodies as unknowns beside the faces (V5). Their velocities are V* + L q, with M^-1 = L L^T the bodies'
+// response to impulses with their joints and locked degrees of freedom: what cannot move has no column, and (V - V*) M
+// (V - V*) = q.q. With the strains D W_S R V of the bodies' motions,
 //   C = W_F D^T K D W_S R,   G = (W_S R)^T D^T K D W_S R + the mass of liquid that they hold, over dt, and likewise by the
 // tractions of slip surfaces,
 // the rows beside those of the faces are  L^T C^T u + (1/dt + L^T G L) q = -L^T (G V* - h),  h the held momentum over dt.
@@ -39,7 +39,7 @@ public:
     std::vector<double> forces(std::span<const double> loads) const; // L^T loads
     // V + L q.
     std::vector<double> moved(std::span<const double> velocities, std::span<const double> q) const;
-    // For bodies that answer to liquid whose motion is given: (1/dt + L^T G L) q = L^T loads.
+    // For bodies in liquid whose motion is given: (1/dt + L^T G L) q = L^T loads.
     std::vector<double> answer(std::span<const double> loads, double dt) const;
 
     std::size_t bytes() const; // of this rank [bytes]

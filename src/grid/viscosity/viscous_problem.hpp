@@ -53,7 +53,8 @@ public:
     std::vector<double> forces(std::span<const double> loads) const { return bodies_.forces(loads); }
 
     // Collective: what the solution makes of the liquid and the bodies. Bodies are pushed by the viscous loads and by
-    // `others`, which they have already answered to as far as the system has their motions. Returns the viscous loads.
+    // `others`, whose effect is already in the solution as far as the system has their motions. Returns the viscous
+    // loads.
     std::vector<double> apply(const ViscousScene& scene, std::span<const double> x, std::span<const double> others,
                               const FaceField& velocity, rigid::RigidBodies& bodies);
 

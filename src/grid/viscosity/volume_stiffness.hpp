@@ -53,7 +53,7 @@ public:
 
 private:
     VolumeStiffness held_;
-    Array<int> by_body_{"treacle::by_body", 0}; // [rows] 1 where a body that moves takes part in the flux
+    Array<int> by_body_{"treacle::by_body", 0}; // [rows] 1 where a moving body contributes to the flux
     Array<double> by_row_{"treacle::pressure_by_flux", 0}, held_by_row_{"treacle::held_by_flux", 0};
 };
 

@@ -23,9 +23,9 @@ public:
         const ViscousFaces* viscous = nullptr;
         bool together = false;
     };
-    // Forgets what there was; for so many solids.
+    // Clears all sums; for so many solids.
     void clear(std::size_t solids) { lost_.assign(6 * solids, 0.0); }
-    // For another try from where it was.
+    // Resets to the start of the step, for a repeat.
     const std::vector<double>& lost() const { return lost_; }
     void go_back(const std::vector<double>& to) { lost_ = to; }
     // From here on changes count.

@@ -42,9 +42,10 @@ class PositionCorrection {
 public:
     explicit PositionCorrection(const MacGrid& grid);
 
-    // Collective. Moves the owned particles and their ghosts; sort, halo and cell list must be of the positions before, with
-    // the ghosts' liquid gathered. Particles near solids see the images of those beside them: walls neither draw nor
-    // push. Writes the field `density`. `particle_mass` [liquids] [kg]; `gravity` [m/s2] for the energy.
+    // Collective. Moves the owned particles and their ghosts; sort, halo and cell list must be of the positions before,
+    // with the ghosts' liquid gathered. Particles near solids have the images of those beside them as neighbours: walls
+    // neither draw nor push. Writes the field `density`. `particle_mass` [liquids] [kg]; `gravity` [m/s2] for the
+    // energy.
     struct Setting {
         const CellList& cells;
         Halo& halo;

@@ -7,9 +7,10 @@
 namespace treacle::identify {
 
 namespace {
-// Runs at one spacing until the answer there stands, at most `most` of them: at the answer so far, and then where it moves to. A run to
-// the side, unless the answer moves by itself, says how displacements change at this spacing: where the flow is wild, the
-// coarse runs tell that wrongly. A run that fails is followed by one beside it. False where no run succeeded.
+// Runs at one spacing until the answer there stands, at most `most` of them: at the answer so far, and then where it
+// moves to. A run to the side, unless the answer moves by itself, gives the change of displacements at this spacing:
+// where the flow is wild, the coarse runs have another one. A run that fails is followed by one beside it. False where
+// no run succeeded.
 bool settle_rung(const StudyFile& file, const Priors& priors, Trials& trials, std::vector<std::vector<EvaluatedRun>>& finer, std::size_t rung, Eigen::VectorXd& point) {
     constexpr double near = 0.03, reach = 0.15; // of the logarithm of a viscosity
     constexpr std::size_t most = 4;
@@ -39,7 +40,7 @@ bool settle_rung(const StudyFile& file, const Priors& priors, Trials& trials, st
     return false;
 }
 
-// The pixels' part of the interval and all that is said of the fit are those of the finest runs.
+// The pixels' part of the interval and all other figures of the fit are those of the finest runs.
 void take_fit(const Estimate& finest, Estimate& out) {
     auto parts = finest.parts;
     for (std::size_t k = 0; k < parts.size(); ++k) {

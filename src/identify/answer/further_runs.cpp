@@ -9,7 +9,8 @@
 namespace treacle::identify {
 
 namespace {
-// Step by which a measured value is changed to see what it does: far enough that the change stands out of the numerical noise.
+// Step by which a measured value is changed to measure its effect: far enough that the change stands out of the
+// numerical noise.
 double measured_step(double value, double deviation) {
     constexpr double clear = 0.05; // relative
     return std::max(deviation, clear * std::abs(value));

@@ -16,7 +16,7 @@ namespace treacle::identify {
 
 namespace {
 // Scatter of few runs, of one parameter on a logarithmic scale, taken together with what it usually is, which counts as one run: two answers
-// can be alike by chance, and the interval would believe it. Returns the degrees of freedom.
+// can be alike by chance, and the interval would then be too narrow. Returns the degrees of freedom.
 int expect_usual_noise(const StudyFile& file, int freedom, Eigen::MatrixXd& noise) {
     constexpr double usual = 0.01; // of the logarithm of a viscosity; 0.5 to 2 % in the templates' scenes at their coarsest spacing
     if (file.searched != 1 || file.study.parameters.front().scale != study::Scale::log) return freedom;
@@ -101,7 +101,7 @@ void say_answer(const StudyFile& file, Identification& out) {
     }
 }
 
-// Runs that may follow those that the search asks for now: its own next ones, and those at the answer that can be told so far.
+// Runs that may follow the present ones of the search: its own next ones, and those at the answer so far.
 Wanted expected_runs(const StudyFile& file, const Priors& priors, const Trials& trials, const search::Search& search) {
     Wanted out;
     if (!trials.speculates()) return out;

@@ -24,36 +24,38 @@ struct RungAnswer {
     std::vector<double> values; // of the searched parameters, in their units
 };
 
+// Result of identify(): every run that was done, the fit, and the answer with its interval.
 struct Identification {
-    study::StudyEnd end = study::StudyEnd::complete;
-    std::string stop;             // why the search ended, a sentence
-    std::vector<Trial> trials;    // in their order
+    study::StudyEnd end = study::StudyEnd::complete; // stopped: before its end, with what was reached
+    std::string stop;                                // why the search ended, a sentence
+    std::vector<Trial> trials;                       // in their order
     std::optional<Estimate> estimate; // nothing when stopped, or without good runs; its point is that of the search's spacing
-    std::vector<RungAnswer> rungs;    // the coarsest first
+    std::vector<RungAnswer> rungs;                  // the coarsest first
     std::vector<search::Extrapolation> corrections; // [p] to spacing 0, along the principal axes of the coordinates
-    Eigen::VectorXd resolved;      // [p] coordinates at spacing 0; empty without rungs
-    Eigen::MatrixXd noise;         // [p][p] of the coordinates, numerical: of one run at the coarsest spacing, until there are finer ones
-    std::vector<double> values;   // [p] identified, in the parameters' units
+    Eigen::VectorXd resolved;                       // [p] coordinates at spacing 0; empty without rungs
+    Eigen::MatrixXd noise; // [p][p] of the coordinates, numerical: of one run at the coarsest spacing, until there are finer ones
+    std::vector<double> values;    // [p] identified, in the parameters' units
     std::vector<double> low, high; // ends of the 90 % interval
     Eigen::MatrixXd covariance;    // [p][p] of the coordinates (the logarithm of a viscosity), of all parts
-    std::string problem;          // why there is no estimate
+    std::string problem;           // why there is no estimate
 };
 
 // Prior knowledge of several parameters by their ranges; none of a single one.
 RangePrior range_prior(const StudyFile& file);
 
-// The trial that looks most like the films; null without one.
+// The trial with the least objective; null without one.
 const Trial* best_trial(const Identification& identification);
 
-// The trial that looks most like the films of those at the finest spacing of the study; the best trial where none of these has runs.
+// The trial with the least objective among those at the finest spacing of the study; the best trial where none of these
+// has runs.
 const Trial* trial_at_answer(const StudyFile& file, const Identification& identification);
 
 // Residuals of the runs of a trial, one a scene of the study, from its experiments, without a point; nothing where one
 // has failed. Throws InputError.
 std::optional<EvaluatedRun> evaluated_runs(const StudyFile& file, const study::StudyRuns& runs, const std::vector<std::int64_t>& numbers);
 
-// Throws InputError without a parameter, for one without a range, for one that silhouettes cannot know, and for ends of ranges
-// that a scene refuses.
+// Throws InputError without a parameter, for one without a range, for one on which silhouettes do not depend, and for
+// ends of ranges that a scene refuses.
 void check_searched(const StudyFile& file, const study::SceneReader& read_scene);
 
 // Searches the study's parameters for the least difference of contours, fits the answer to the runs around the least one,

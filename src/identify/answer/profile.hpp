@@ -3,7 +3,7 @@
 
 namespace treacle::identify {
 
-// True when a body follows a measured path in the experiment: then only inertia tells a viscosity.
+// True when a body follows a measured path in the experiment: then only inertia depends on a viscosity.
 bool prescribes(const Experiment& experiment);
 
 // Throws InputError for a study whose experiments all prescribe their flow, without runs that measure the numerical scatter:

@@ -11,10 +11,12 @@ namespace treacle::identify {
 double coordinate(const study::Parameter& parameter, double value);
 double value_of(const study::Parameter& parameter, double x);
 
-// The axes of the searched parameters. Throws InputError without a parameter, and for one without a range or that silhouettes cannot know.
+// The axes of the searched parameters. Throws InputError without a parameter, and for one without a range or on which
+// silhouettes do not depend.
 std::vector<search::Axis> axes_of(const StudyFile& file);
 
-// The search that a study asks for. Throws InputError as axes_of(), and for a method that does not suit the number of parameters.
+// The search of a study's method. Throws InputError as axes_of(), and for a method that does not suit the number of
+// parameters.
 std::unique_ptr<search::Search> search_of(const StudyFile& file);
 
 } // namespace treacle::identify

@@ -18,7 +18,7 @@ struct Variation {
     double value = 0;                                                // in its unit
 };
 
-using Wanted = std::vector<std::pair<search::Point, Variation>>;
+using Wanted = std::vector<std::pair<search::Point, Variation>>; // points of the search, each with its change
 
 // Runs candidates and keeps what came of them.
 class Trials {
@@ -27,12 +27,12 @@ public:
         : file_(file), priors_(priors), runs_(runs), read_scene_(read_scene), log_(log), out_(out) {}
 
     // Runs of each point and its variation: nothing where one failed or stopped early. Runs may do that where the
-    // search's objective of the k-th point is above cut(k), infinite where it may not. Throws Stopped when asked to
-    // stop.
+    // search's objective of the k-th point is above cut(k), infinite where it may not. Throws Stopped when a stop is
+    // requested.
     struct Stopped {};
     using Cuts = std::function<double(std::size_t)>;
     std::vector<std::optional<EvaluatedRun>> run(Wanted wanted, const Cuts& cut = {});
-    // Lanes that would idle while later calls of `run` wait may do these meanwhile; without any, they end.
+    // Lanes that would idle while later calls of `run` block may do these meanwhile; without any, they end.
     void offer(const Wanted& expected);
     bool speculates() const { return file_.study.runs.speculate && runs_.lanes() > 1; }
     // Runs at the search's spacing with the measured values as they are.

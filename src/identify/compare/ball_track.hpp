@@ -13,9 +13,9 @@ public:
     // take the sheet's. Throws InputError.
     BallTrack(const Sheet& sheet, const std::filesystem::path& path);
 
-    Vec3 at(double time) const; // [m] in the scene, at a time of the track [s]
-    double first() const { return x_.first(); }
-    double last() const { return x_.last(); }
+    Vec3 at(double time) const;                     // [m] in the scene, at a time of the track [s]
+    double first() const { return x_.first(); }     // [s] of the track
+    double last() const { return x_.last(); }       // [s] of the track
     double deviation() const { return deviation_; } // [m] the largest
 
 private:

@@ -47,8 +47,9 @@ void add_camera(const scene::CameraModel& camera, const Vec3& place, const scene
     }
 }
 
-// Segments of the observed contour do not see how far liquid goes on beyond them: within a long thread a drop's tip is half of the thread's
-// width from its contour, however long the thread is. What lies near is left to the segments, which know the view.
+// Segments of the observed contour do not depend on how far liquid goes on beyond them: within a long thread a drop's
+// tip is half of the thread's width from its contour, however long the thread is. Near parts are left to the segments,
+// which have derivatives by the view.
 double beyond_observed(const video::Mask& observed, const video::Mask& simulated) {
     constexpr double near = 10; // [px]
     auto seen = simulated;

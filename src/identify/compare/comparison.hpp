@@ -19,15 +19,16 @@ struct SegmentResidual {
     ViewDerivatives by_view{}; // of the displacement
 };
 
+// Difference of one mask and the run; of a window of frames: of its levels together.
 struct FrameComparison {
-    std::vector<SegmentResidual> segments;
-    std::int64_t mismatches = 0; // pixels that are liquid in one of the masks
+    std::vector<SegmentResidual> segments;    // of the observed contour, in its order
+    std::int64_t mismatches = 0;              // pixels that are liquid in one of the masks
     std::int64_t observed = 0, simulated = 0; // pixels of liquid
-    std::int64_t compared = 0;   // pixels that are not excluded
-    double beyond = 0;           // [px] how far points of the simulated contour lie from the observed one beyond ten, sum over segments' lengths
+    std::int64_t compared = 0;                // pixels that are not excluded
+    double beyond = 0; // [px] how far points of the simulated contour lie from the observed one beyond ten, sum over segments' lengths
 };
 
-// The liquid of a run as the experiment's camera sees it at the time of a mask, and a little later.
+// The liquid of a run in the picture of the experiment's camera at the time of a mask, and a little later.
 struct SimulatedFrame {
     video::FilmDrawing now, later;
     double step = 0; // [s] from now to later

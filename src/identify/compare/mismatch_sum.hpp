@@ -13,9 +13,9 @@ struct FilmMismatches {
     double next = std::numeric_limits<double>::infinity(); // [s] of the first that is not compared yet; infinite: all are
 };
 
-// The sum over films of their mean (6.9) only grows from frame to frame: what it is, or has reached, after the first frame at which it
-// is above the cut, in the order of time and films; nothing where it is not above it. The same whenever it is asked, once that frame is
-// compared: frames behind one that is missing are not looked at.
+// The sum over films of their mean (6.9) only grows from frame to frame: what it is, or has reached, after the first
+// frame at which it is above the cut, in the order of time and films; nothing where it is not above it. The same at any
+// time once that frame is compared: frames behind one that is missing do not count.
 std::optional<double> mismatch_bound(const std::vector<FilmMismatches>& films, double cut);
 
 } // namespace treacle::identify

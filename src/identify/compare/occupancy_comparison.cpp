@@ -93,7 +93,7 @@ void scale_by_noise(FrameComparison& comparison, double noise) {
 }
 
 void add_turning(FrameComparison& comparison, const ObservedFrame& frame, const TurningRate& film, const TurningRate& run, double scatter, std::size_t levels) {
-    constexpr double least = 0.02; // relative noise: passages are told by frames
+    constexpr double least = 0.02; // relative noise: passages are resolved by frames
     if (film.turns < 0.5) return;
     SegmentResidual row;
     row.frame = frame.number;

@@ -30,10 +30,10 @@ private:
 struct OccupancyWindow {
     OccupancyWindow(int width, int height) : film(width, height), now(width, height), later(width, height) {}
 
-    ObservedFrame frame;       // number of the mask in its middle; mean time
-    double step = 0;           // [s] from now to later
-    OccupancySum film;
-    OccupancySum now, later;   // of the run, and of what it shows a little later
+    ObservedFrame frame;     // number of the mask in its middle; mean time
+    double step = 0;         // [s] from now to later
+    OccupancySum film;       // of the masks
+    OccupancySum now, later; // of the run, and of what it shows a little later
 };
 
 // Displacements [px] of the contours at all levels; all have the window's number and time.

@@ -5,7 +5,7 @@
 
 namespace treacle::identify {
 
-// Liquid of one frame of a run, as a sheet of PIV sees it.
+// Liquid of one frame of a run, for a sheet of PIV.
 struct SheetFlow {
     double time = 0; // [s]
     std::function<std::optional<LocalVelocity>(const Vec3&)> liquid;   // nothing outside of the liquid
@@ -29,10 +29,11 @@ struct ComparedVector {
     double u = 0, v = 0; // [m/s] simulated; not a number where there is no liquid
 };
 
+// Difference of one field and the run.
 struct SheetComparison {
     std::vector<SegmentResidual> segments; // two a vector: right, up
-    FrameSquares squares;
-    std::vector<ComparedVector> vectors;
+    FrameSquares squares;                  // over the vectors that are compared
+    std::vector<ComparedVector> vectors;   // all of the field, compared or not
 };
 
 // Compares a field with the flow between two frames, linear in time. Residuals are simulated less measured velocities over the

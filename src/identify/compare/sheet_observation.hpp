@@ -12,10 +12,11 @@ struct SheetVector {
     double u = 0, v = 0; // [m/s] likewise
 };
 
+// One field of vectors after the tests.
 struct ObservedField {
-    int number = 0;  // among all fields of the experiment, from 0
-    double time = 0; // [s] of the scene
-    std::vector<SheetVector> vectors;
+    int number = 0;                   // among all fields of the experiment, from 0
+    double time = 0;                  // [s] of the scene
+    std::vector<SheetVector> vectors; // those that are kept, in the order of the file
 };
 
 // Counts of the vectors of the fields that are compared.
@@ -28,9 +29,10 @@ struct SheetCounts {
     std::size_t kept() const { return vectors - missing - outliers - masked - touching; }
 };
 
+// Measured fields of an experiment.
 struct ObservedSheet {
-    std::vector<ObservedField> fields;
-    SheetCounts counts;
+    std::vector<ObservedField> fields; // between `from` and `to`, in the order of their numbers
+    SheetCounts counts;                // over these fields
 };
 
 // Names of files are taken from the study's folder.

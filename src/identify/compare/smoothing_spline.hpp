@@ -12,7 +12,8 @@ public:
     SmoothingSpline(std::span<const double> times, std::span<const double> values, std::span<const double> deviations);
 
     double at(double time) const;    // beyond the ends it goes on straight
-    double slope(double time) const;
+    double slope(double time) const; // unit of the values per unit of the times
+    // Ends of the data, in the unit of the times.
     double first() const { return times_.front(); }
     double last() const { return times_.back(); }
 

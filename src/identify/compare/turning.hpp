@@ -11,12 +11,13 @@ double thread_place(const video::Mask& mask);
 
 // Turning of a thread: times [s] at which it passes its middle, twice a turn.
 struct Turning {
-    std::vector<double> passages;
-    double scatter = 0; // relative, of the times of whole turns; 0 where there are fewer than two
+    std::vector<double> passages; // [s] ascending
+    double scatter = 0;           // relative, of the times of whole turns; 0 where there are fewer than two
 };
 // places: at these times, in any unit; those that are no number are left out. Noise about the middle is no passage.
 Turning turning_of(const std::vector<double>& times, const std::vector<double>& places);
 
+// Frequency of a thread's turns within a window.
 struct TurningRate {
     double rate = 0;  // [Hz]
     double turns = 0; // that are known

@@ -9,6 +9,7 @@
 
 namespace treacle::identify {
 
+// Linear field at a point, in the scene's axes.
 struct LocalVelocity {
     Vec3 velocity{0, 0, 0};          // [m/s]
     std::array<Vec3, 3> gradient{};  // [1/s] row i is that of velocity i

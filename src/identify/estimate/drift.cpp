@@ -9,7 +9,8 @@ namespace treacle::identify {
 namespace {
 constexpr int window_count = 4;
 
-// Window of each frame of the experiment: about a quarter of what all tell of the parameter, and two frames at least.
+// Window of each frame of the experiment: about a quarter of the information of all on the parameter, and two frames at
+// least.
 std::map<int, int> windows_of(std::size_t experiment, const EvaluatedRun& run, const Layout& layout, const Vector& telling) {
     std::map<int, double> told; // by frame
     for (std::size_t i = 0; i < layout.rows.size(); ++i) {

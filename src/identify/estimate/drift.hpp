@@ -14,8 +14,9 @@ struct WholeFit {
     const std::vector<int>& blocks;
 };
 
-// Drift of the answer over the frames of an experiment, of one parameter, by a linear model with a parameter for each of four windows that tell about as much, and the view of the
-// experiment within its priors; weights are those of the fit to all.
+// Drift of the answer over the frames of an experiment, of one parameter, by a linear model with a parameter for each
+// of four windows of about as much information, and the view of the experiment within its priors; weights are those of
+// the fit to all.
 Drift drift_of(std::size_t experiment, const WholeFit& all);
 
 } // namespace treacle::identify

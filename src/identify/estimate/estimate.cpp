@@ -14,8 +14,9 @@ namespace treacle::identify {
 namespace {
 constexpr int most_rounds = 20; // of diluting
 
-// Distance by which the fit takes the view of each experiment from what is known of it: its square, in units of its expectation by
-// the priors and a standard deviation more. Above 1 the residuals are less independent than their scatter tells: what the model does not explain has pulled at the view.
+// Distance by which the fit takes the view of each experiment from what is known of it: its square, in units of its
+// expectation by the priors and a standard deviation more. Above 1 the residuals are less independent than their
+// scatter shows: what the model does not explain has pulled at the view.
 std::vector<double> excesses(const Vector& view, const Matrix& information, const EvaluatedRun& run) {
     std::vector<double> out;
     for (std::size_t e = 0; e < run.experiments.size(); ++e) {

@@ -15,7 +15,7 @@ struct LocalModel {
 LocalModel local_model(const std::vector<EvaluatedRun>& runs, const Layout& layout, const Vector& centre);
 
 // (I5a) Takes the model to the resolution of other runs: what these show beyond it is a value and a slope, by least squares in which the slope is
-// expected to be none, over distances at which the numerical noise of runs hides it.
+// expected to be none, over distances at which the numerical noise of runs exceeds it.
 void correct(LocalModel& model, const std::vector<EvaluatedRun>& runs, const Layout& layout, const Vector& centre);
 
 } // namespace treacle::identify

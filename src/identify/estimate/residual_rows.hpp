@@ -3,22 +3,24 @@
 
 namespace treacle::identify {
 
+// Dense vectors and matrices of the fit, by rows of a layout or by parameters.
 using Vector = Eigen::VectorXd;
 using Matrix = Eigen::MatrixXd;
 
 // Segments of all experiments in one list, the rows of a fit.
 struct Layout {
     struct Row {
-        std::size_t experiment, segment;
-        double usual; // noise
+        std::size_t experiment, segment; // index in EvaluatedRun::experiments, index in RunResiduals::segments
+        double usual;                    // noise
     };
-    std::vector<Row> rows;
-    std::size_t experiments = 0;
+    std::vector<Row> rows;       // experiment by experiment, in the order of the segments
+    std::size_t experiments = 0; // of the runs, with and without rows [count]
 };
 
 // Segments that stand in every run and that `run` compares.
 Layout layout_of(const EvaluatedRun& run, const std::vector<EvaluatedRun>& others, const std::vector<std::vector<EvaluatedRun>>& finer);
 
+// Residual of a row in a run of the layout.
 inline const SegmentResidual& at(const EvaluatedRun& run, const Layout::Row& row) { return run.experiments[row.experiment].segments[row.segment]; }
 
 // Residuals [rows], in units of their usual noise.

@@ -23,8 +23,8 @@ double weighted_median(std::vector<std::pair<double, double>> values) { // value
     return 0;
 }
 
-// Noise of each experiment, by the segments that tell the parameters: those that do not move, along walls say, have no part in the noise.
-// pooled: the same for all, in units of what is usual of each.
+// Noise of each experiment, by the segments that depend on the parameters: those that do not move, along walls for
+// example, have no part in the noise. pooled: the same for all, in units of what is usual of each.
 std::vector<double> robust_scales(const Vector& residuals, const Layout& layout, const Vector& telling, bool pooled) {
     std::vector<std::vector<std::pair<double, double>>> sizes(pooled ? 1 : layout.experiments);
     for (std::size_t i = 0; i < layout.rows.size(); ++i) {

@@ -10,9 +10,10 @@ struct Fit {
     std::vector<double> noise; // per experiment, in usual ones
 };
 
+// Options of a fit; parameters are the first columns, views follow.
 struct FitOptions {
-    bool usual_noise = false; // that of the residuals otherwise
-    double bend = 3;
+    bool usual_noise = false;     // that of the residuals otherwise
+    double bend = 3;              // noises beyond which a residual counts linearly (Huber 1964)
     std::vector<double> dilution; // per experiment: how many correlated segments count as one
     Eigen::Index parameters = 0;  // columns before those of the views
     Vector pull = {};             // slope of what is known beside the residuals; empty: none

@@ -9,7 +9,8 @@
 
 namespace treacle::identify {
 
-// Information on the view before the films are looked at, per experiment: one over the square of each deviation that the study states.
+// Information on the view before the films are compared, per experiment: one over the square of each deviation that the
+// study states.
 using Priors = std::vector<ViewInformation>;
 
 // Information on the view of a film. pose: covariance of the calibrated pose (turns [rad], place [m]), in the place of the stated ones. focal_deviation: relative, that of the

@@ -14,7 +14,7 @@ class Declaration;
 
 namespace treacle::identify {
 
-// Standard deviations of what a comparison of contours does not know exactly. They enter the interval, as parameters that
+// Standard deviations of inputs of a comparison that are not exact. They enter the interval, as parameters that
 // need no run: the contours move a little.
 struct ViewUncertainty {
     double time_zero = 5e-3; // [s]
@@ -26,6 +26,7 @@ struct ViewUncertainty {
     double scale = 2e-3;     // relative, of a sheet of PIV or the instrument of a series
     double shift = 2e-4;     // [m] of a sheet of PIV along each of its axes; its turn in its plane is `turn`
 
+    // Keys of the block `plus_minus` of an experiment.
     void declare(Declaration& d);
 };
 
@@ -49,9 +50,11 @@ struct Experiment {
     ViewUncertainty plus_minus;
     std::string where;
 
+    // Keys of an item of `experiments`; keys of another kind of experiment are refused.
     void declare(Declaration& d);
 };
 
+// Method of the search; automatic: bracketing for one parameter, gauss_newton for several, cma_es for the mismatch.
 enum class Method { automatic, bracketing, gauss_newton, cma_es, dissertation };
 
 // Quantity that the search makes least.
@@ -63,17 +66,19 @@ enum class Objective {
 // Spacing at which the answer is read off the rungs.
 enum class Answer { extrapolated, finest };
 
+// Block `search` of a study file.
 struct SearchSettings {
     Method method = Method::automatic;
-    Objective objective = Objective::displacements;
-    bool early_stop = true;  // of runs that are hopeless; see stops_early
-    int evaluations = 20;    // at most
-    double tolerance = 0.03; // of the parameters, relative
-    int seed = 1;
+    Objective objective = Objective::displacements; // mismatch is refused for gauss_newton
+    bool early_stop = true;                         // of runs that are hopeless; see stops_early
+    int evaluations = 20;                           // at most
+    double tolerance = 0.03;                        // of the parameters, relative
+    int seed = 1;                                   // of cma_es and dissertation; other methods draw nothing
     std::vector<std::string> rungs; // spacings of the scenes, the coarsest first: the search's, then those that correct it
-    Answer answer = Answer::extrapolated;
-    int noise_runs = 4;             // of the search's spacing, changed a little, that measure the numerical noise
+    Answer answer = Answer::extrapolated; // spacing zero by the rungs, or the finest rung itself
+    int noise_runs = 4;                   // of the search's spacing, changed a little, that measure the numerical noise
 
+    // Keys and ranges of the block `search`.
     void declare(Declaration& d);
     // True where runs of a search that has cuts may stop early: those of an objective that only grows from frame to frame.
     bool stops_early() const { return early_stop && objective == Objective::mismatch; }

@@ -86,7 +86,7 @@ std::vector<ContourSegment> contour_segments(const video::Mask& mask, double len
         out.back().points.push_back(point);
         last = &point;
     }
-    constexpr std::size_t least = 6; // points of a segment that says something
+    constexpr std::size_t least = 6; // points that a segment needs to count
     std::erase_if(out, [](const ContourSegment& segment) { return segment.points.size() < least; });
     return out;
 }

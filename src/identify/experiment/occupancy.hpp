@@ -10,6 +10,7 @@ class Declaration;
 
 namespace treacle::identify {
 
+// Normal of a mirror plane, an axis of the scene.
 enum class MirrorAxis { none, x, y, z };
 
 // Frequency with which pixels are liquid, over windows of time. For liquid that coils or folds it depends on the
@@ -20,6 +21,7 @@ struct Occupancy {
     MirrorAxis mirror = MirrorAxis::none; // normal of a plane in which the run is mirrored
     double mirror_at = 0;                 // [m] where that plane lies
 
+    // Keys of the block `occupancy` of an experiment.
     void declare(Declaration& d);
 };
 

@@ -16,6 +16,7 @@ struct Series {
     double offset = 0;           // standard deviation of the instrument's zero, in SI
     std::string where;
 
+    // Keys of the block `series` of an experiment.
     void declare(Declaration& d);
 };
 

@@ -17,6 +17,7 @@ struct SetUp {
     double from = -1, to = -1;    // [s] of the scene's time; -1: those of the experiment
     std::string where;
 
+    // Keys of an item of `candidates`.
     void declare(Declaration& d);
 };
 

@@ -12,6 +12,7 @@ class Declaration;
 
 namespace treacle::identify {
 
+// Sense of a file's coordinate or component against the sheet's `up`; pictures count rows downward.
 enum class Upward { up, down };
 
 // Tests of measured vectors against their neighbours.
@@ -20,9 +21,11 @@ struct OutlierTests {
     double alpha = 0;  // [1/s2] of (E.3), change in time; 0: none
     double floor = 0;  // [m/s2] beside it, so that slow vectors stay
 
+    // Keys of the block `outliers` of a sheet.
     void declare(Declaration& d);
 };
 
+// Motion of the ball in the run: by the scene's forces, or along the measured track.
 enum class BallMotion { free, prescribed };
 
 // The body whose motion drives the flow.
@@ -31,6 +34,7 @@ struct Ball {
     std::string track; // CSV with time, x, y and plus_minus in the axes of the fields
     BallMotion motion = BallMotion::prescribed;
 
+    // Keys of the block `ball` of a sheet.
     void declare(Declaration& d);
 };
 
@@ -53,6 +57,7 @@ struct Sheet {
     Ball ball;
     std::string where;
 
+    // Keys of the block `piv` of an experiment.
     void declare(Declaration& d);
     // The scene's point at x, y [m] of the fields, and that of a place right and up in the sheet.
     Vec3 point_of_file(double x, double height) const { return point(x, y == Upward::up ? height : -height); }

@@ -46,7 +46,8 @@ double move_along(const study::Parameter& parameter, double share, double& value
     return step;
 }
 
-// Runs differ in the measured values and the spacing as in the parameters: the journal and the requests know them as such.
+// Runs differ in the measured values and the spacing as in the parameters: the journal and the requests have them as
+// such.
 void StudyFile::add_measured_and_rungs(Declaration& d) {
     for (const auto& one : study.measured) {
         study::Parameter parameter;
@@ -117,7 +118,7 @@ std::filesystem::path StudyFile::beside(const std::string& name) const {
 }
 
 namespace {
-// Does some work on options; what its errors say of the manual of scenes they then say of that of studies.
+// Does some work on options; its errors then refer to the manual of studies in the place of that of scenes.
 template <class Work>
 auto with_study_manual(const Work& work) {
     try {

@@ -19,11 +19,13 @@ struct StudyFile {
     std::vector<double> exponents;  // [measured] of the values in what is searched; 0: not known
     bool has_rungs() const { return study.parameters.size() > searched + measured; }
 
+    // Keys of the whole study file: those of study::Study, and the blocks above.
     void declare(Declaration& d);
     // For an answer of a few runs: the coarsest rung and the first finer by 1.6, one run for the noise, none for the measured values, whose part the
     // interval then lacks.
     void make_quick();
 
+    // The scene that the experiment names, the first for an empty name; load_study_file() has checked it.
     const study::StudyScene& scene_of(const Experiment& experiment) const;
     // Absolute.
     std::filesystem::path beside(const std::string& name) const;

@@ -17,14 +17,16 @@ enum SheetParameter { sheet_time, sheet_scale, sheet_right, sheet_up, sheet_turn
 // A series of numbers: time zero, offset and relative scale of the instrument.
 enum SeriesParameter { series_time, series_offset, series_scale, series_count };
 
+// [view_count] by ViewParameter, or by those of the experiment's kind; residual's unit per parameter's.
 using ViewDerivatives = std::array<double, view_count>;
 
 // Parts of the variance of an answer that come from the view.
 enum class ViewPart { time, contour, camera, sheet, instrument };
 
+// Name and part of one view parameter.
 struct ViewParameterFacts {
     const char* name; // with its unit
-    ViewPart part;
+    ViewPart part;    // part of the variance that its uncertainty counts for
 };
 // view_count at most; derivatives beyond them are 0.
 const std::vector<ViewParameterFacts>& view_parameters(ExperimentKind kind);

@@ -119,7 +119,7 @@ CurveFit fit_flow_curve(const ViscositiesByRate& curve, double from, double to) 
     out.from = std::exp(points.log_rate.front());
     out.to = std::exp(points.log_rate.back());
     const CurveSquares squares(std::move(points));
-    // From several places, since a yield stress and a small exponent look alike over a short range.
+    // From several places, since a yield stress and a small exponent have the same effect over a short range.
     const double largest_share = out.points < enough ? 0 : most_share;
     Law best;
     double least = std::numeric_limits<double>::infinity();

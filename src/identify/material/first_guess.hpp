@@ -18,6 +18,7 @@ double plane_front(double kinematic_viscosity, double area, double time);
 // A volume [m3] spreads to a disc of radius `front`: front = 0.894 (g V^3 t / (3 nu))^(1/8). Huppert 1982, equation 2.21.
 double round_spreading(double density, double volume, double front, double time);
 
+// Front [m] of the same spreading for a kinematic viscosity [m2/s].
 double round_front(double kinematic_viscosity, double volume, double time);
 
 // A volume of `area` per width flows down a slope of `angle` [rad]: front = (9 area^2 g sin(angle) t / (4 nu))^(1/3), from where
@@ -31,7 +32,7 @@ double film_on_incline(double density, double angle, double thickness, double sp
 // density g head = viscosity flow / radius^3 (8 length / (pi radius) + 3 / 2): Hagen and Poiseuille, and Sampson's loss (1891) at
 // the entrance alone.
 struct Outflow {
-    double density = 0, radius = 0, length = 0, head = 0, flow = 0;
+    double density = 0, radius = 0, length = 0, head = 0, flow = 0; // [kg/m3], [m], [m], [m], [m3/s]
 };
 double outflow(const Outflow& hole);
 

@@ -15,7 +15,7 @@ namespace treacle::identify {
 namespace {
 constexpr double usual_low = 1, usual_high = 30; // [1/s] over which rheometers' curves are compared
 
-// The column whose name begins so; its unit, where it is stated in brackets, must be the wanted one.
+// The column whose name begins so; its unit, where it is stated in brackets, must be the given one.
 const std::vector<double>& column_of(const CsvColumns& table, const std::vector<std::string>& begins, const std::vector<std::string>& units) {
     for (std::size_t i = 0; i < table.names.size(); ++i) {
         const auto& name = table.names[i];

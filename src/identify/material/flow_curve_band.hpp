@@ -9,7 +9,7 @@ namespace treacle::identify {
 
 // Viscosities by shear rate, in ascending order of the rates [1/s], [Pa s].
 struct ViscositiesByRate {
-    std::vector<double> rates, viscosities;
+    std::vector<double> rates, viscosities; // [n] [1/s], [n] [Pa s]
 
     // Between two points the logarithms are linear; nothing outside.
     std::optional<double> at(double rate) const;

@@ -19,6 +19,7 @@ struct Material {
     bool well_determined = true;    // all of these values
     std::string where;              // "result.yaml:31"
 
+    // Keys of an item of `materials`.
     void declare(Declaration& d);
 };
 

@@ -28,10 +28,10 @@ private:
 
 // Shear rates of a frame of a run: those below which these shares of the dissipation lie, and their mean [1/s].
 struct FrameShearRates {
-    static constexpr std::array<double, 5> shares{0.05, 0.25, 0.5, 0.75, 0.95};
-    double time = 0; // [s]
-    std::array<double, 5> quantiles{};
-    double mean = 0;
+    static constexpr std::array<double, 5> shares{0.05, 0.25, 0.5, 0.75, 0.95}; // of the dissipation, 0 to 1
+    double time = 0;                                                            // [s]
+    std::array<double, 5> quantiles{};                                          // [1/s] one for each of `shares`
+    double mean = 0;                                                            // [1/s] weighted by dissipation
 };
 FrameShearRates frame_shear_rates(double time, const ShearRates& rates);
 

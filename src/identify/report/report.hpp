@@ -19,7 +19,7 @@ struct ReportParts {
 // Writes into `folder`, each file as a whole:
 //   result.yaml   the identified values with their intervals, and the liquids that have them, for programs
 //   index.html    the same for people, with plots, and pictures of observation and run at the best trial; opens from disk
-// `folder_of` says where a run's files are. Throws SimulationError.
+// `folder_of` returns the folder of a run's files. Throws SimulationError.
 void write_report(const std::filesystem::path& folder, const StudyFile& file, const Identification& identification,
                   const std::function<std::filesystem::path(std::int64_t)>& folder_of, const ReportParts& parts);
 

@@ -6,8 +6,8 @@
 
 namespace treacle::identify {
 
-// A sentence for each experiment whose frames tell another value the later they are, by more than noise and resolution explain:
-// by how much, and what does so. Empty where the model holds from the first frame to the last.
+// A sentence for each experiment whose frames have another best value the later they are, by more than noise and
+// resolution explain: by how much, and what does so. Empty where the model holds from the first frame to the last.
 std::vector<std::string> drift_lines(const StudyFile& file, const Identification& identification);
 
 // The best value by window of time, a table for each experiment; for the report.

@@ -57,7 +57,7 @@ struct Rows {
 };
 
 // Reads a checkpoint on any number of ranks. T is double or std::int64_t. Every checksum is verified by the
-// read. Asking for what is not there, or for another type, throws InputError.
+// read. InputError for a name that is not there, or for another type.
 class CheckpointReader {
 public:
     // Collective. Throws InputError on every rank when the file is no checkpoint or damaged.

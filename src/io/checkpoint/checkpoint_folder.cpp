@@ -40,7 +40,7 @@ std::vector<std::filesystem::path> list_checkpoints(const std::filesystem::path&
 }
 
 NewestCheckpoint newest_valid_checkpoint(const Comm& comm, const std::filesystem::path& folder) {
-    std::vector<std::int64_t> steps; // rank 0 looks, so that all ranks see the same list
+    std::vector<std::int64_t> steps; // only rank 0 reads the folder, so that all ranks have the same list
     comm.guard_root([&] {
         for (const auto& path : list_checkpoints(folder)) steps.push_back(step_of(path));
     });

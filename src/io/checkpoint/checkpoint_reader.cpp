@@ -21,7 +21,7 @@ struct ArrayInfo {
     std::vector<std::int64_t> rows; // of each rank of the writer
 };
 
-// Everything but the distributed values. Rank 0 reads it alone and hands it to the others.
+// Everything but the distributed values. Rank 0 alone reads the file and broadcasts.
 struct Contents {
     int ranks = 0;
     std::map<std::string, AttributeValue> attributes;

@@ -29,7 +29,7 @@ hid_t type_of(const Dataset& dataset) {
 
 enum class Reserved { yes, unknown };
 
-// Asks the file system for the blocks of a file. File systems that cannot reserve are asked for free space.
+// Reserves the blocks of a file; where the file system cannot, checks its free space.
 Reserved reserve(const std::filesystem::path& path, std::int64_t bytes) {
     const int file = ::open(path.c_str(), O_RDWR | O_CREAT, 0644);
     if (file < 0) fail(path, "create", std::strerror(errno));
@@ -40,7 +40,7 @@ Reserved reserve(const std::filesystem::path& path, std::int64_t bytes) {
         fail(path, "reserve " + std::to_string(bytes) + " bytes", std::strerror(error));
     std::error_code unknown;
     const auto space = std::filesystem::space(path, unknown);
-    // A capacity of zero: the file system does not tell.
+    // A capacity of zero: unknown to the file system.
     if (!unknown && space.capacity > 0 && space.available < static_cast<std::uintmax_t>(bytes))
         fail(path, "reserve " + std::to_string(bytes) + " bytes",
              "only " + std::to_string(space.available) + " bytes are free");

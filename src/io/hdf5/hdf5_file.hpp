@@ -40,7 +40,7 @@ struct FilePlan {
 // Collective: writes one file as a whole; on failure the temporary is removed, an older file of that name
 // stands, and every rank throws.
 // Rank 0 makes the file alone, with the space of every dataset, so that no collective call ever changes
-// metadata; the disk space is reserved before any rank writes, so that a full disk is seen by rank 0 in a
+// metadata; the disk space is reserved before any rank writes, so that a full disk is detected by rank 0 in a
 // plain system call and not by one rank in the middle of a collective one.
 void write_hdf5(const Comm& comm, const FilePlan& plan);
 

@@ -67,9 +67,10 @@ Handle file_access(const Comm& comm, Access access) {
 }
 
 namespace {
-// Open MPI 4 guards a pointer into the file, which nobody here shares, by a semaphore of the machine named after the file alone: one that a killed
-// run has left closed stops every later run that opens a file of that name, for ever. Without its name it stops nobody; those that
-// have it open keep it. (Its other ways of sharing put files beside the file.)
+// Open MPI 4 guards a pointer into the file, which is not shared here, by a semaphore of the machine named after the
+// file alone: one that a killed run has left closed stops every later run that opens a file of that name, for ever.
+// Without its name it stops no run; those that have it open keep it. (Its other ways of sharing put files beside the
+// file.)
 void forget_semaphore_of(const std::string& path) { sem_unlink(("/OMPIO_" + std::filesystem::path(path).filename().string()).c_str()); }
 } // namespace
 
@@ -85,7 +86,7 @@ Handle open_collective(const Comm& comm, const std::string& path, unsigned flags
 
 Handle open_serial(const std::string& path) {
     const auto list = file_access(Comm::self(), Access::serial);
-    // A failed look at a damaged object may leave it open inside of HDF5: it goes with the file.
+    // A failed read of a damaged object may leave it open inside of HDF5: it goes with the file.
     check(H5Pset_fclose_degree(list, H5F_CLOSE_STRONG), "close all with the file");
     return {H5Fopen(path.c_str(), H5F_ACC_RDONLY, list), H5Fclose, "open " + path};
 }

@@ -20,7 +20,7 @@ public:
 };
 
 // Keeps HDF5 from printing, from now on: every failure is reported by us, and a damaged file that HDF5 1.10
-// cannot let go of would bring a complaint at the end of the program.
+// does not release would cause an error message at the end of the program.
 void quiet_hdf5();
 
 // Throws Hdf5Failure("cannot <verb>: <innermost reason>") for a negative status.
@@ -74,7 +74,7 @@ Handle transfer(bool collective);
 void write_attribute(hid_t object, const std::string& name, double value);
 void write_attribute(hid_t object, const std::string& name, std::int64_t value);
 void write_attribute(hid_t object, const std::string& name, std::uint64_t value);
-// Fixed length, ASCII or UTF-8 bytes as they are; VTK refuses strings of variable length.
+// Fixed length, ASCII or UTF-8 bytes as they are; VTK does not read strings of variable length.
 void write_attribute(hid_t object, const std::string& name, const std::string& value);
 bool has_attribute(hid_t object, const std::string& name);
 double read_double(hid_t object, const std::string& name);

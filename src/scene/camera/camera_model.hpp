@@ -51,7 +51,7 @@ Vec3 apply(const Matrix3& m, const Vec3& v);
 // The pose of the same camera in a world whose axes are those of this one moved by X_old = R X_new + t.
 CameraPose in_moved_world(const CameraPose& pose, const Matrix3& rotation, const Vec3& translation);
 
-// A point as a camera sees it.
+// A point in a camera's picture.
 struct PixelPoint {
     double x = 0, y = 0; // [pixels]
     double depth = 0;    // [m] along z of camera axes; below near_plane: not seen, x and y are meaningless
@@ -87,7 +87,7 @@ public:
     // distortion goes on along the radius with slope 1, so that both are one to one everywhere.
     Vec2 distort(const Vec2& ideal) const;
     Vec2 undistort(const Vec2& distorted) const;
-    // The ray (X/Z, Y/Z) that meets a pixel.
+    // The ray (X/Z, Y/Z) through a pixel.
     Vec2 ray(const Vec2& pixel) const;
     // Point [m] of the world at a depth [m] on the ray of a pixel.
     Vec3 unproject(const Vec2& pixel, double depth) const;

@@ -21,7 +21,7 @@ struct Seen {
     double x = 0, y = 0;  // [pixels]; 0 before the near plane
 };
 
-// Points as the camera sees them when it takes their row.
+// Points in the camera's picture at the time of their row.
 class Projection {
 public:
     Projection(const CameraModel& camera, const Exposure& exposure) : camera_(camera), exposure_(exposure) {}
@@ -56,11 +56,11 @@ struct RasterSample {
     bool front;               // seen from the side on which the corners go counter-clockwise
 };
 
-// Draws triangles on samples x samples points of each pixel. A triangle covers a sample that lies in its image, on an edge
-// only when that is a top or left one: corners are rounded to 1/256 pixel and edges are functions of whole numbers, so that
-// triangles that share an edge cover each sample beside it once. For an odd number of samples the middle one is the pixel's
-// centre, with the same answer as that of one sample. Triangles are cut at the near plane and at given planes, and split until
-// the images of their edges are straight.
+// Draws triangles on samples x samples points of each pixel. A triangle covers a sample that lies in its image, on an
+// edge only when that is a top or left one: corners are rounded to 1/256 pixel and edges are functions of whole
+// numbers, so that triangles that share an edge cover each sample beside it once. For an odd number of samples the
+// middle one is the pixel's centre, with the same result as that of one sample. Triangles are cut at the near plane and
+// at given planes, and split until the images of their edges are straight.
 class TriangleRaster {
 public:
     // `straightness` [pixels]. The projection must stay.

@@ -69,7 +69,7 @@ private:
     std::optional<PointGrid> grid_;
 };
 
-// 0 .. n-1 in an order that looks random and is the same everywhere.
+// 0 .. n-1 in a pseudo-random order, the same everywhere.
 std::vector<std::uint32_t> shuffled(std::size_t n);
 
 } // namespace treacle::scene

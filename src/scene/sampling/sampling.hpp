@@ -38,9 +38,9 @@ enum class Filling { points, room };
 
 // Request to fill_volume().
 struct VolumeFill {
-    std::vector<Regions> liquids;      // where two overlap, the first one wins
+    std::vector<Regions> liquids;      // where two overlap, the first one counts
     Regions solids;                    // their union
-    double clearance = 0;              // [m] least distance of a particle from the solids; 0: points on a face are decided as those of the liquid
+    double clearance = 0;              // [m] least distance of a particle from the solids; 0: points on a face count as those of the liquid
     Lattice lattice;                   // of the whole domain
     Bounds part;                       // half-open box [min, max): only the particles in it are made
     Filling filling = Filling::points; // of points beside solids

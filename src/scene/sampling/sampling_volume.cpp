@@ -17,7 +17,7 @@ namespace {
 
 using Index = std::array<std::int64_t, 3>;
 
-// Points on faces are decided as if a little further along +x (less along +y, +z): round-off of decimal
+// Points on faces are classified as if a little further along +x (less along +y, +z): round-off of decimal
 // lengths, and of meshes in single precision, is smaller than this. In spacings.
 constexpr double face_tolerance = 1e-6;
 constexpr std::int64_t estimate_resolution = 128; // blocks along the longest edge of the box that is counted
@@ -112,7 +112,7 @@ public:
         return liquid;
     }
 
-    // Room of the points of a block that has been decided [points].
+    // Room of the points of a block that has been classified [points].
     double room(const IndexBox& block, int answer) const {
         if (block.points() > 1) return answer == none ? 0 : static_cast<double>(block.points());
         const Vec3 x = fill_.lattice.position(block.lo);
@@ -168,7 +168,7 @@ Vec3 moved_out(const VolumeFill& fill, Vec3 x) {
 }
 
 // Cuts the box into blocks for which decide(middle, radius) gives one answer, down to blocks of `finest`
-// points an edge, whose middle decides. The distances are 1-Lipschitz, so a block far from every surface
+// points an edge, classified by their middle. The distances are 1-Lipschitz, so a block far from every surface
 // needs one evaluation.
 template <class Decide, class Visit>
 void visit_blocks(const Lattice& lattice, const IndexBox& box, std::int64_t finest, const Decide& decide,
@@ -180,7 +180,7 @@ void visit_blocks(const Lattice& lattice, const IndexBox& box, std::int64_t fine
         half[a] = 0.5 * static_cast<double>(box.hi[a] - box.lo[a] - 1) * lattice.spacing;
     }
     if (box.points() == 1) return visit(box, *decide(lattice.position(box.lo), 0.0));
-    // Larger than the round-off of the distances, so that a block decides as its points would.
+    // Larger than the round-off of the distances, so that a block is classified as its points are.
     const double radius = (1 + 1e-9) * length(half) + 1e-9 * lattice.spacing;
     if (const auto answer = decide(middle, radius)) return visit(box, *answer);
     if (box.longest() <= finest) return visit(box, *decide(middle, 0.0));

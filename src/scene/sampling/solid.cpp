@@ -229,7 +229,7 @@ SurfacePointer surface_of(const CheckedMesh& checked, int dimensions) {
     });
 }
 
-// Parts that overlap are joined; where some are cavities in others, the winding number says what is inside.
+// Parts that overlap are joined; where some are cavities in others, the winding number determines the inside.
 void fill_overlapping(const CheckedMesh& checked, int dimensions, Solid& out) {
     auto parts = split(checked);
     if (std::ranges::any_of(parts, [](const CheckedMesh& part) { return part.report.volume <= 0; }) || parts.size() == 1) {

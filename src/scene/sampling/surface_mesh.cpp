@@ -55,7 +55,7 @@ public:
         layer.choose(candidates, stuck);
         layer.relax();
         layer.fill(candidates);
-        // Small triangles leave chance gaps between the candidates: look again, more densely.
+        // Small triangles leave chance gaps between the candidates: sampled again, more densely.
         place_on_triangles(check_density / (d * d), 0.5, [&](const Vec3& c, const Vec3& n) {
             if (layer.covers(c - sampling.inset * n)) return;
             const auto s = lower(c, n, sampling);

@@ -30,7 +30,7 @@ Bounds bounds_of(const std::vector<Vec3>& points) {
     return box;
 }
 
-// Merges vertices closer than the tolerance; looks into every bin that the tolerance touches, mostly one.
+// Merges vertices closer than the tolerance; searches every bin that the tolerance touches, mostly one.
 void weld(TriangleMesh& mesh, MeshReport& report) {
     const double tolerance = weld_share * length(report.bounds.max - report.bounds.min);
     const double bin = std::max(1e3 * tolerance, 1e-300);

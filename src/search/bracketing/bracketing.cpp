@@ -127,7 +127,7 @@ Task<void> Bracketing::refine() {
 void Bracketing::say_converged() {
     const Axis& axis = axes()[0];
     const double x = brent_->best().x;
-    // As near as the tolerance tells apart, for ties.
+    // Within the tolerance, for ties.
     for (const auto& [bound, word] : {std::pair(axis.lower, "lower"), std::pair(axis.upper, "upper")})
         if (std::abs(x - bound) <= axis.smallest())
             return end(StopKind::converged, "bound",

@@ -4,9 +4,10 @@
 
 namespace treacle::search {
 
-// One parameter, as the logarithm of a viscosity: the start and a step to both of its sides at once, then ever longer steps
-// downhill until a minimum is between, then Brent's method; where residuals are told, the least value of their curve within the
-// bracket comes before Brent's points, as long as it leads downhill. Where the least value is at a bound, the stop says so.
+// One parameter, as the logarithm of a viscosity: the start and a step to both of its sides at once, then ever longer
+// steps downhill until a minimum is between, then Brent's method; where residuals are given, the least value of their
+// curve within the bracket comes before Brent's points, as long as it leads downhill. Where the least value is at a
+// bound, the stop states it.
 class Bracketing : public Search {
 public:
     explicit Bracketing(const Axis& axis, const Limits& limits = {});

@@ -3,9 +3,10 @@
 
 namespace treacle::search {
 
+// One evaluation of the objective.
 struct Sample {
-    double x = 0;
-    Value f = Value::failed();
+    double x = 0;              // in the coordinate of the axis
+    Value f = Value::failed(); // any kind: bounds and failures as well
 };
 
 // The least value of a function of one variable within a bracket (Brent 1973, chapter 5), with a second model: beside the
@@ -15,18 +16,20 @@ struct Sample {
 // around the origin. Values that are bounds or failures move the bracket but enter no model.
 class Brent {
 public:
-    // Samples in the order of x. The least is x; its neighbours are the bracket, or it is at the end of it.
+    // Samples in ascending order of x, at least one. The best one and its neighbours are the bracket; at an end of the
+    // range the best one is a bound of it. tolerance: of x. origin: a point of the lattice.
     Brent(std::vector<Sample> samples, double tolerance, double origin);
 
-    bool converged() const;
-    double next() const { return propose().x; }
-    void accept(Value f) { accept(propose(), f); } // the value at next()
+    bool converged() const;                     // Brent's test: |x - middle| <= 2 tolerance - half the bracket's width
+    double next() const { return propose().x; } // on the lattice, within the bracket
+    void accept(Value f) { accept(propose(), f); }                 // the value at next()
     void accept(double x, Value f) { accept({x, last_step_}, f); } // at another point within the bracket
-    double on_lattice(double u) const;
+    double on_lattice(double u) const;                             // nearest lattice point: origin + k tolerance / 2
+    // Sample with the least value so far; bounds and failures in the order of ranking()
     const Sample& best() const { return x_; }
-    double lower() const { return lower_; }
-    double upper() const { return upper_; }
-    // Value that the better model expects at next(); failed where there is none.
+    double lower() const { return lower_; } // end of the bracket, in the coordinate of the axis
+    double upper() const { return upper_; } // end of the bracket, in the coordinate of the axis
+    // Prediction of the better model at next(); failed where there is none.
     Value expected() const;
 
 private:

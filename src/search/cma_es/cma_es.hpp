@@ -13,20 +13,22 @@ enum class BoundHandling {
     resample,  // candidates beyond are drawn anew, up to 100 times, then mirrored at the bound: biased near it
 };
 
+// Options of CmaEs; the defaults are Hansen's, with the covariance's negative update.
 struct CmaOptions {
-    std::uint64_t seed = 1;
+    std::uint64_t seed = 1;     // of the counter-based random numbers: equal seeds draw equal candidates
     std::size_t population = 0; // 0: 4 + floor(3 ln n), 8 in one dimension
     bool active = true;         // bad candidates take away from the covariance (Jastrebski & Arnold 2006)
-    BoundHandling bounds = BoundHandling::transform;
-    int restarts = 0; // each with twice the population (IPOP, Auger & Hansen 2005)
+    BoundHandling bounds = BoundHandling::transform; // resampling is the dissertation's; it is biased near a bound
+    int restarts = 0;                                // each with twice the population (IPOP, Auger & Hansen 2005)
+    // Conditions that end one run (CmaStops), and those that end the whole search.
     CmaTolerances tolerances;
-    Limits limits{};
+    Limits limits{}; // of all runs together
 
     // Section 6.5.5 of the dissertation, for axes without a logarithm: plain CMA-ES with resampling, 80 iterations.
     static CmaOptions dissertation(std::uint64_t seed);
 };
 
-// Covariance matrix adaptation (Hansen 2016). Tags (C1)-(C9): README. A generation is asked for at once.
+// Covariance matrix adaptation (Hansen 2016). Tags (C1)-(C9): README. `ask` returns a whole generation.
 class CmaEs : public Search {
 public:
     explicit CmaEs(std::vector<Axis> axes, CmaOptions options = {});
@@ -38,6 +40,7 @@ public:
     Point spread() const override;
     const char* name() const override { return "cma-es"; }
     const CmaState& state() const { return state_; } // in steps from the preimage of the start
+    // Candidates that `resample` rejected and drew again, through all runs [count]
     std::int64_t drawn_anew() const { return drawn_anew_; }
     int restarts() const { return restarts_; } // so far
 
@@ -45,9 +48,9 @@ protected:
     Task<void> method() override;
     // Values of a generation, of all candidates: measured ones here. candidates: in the state's coordinates.
     virtual Task<std::vector<Value>> values_of(const std::vector<std::vector<double>>& candidates);
-    // A place that takes that of the first candidate, in the state's coordinates.
+    // Point that replaces the first candidate of the next generation, in the state's coordinates; none: no replacement.
     virtual std::optional<std::vector<double>> suggestion() const { return std::nullopt; }
-    virtual void forget() {} // before a restart
+    virtual void forget() {}                        // before a restart
     Point seen(const std::vector<double>& y) const; // in the axes' coordinates
 
 private:

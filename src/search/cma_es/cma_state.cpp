@@ -87,7 +87,7 @@ double CmaState::distance(const std::vector<double>& x) const {
     return norm(whitened(y));
 }
 
-// (C3) Parents without a value leave their weight to the others.
+// (C3) The weight of parents without a value goes to the others.
 std::vector<double> CmaState::recombined(const std::vector<std::vector<double>>& ranked, std::size_t valued) const {
     const std::size_t parents = std::min(constants_.mu, valued);
     double weight = 0;

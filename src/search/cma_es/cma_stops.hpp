@@ -4,11 +4,12 @@
 
 namespace treacle::search {
 
+// Limits of CmaStops; values are those of the objective.
 struct CmaTolerances {
     double value = 1e-11;         // range of the best values of a while, and of the last generation, that ends a run
     double value_history = 1e-12; // likewise of the best values alone
     double condition = 1e14;      // of C
-    double growth = 1e4;          // of the largest deviation over that at the start: it was far too small, or it diverges
+    double growth = 1e4; // of the largest deviation over that at the start: it was far too small, or it diverges
 };
 
 // Conditions that end a run of CMA-ES, of which the first that holds is named (Hansen 2016, appendix B.3).

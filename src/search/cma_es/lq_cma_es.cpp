@@ -7,8 +7,8 @@ namespace treacle::search {
 
 namespace {
 constexpr double enough_agreement = 0.85; // Kendall's tau
-constexpr std::size_t least_values = 4;   // before the model is asked
-} // namespace
+constexpr std::size_t least_values = 4;   // before the model is used
+}                                         // namespace
 
 LqCmaEs::LqCmaEs(std::vector<Axis> axes, CmaOptions options)
     : CmaEs(std::move(axes), options), model_(dimensions(), state().constants().lambda) {}

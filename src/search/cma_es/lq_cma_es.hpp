@@ -11,7 +11,7 @@ class LqCmaEs : public CmaEs {
 public:
     explicit LqCmaEs(std::vector<Axis> axes, CmaOptions options = {});
 
-    // Every value that is asked for is needed.
+    // Every requested value is needed.
     double cut(std::size_t) const override { return std::numeric_limits<double>::infinity(); }
     // Candidates of this generation that are measured should the model not suffice.
     std::vector<Point> speculate() const override { return next_; }

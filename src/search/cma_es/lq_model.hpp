@@ -11,13 +11,14 @@ class LqModel {
 public:
     explicit LqModel(std::size_t dimensions, std::size_t population);
 
+    // x: [n]. A measured value: bounds and failures have no place in the fit. The model changes with the next `fit`.
     void add(const std::vector<double>& x, double value);
     // Puts the newest in the order of their values, the best first, and fits.
     void fit(std::size_t newest);
     double at(const std::vector<double>& x) const;
     // Minimiser of the model; none where it is not bounded below, or there is none yet.
     std::optional<std::vector<double>> minimum() const;
-    // Slope of the model at a place.
+    // Slope of the model at a point, [n] value per coordinate.
     std::vector<double> gradient(const std::vector<double>& x) const;
     // Kendall's rank correlation of model and values over the newest; 0 below three.
     double agreement(std::size_t newest) const;

@@ -6,7 +6,7 @@ namespace treacle::search {
 // Bounds of a move.
 struct Room {
     std::vector<double> lower, upper; // [n] of its components; lower <= 0 <= upper
-    double radius = 1;
+    double radius = 1;                // upper bound of |d|
 };
 
 // The d of least d^T a d / 2 + b^T d within the room, a [n][n] positive semidefinite: Levenberg's damping, found by bisection, keeps it within

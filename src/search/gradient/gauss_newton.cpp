@@ -11,7 +11,7 @@ namespace treacle::search {
 
 namespace {
 constexpr double first_difference = 0.4; // steps
-constexpr double beside = 0.25;          // steps to a point that tells derivatives
+constexpr double beside = 0.25;          // steps to a point that determines derivatives
 constexpr double curved = 0.2;           // steps from where on curvature spoils a difference more than noise does
 constexpr double memory = 1e-4;          // weight of the derivatives of before
 constexpr double known_enough = 3e-3, known_well = 0.01; // of the sum of weights and squared distances: a point at 0.7, and 0.4 steps
@@ -124,7 +124,7 @@ void GaussNewton::update_model() {
         bool whole = std::isfinite(best.residuals[i]);
         for (std::size_t t = 0; whole && t < trials_.size(); ++t) {
             const double change = trials_[t].residuals[i] - best.residuals[i];
-            // A row that the run near by does not have is left out; farther runs are then without a say in it.
+            // A row that the run near by does not have is left out; farther runs then have no effect on it.
             if (!std::isfinite(change)) {
                 whole = norm(d[t]) > 1;
                 continue;

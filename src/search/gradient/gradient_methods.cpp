@@ -94,7 +94,7 @@ Task<void> ConjugateGradients::method() {
         for (std::size_t i = 0; i < p.size(); ++i) next[i] += beta * p[i];
         along_gradient = beta == 0 || dot(here_.gradient, next) >= 0;
         p = along_gradient ? downhill() : next;
-        // The first trial promises what the last step promised (Nocedal & Wright, 3.5).
+        // The first trial has the predicted descent of the last step (Nocedal & Wright, 3.5).
         length = taken > 0 ? std::min(taken * slope / dot(here_.gradient, p), 10 * first_length(p)) : first_length(p);
     }
 }

@@ -8,7 +8,7 @@
 namespace treacle::search {
 
 namespace {
-constexpr double enough = 1e-4; // share of the descent that the slope promises (Armijo)
+constexpr double enough = 1e-4; // share of the descent that the slope predicts (Armijo)
 constexpr int most_trials = 30;
 
 // The vertex of the parabola with a value and slope at 0 and a value at t; none where it is not a minimum.

@@ -3,15 +3,16 @@
 
 namespace treacle::search {
 
+// Options of the gradient methods; lengths are in steps of the axes.
 struct GradientOptions {
-    double difference = 0; // to each side, in steps of the axis; 0: 1e-5, but no less than the tolerance
-    std::size_t memory = 10;  // pairs that L-BFGS keeps
-    double rate = 0.1;        // momentum: length of the first move, in steps
-    double momentum = 0.9;    // share of a move that the next one repeats
-    Limits limits{};
+    double difference = 0;   // to each side, in steps of the axis; 0: 1e-5, but no less than the tolerance
+    std::size_t memory = 10; // pairs that L-BFGS keeps
+    double rate = 0.1;       // momentum: length of the first move, in steps
+    double momentum = 0.9;   // share of a move that the next one repeats
+    Limits limits{};         // of evaluations (difference quotients included), generations and the objective
 };
 
-// Methods that follow gradients by central differences; the points of a gradient are asked for at once. Everything is
+// Methods that follow gradients by central differences; the points of a gradient are requested at once. Everything is
 // in steps of the axes.
 class GradientSearch : public Search {
 public:
@@ -39,7 +40,7 @@ protected:
     // True, and the search ends, where the last move or all expected moves are below the tolerance.
     bool has_converged();
     void end_without_descent();
-    std::vector<double> downhill() const; // minus the gradient
+    std::vector<double> downhill() const;           // minus the gradient
     double distance_in_steps(const Point& x) const; // from the start
     Point moved(const Point& from, const std::vector<double>& direction, double length) const;
 

@@ -101,7 +101,7 @@ void GaussianProcess::believe(const std::vector<double>& x, double value) {
     values_.push_back(value);
     if (auto found = factor(lengths_, noise_ratio_)) {
         factor_ = std::move(*found);
-        factor_.variance = variance; // what is believed says nothing about it
+        factor_.variance = variance; // an assumed value has no information on it
         weights_ = solve_lower_transposed(factor_.lower, factor_.rests);
     } else {
         points_.pop_back();

@@ -10,7 +10,7 @@ namespace treacle::search {
 class GaussianProcess {
 public:
     struct Prediction {
-        double mean = 0;
+        double mean = 0;      // expected value of the function, in the unit of the values
         double deviation = 0; // of the function, without noise
     };
 
@@ -20,11 +20,13 @@ public:
     GaussianProcess(std::vector<std::vector<double>> points, std::vector<double> values);
 
     Prediction at(const std::vector<double>& x) const; // (G2)
-    // Takes one more value for true, with the lengths and noise that it has.
+    // Adds a value as if it had been measured, with the present lengths and noise.
     void believe(const std::vector<double>& x, double value);
 
+    // [n] of the kernel, in the coordinates of the points
     const std::vector<double>& lengths() const { return lengths_; }
     double noise() const; // standard deviation
+    // Values in the fit, added ones included [count].
     std::size_t size() const { return values_.size(); }
 
 private:

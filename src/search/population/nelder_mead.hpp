@@ -3,9 +3,10 @@
 
 namespace treacle::search {
 
+// Conditions that end a simplex search, beside edges below the axes' tolerances.
 struct NelderMeadOptions {
     double value_tolerance = 1e-11; // range of the vertices' values that ends the search together with small edges
-    Limits limits{};
+    Limits limits{};                // of evaluations, generations and the objective
 };
 
 // The simplex method of Nelder & Mead 1965 with the coefficients that Gao & Han 2012 fit to the dimension. Vertices beyond a
@@ -14,7 +15,7 @@ class NelderMead : public Search {
 public:
     explicit NelderMead(std::vector<Axis> axes, NelderMeadOptions options = {});
 
-    // The other points that this step may ask for.
+    // The other points that this step may request.
     std::vector<Point> speculate() const override { return others_; }
     // A reflected or contracted vertex counts only when it is better than the worst: no difference to the search.
     double cut(std::size_t) const override { return cut_; }

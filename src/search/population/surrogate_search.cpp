@@ -66,7 +66,7 @@ std::vector<Point> SurrogateSearch::hypercube(const Point& middle, double steps)
     return out;
 }
 
-// None where no improvement is worth a run.
+// None where no expected improvement is large enough.
 std::vector<Point> SurrogateSearch::next_points() const {
     std::vector<Point> out;
     GaussianProcess model = with_believed();

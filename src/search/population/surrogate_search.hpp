@@ -5,18 +5,20 @@
 
 namespace treacle::search {
 
+// Options of SurrogateSearch.
 struct SurrogateOptions {
-    std::uint64_t seed = 1;
-    std::size_t first = 0;    // points of the first batch; 0: 2 n + 2
-    std::size_t batch = 1;    // points of a later one, fixed by the study and not by its lanes
+    std::uint64_t seed = 1;    // of the hypercube and of the choice's random starts
+    std::size_t first = 0;     // points of the first batch; 0: 2 n + 2
+    std::size_t batch = 1;     // points of a later one, fixed by the study and not by its lanes
     double improvement = 1e-5; // over the range of values: an expected one below this ends the search
-    Limits limits{};
+    Limits limits{};           // of evaluations, generations and the objective
 };
 
-// Efficient global optimisation (Jones et al. 1998): a Gaussian process through what was measured, and next where it expects
-// the largest improvement (E1). The first batch is the start and a Latin hypercube within two steps of it, followed by nearer ones while too few have values; further points of a batch
-// are chosen as if those before had their expected values. Failed runs and bounds enter no fit: where they are, the
-// choice takes the worst value, or the bound, for true.
+// Efficient global optimisation (Jones et al. 1998): a Gaussian process through what was measured, and the next point
+// at the largest expected improvement (E1). The first batch is the start and a Latin hypercube within two steps of it,
+// followed by nearer ones while too few have values; further points of a batch are chosen as if those before had their
+// expected values. Failed runs and bounds enter no fit: where they are, the choice assumes the worst value, or the
+// bound.
 class SurrogateSearch : public Search {
 public:
     explicit SurrogateSearch(std::vector<Axis> axes, SurrogateOptions options = {});

@@ -4,11 +4,12 @@
 
 namespace treacle::search {
 
+// Options of Swarm.
 struct SwarmOptions {
-    std::uint64_t seed = 1;
+    std::uint64_t seed = 1;         // of the particles' places, velocities and pulls
     std::size_t particles = 0;      // 0: 10 + floor(2 sqrt n), as SPSO 2007 has it
     double value_tolerance = 1e-11; // range of the particles' best values that ends the search
-    Limits limits{};
+    Limits limits{};                // of evaluations, generations and the objective
 };
 
 // Particle swarm with constriction, each particle drawn to the best of its own places and of those of its two neighbours on a

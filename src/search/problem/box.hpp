@@ -11,7 +11,7 @@ class Box {
 public:
     explicit Box(std::vector<Axis> axes) : axes_(std::move(axes)) {}
 
-    Point inside(const Point& y) const;
+    Point inside(const Point& y) const;   // (B1), (B2) for each axis; y: [n], any finite values
     Point preimage(const Point& x) const; // of a point within the bounds
 
 private:

@@ -83,7 +83,7 @@ void Search::tell(std::span<const Value> values) {
     advance();
 }
 
-// The method waits for values now, or has ended.
+// The method is suspended until values arrive, or has ended.
 void Search::advance() {
     if (task_->done()) task_->check();
     assert(stop_ || !points_.empty());

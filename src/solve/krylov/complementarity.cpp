@@ -13,7 +13,7 @@
 namespace treacle::solve {
 
 namespace {
-// Squared norm of what the set does wrong over that of the free rows' residual, above which the set changes.
+// Squared norm of the violated conditions over that of the free rows' residual, above which the set changes.
 constexpr double patience = 1.0;
 // A curvature below this share of what the diagonal alone would give is that of a singular matrix.
 constexpr double least_curvature = 1e-12;
@@ -88,7 +88,7 @@ bool Run::renew_set() {
     return comm.sum(changes) > 0;
 }
 
-// Asks the test about x >= 0 and its gradient.
+// Evaluates the test for x >= 0 and its gradient.
 bool Run::judge() {
     double square = 0;
     for (std::size_t i = 0; i < x.size(); ++i) {

@@ -21,9 +21,9 @@ struct ComplementarityReport {
 
 // 0 <= x, A x - b >= 0, one of the two zero, A a symmetric M-matrix (off-diagonal entries <= 0, weakly diagonally
 // dominant): min x.Ax/2 - b.x over x >= 0. Primal-dual active set (Hintermueller, Ito & Kunisch 2003), which for
-// M-matrices ends with exact solves; here conjugate gradients on the free rows change the set as soon as what the set
-// does wrong outweighs their residual. The gradient of every row comes with the products of the free ones.
-// The preconditioner is that of the whole matrix, or one that knows the first set, and is cut to the free rows: it
+// M-matrices ends with exact solves; here conjugate gradients on the free rows change the set as soon as the
+// violated conditions outweigh their residual. The gradient of every row comes with the products of the free ones.
+// The preconditioner is that of the whole matrix, or one of the first set, and is cut to the free rows: it
 // stays symmetric and positive, and is not set up anew.
 class ComplementaritySolver {
 public:
@@ -34,7 +34,7 @@ public:
 
     // x: in the guess, out the solution. states: in the first set, out the last, where fixed rows stay fixed. A
     // caller's preconditioner need only serve the rows free at first; others that join them are scaled by their
-    // diagonals. The test sees the residual b - A x where x > 0 or b - A x > 0, and 0 elsewhere and on fixed rows;
+    // diagonals. The test gets the residual b - A x where x > 0 or b - A x > 0, and 0 elsewhere and on fixed rows;
     // ||b|| is that of the first free rows. Collective.
     ComplementarityReport solve(Matrix& matrix, std::span<const double> b, std::span<double> x,
                                 std::span<RowState> states, const ConvergenceTest& test);

@@ -7,7 +7,7 @@
 namespace treacle::solve {
 
 // A preconditioner of systems of several components, one of PETSc's or HYPRE's for each of them by itself: the couplings of
-// different components are left out, and algebraic multigrid sees scalar matrices.
+// different components are left out, and algebraic multigrid gets scalar matrices.
 class ComponentSplit {
 public:
     ComponentSplit(const Comm& comm, std::string prefix, Preconditioner preconditioner);

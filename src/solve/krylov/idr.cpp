@@ -23,7 +23,7 @@ constexpr double worth_keeping = 0.1;
 // Below this cosine between a residual and its product the step is longer than what makes the residual least, so that the
 // recurrences keep their accuracy (Sleijpen & van der Vorst 1995).
 constexpr double least_cosine = 0.7;
-// Rows that are looked at with all vectors before the next ones: what they have of one vector stays in the cache.
+// Rows that are processed with all vectors before the next ones: what they have of one vector stays in the cache.
 constexpr std::size_t block_rows = 1024;
 constexpr double nowhere = std::numeric_limits<double>::quiet_NaN();
 
@@ -103,7 +103,7 @@ void Idr::project_residual(Small& small) const {
     comm_.sum(std::span(small.f));
 }
 
-// u_k = omega M v + U c and g_k = A u_k, with v = r - G c that no shadow sees from k on.
+// u_k = omega M v + U c and g_k = A u_k, with v = r - G c orthogonal to the shadow vectors from k on.
 void Idr::find_direction(const Operator& a, Small& small, std::size_t k) {
     const auto& c = small.c;
     small.solve(k, small.s, small.f, small.c);
@@ -122,8 +122,8 @@ void Idr::find_direction(const Operator& a, Small& small, std::size_t k) {
     a.multiply(u_[k], g_[k]);
 }
 
-// g_k and u_k lose what the first k shadows see; r, which then shadow k does not see, and x follow. Returns |r|, or no number
-// where the step would lead nowhere; x is as it was then.
+// g_k and u_k become orthogonal to the first k shadow vectors; r, then orthogonal to vector k, and x follow. Returns
+// |r|, or no number where the step would lead nowhere; x is as it was then.
 double Idr::step_along(const Operator& a, Small& small, std::size_t k, std::span<double> x) {
     std::fill(small.along.begin(), small.along.end(), 0.0);
     each_block(r_.size(), [&](const Block& block) {

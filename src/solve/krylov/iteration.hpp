@@ -19,7 +19,7 @@ struct Iteration {
     SolveReport report{};      // returned to the caller
     double norm_b = 0;         // ||b|| over all ranks, less its mean with a null space; set by begin()
     // Norm of the residual below which it counts as zero: products of smaller numbers may underflow to the zero that a
-    // breakdown is told by.
+    // breakdown is detected by.
     double least = 1e-140;
 
     // Always true, for `return end(...)`: the iteration is over.

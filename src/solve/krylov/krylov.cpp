@@ -89,7 +89,7 @@ bool Run::breaks_down(double product, Outcome indefinite) {
     return product <= 0 && end(indefinite);
 }
 
-// True when the iteration ends here; every rank holds the same numbers and decides alike.
+// True when the iteration ends here; every rank has the same numbers and the same result.
 bool Run::judge(double rr, double measured) {
     report.error_measure = test.local ? measured : std::sqrt(rr);
     if (!std::isfinite(rr) || !std::isfinite(report.error_measure)) return end(Outcome::non_finite);
@@ -98,7 +98,7 @@ bool Run::judge(double rr, double measured) {
     return false;
 }
 
-// r = b - A x, and the first look at it. True when there is nothing to iterate.
+// r = b - A x, and the first test of it. True when there is nothing to iterate.
 bool Run::begin() {
     multiply(x, q);
     if (options.null_space == NullSpace::constant) mean_b = comm.sum(total(b)) / matrix.global_rows();

@@ -61,7 +61,7 @@ struct KrylovOptions {
     UserPreconditioner user;
 };
 
-// When to stop, asked on the residual r = b - A x of every iteration, before the first one too.
+// Stopping test, evaluated on the residual r = b - A x of every iteration, before the first one too.
 struct ConvergenceTest {
     // ||r|| <= max(relative ||b||, absolute), norms without the preconditioner.
     static ConvergenceTest residual(double relative, double absolute = 0);
@@ -107,7 +107,7 @@ struct SolveReport {
 };
 
 // Conjugate gradients for symmetric positive (semi)definite matrices, or BiCGStab, on the caller's arrays. Work vectors
-// are kept between solves. Options of PETSc are read under the prefix and win over KrylovOptions: with "pressure",
+// are kept between solves. Options of PETSc are read under the prefix and override KrylovOptions: with "pressure",
 // -pressure_pc_type, -pressure_sub_pc_factor_levels, -pressure_pc_hypre_… for the preconditioner; -pressure_ksp_type,
 // -pressure_ksp_max_it, -pressure_ksp_rtol, -pressure_ksp_monitor … have the solve done by PETSc's Krylov methods, with
 // the same preconditioner and test.

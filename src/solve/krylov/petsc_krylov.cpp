@@ -13,7 +13,7 @@ namespace {
 
 using KspHandle = Handle<KSP, KSPDestroy>;
 
-// Data of PETSc's callbacks. Exceptions must not pass through its C functions: they wait here.
+// Data of PETSc's callbacks. Exceptions must not pass through its C functions: they are stored here.
 struct Callbacks {
     Iteration& run;
     Vec scratch, residual;
@@ -145,7 +145,7 @@ void iterate_with_petsc(Iteration& run, const std::string& prefix) {
     check(KSPSetConvergenceTest(ksp, has_converged, &callbacks, nullptr));
     PC pc = nullptr;
     check(KSPGetPC(ksp, &pc));
-    check(PCSetOptionsPrefix(pc, (prefix + "_built_").c_str())); // -PREFIX_pc_… have been heard
+    check(PCSetOptionsPrefix(pc, (prefix + "_built_").c_str())); // -PREFIX_pc_… have been read
     check(PCSetType(pc, run.preconditioner.is_identity() ? PCNONE : PCSHELL));
     if (!run.preconditioner.is_identity()) {
         check(PCShellSetContext(pc, &callbacks));

@@ -88,7 +88,7 @@ void BlockSweeps::down_from_zero_of(const double* inverse, const double* r, doub
     }
 }
 
-// `above`: what the values above take, which each row of blocks hands down when it has come to its own; zero before.
+// `above`: what the values above take, which each row of blocks passes on when it has computed its own; zero before.
 template <int M>
 void BlockSweeps::up_of(const double* inverse, const double* r, double* z, double* above, double* t, double* changes) const {
     const Index* const columns = columns_.data();

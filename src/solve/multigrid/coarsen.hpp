@@ -65,7 +65,7 @@ private:
     using Entry = std::pair<Index, double>;
     void find_keys(Level& level);
     void find_densities(Level& level, std::span<const double> densities);
-    // Collective: work(place, value) for the other ranks' aggregates, with what scratch_ says of their rows.
+    // Collective: work(place, value) for the other ranks' aggregates, with the part of scratch_ on their rows.
     template <class Work>
     void ask_others(Level& level, const Work& work);
     void sum_rows(const Level& level, Index aggregate);

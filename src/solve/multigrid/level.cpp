@@ -224,8 +224,9 @@ void Level::sweep_up_by_rows(std::span<const double> r_, std::span<double> z_, s
     }
 }
 
-// Row i meets values above it as they are now and those below it, and of other ranks, as they were before: of the residual
-// after the sweep all but the changes of the latter are at hand there, and these are a_ij of the row that changes.
+// Row i is multiplied with values above it as they are now and those below it, and of other ranks, as they were before:
+// of the residual after the sweep all but the changes of the latter are at hand there, and these are a_ij of the row
+// that changes.
 void Level::sweep_up(std::span<const double> r_, std::span<double> z_, std::span<double> t_) {
     const auto before = halo().gather(z_);
     around_.assign(before.begin(), before.end());
@@ -237,7 +238,7 @@ void Level::sweep_up(std::span<const double> r_, std::span<double> z_, std::span
 }
 
 void Level::sweep_border_down(std::span<double> z_, std::span<double> t_) {
-    change_.resize(static_cast<std::size_t>(rows)); // other ranks ask for border rows alone: the rest stays zero
+    change_.resize(static_cast<std::size_t>(rows)); // other ranks need border rows alone: the rest stays zero
     for (const Index i : border_) {
         const auto at = static_cast<std::size_t>(i);
         if (is_fixed(at)) continue;

@@ -72,7 +72,7 @@ public:
     // (RM3) Collective. Sweeps within the ranks' own rows reduce the error of any symmetric positive definite matrix only if
     // 2 D' - D - A_off is positive definite too, D' being what they divide by and A_off the couplings of different ranks.
     // (D + sum |A_off|) / 2 is enough, rows scaled to a unit diagonal. D' = D / relaxation within a rank, and more beside
-    // others, whose values a sweep does not see change: D / relaxation + 1.5 (1 - 1 / relaxation) sum |A_off|.
+    // others, whose values are constant during a sweep: D / relaxation + 1.5 (1 - 1 / relaxation) sum |A_off|.
     void secure_sweeps(double relaxation = 1);
 
     // (ML3) z = (D' + L)^-1 r, t = r - A z: one pass over half of the matrix.

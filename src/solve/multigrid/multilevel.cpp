@@ -12,7 +12,7 @@ namespace treacle::solve {
 
 namespace {
 constexpr int most_halvings = 20;
-// Levels that hardly shrink cost as much as the one above and help no more than it.
+// Levels that hardly shrink cost as much as the one above and converge no faster than without.
 constexpr double least_shrinkage = 0.7;
 // Finite differences on cells of twice the width: half of what P^T A P gives where all eight cells are liquid.
 constexpr double grid_divisor = 2;

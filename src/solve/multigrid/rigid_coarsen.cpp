@@ -5,8 +5,8 @@
 namespace treacle::solve {
 
 namespace {
-// Arms below this are round-off of zero [widths]. Motions that no row of an aggregate feels, as the spin of a single row
-// about itself, get rows and columns of zeros, which the sweeps pass over.
+// Arms below this are round-off of zero [widths]. Motions in the null space of an aggregate's rows, as the spin of a
+// single row about itself, get rows and columns of zeros, which the sweeps pass over.
 constexpr double least_arm = 1e-9;
 
 // Fraction of the diagonal that is added to it in coarse matrices: motions that cost nothing, as semidefinite matrices

@@ -69,10 +69,10 @@ private:
 
     int modes_ = 6;
     AggregatePlaces places_;
-    std::vector<double> halo_arms_;       // [halo of the level][3], of aggregates [halo / modes][3]
-    std::vector<signed char> halo_axes_;  // [halo of the level], of the matrix
-    std::vector<Index> slot_;             // where in blocks_ a place stands, -1: nowhere
-    std::vector<std::pair<Index, Index>> met_; // global number and slot of the aggregates that one meets
+    std::vector<double> halo_arms_;            // [halo of the level][3], of aggregates [halo / modes][3]
+    std::vector<signed char> halo_axes_;       // [halo of the level], of the matrix
+    std::vector<Index> slot_;                  // where in blocks_ a place stands, -1: nowhere
+    std::vector<std::pair<Index, Index>> met_; // global number and slot of the aggregates that one couples to
     std::vector<Index> met_places_;
     std::vector<double> blocks_;          // [slots][modes][modes]
     std::vector<double> scratch_;

@@ -271,7 +271,7 @@ void RigidMultilevel::State::solve_last(Vector r, Vector border_r, Out z, Out bo
     comm->broadcast(border_z);
 }
 
-// Sweeps pass over the border's unknowns; the levels below and the direct solution set them. `left`, where it is asked for,
+// Sweeps pass over the border's unknowns; the levels below and the direct solution set them. `left`, unless null,
 // becomes r - C q - A z.
 void RigidMultilevel::State::cycle(std::size_t depth, Vector r, Vector border_r, Out z, Out border_z, std::vector<double>* left) {
     auto& stage = stages[depth];

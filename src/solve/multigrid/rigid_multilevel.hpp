@@ -50,7 +50,7 @@ public:
     RigidMultilevel(RigidMultilevel&&) noexcept;
     RigidMultilevel& operator=(RigidMultilevel&&) noexcept;
 
-    // Collective. The matrix must outlive its use in apply; what the rows are is not asked again.
+    // Collective. The matrix must outlive its use in apply; the rows' layout is read once.
     void set_up(const Matrix& matrix, const VelocityRows& rows, RigidBorder border = {});
     // z = M r, collective.
     void apply(std::span<const double> r, std::span<double> z);

@@ -119,7 +119,7 @@ Matrix::Native& Matrix::native() {
         check(MatCreateSeqAIJWithArrays(group, rows_, rows_, blocks.diagonal_offsets, blocks.diagonal_columns,
                                         blocks.diagonal_values, native_->mat.out()));
     } else {
-        auto& columns = native_->off_columns; // PETSc wants global numbers, and overwrites them
+        auto& columns = native_->off_columns; // PETSc takes global numbers, and overwrites them
         columns.resize(static_cast<std::size_t>(blocks.off_offsets[rows_]) + 1);
         for (Index k = 0; k < blocks.off_offsets[rows_]; ++k) {
             columns[static_cast<std::size_t>(k)] = blocks.halo->columns()[static_cast<std::size_t>(blocks.off_columns[k])];

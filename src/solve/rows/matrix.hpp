@@ -33,7 +33,7 @@ void check_pattern(const CsrBlocks& blocks);
 
 // A square distributed matrix around the caller's arrays, without a copy: a value changed there is
 // changed here. Making one costs nothing; PETSc's own, of which preconditioners of PETSc and HYPRE are made, comes
-// into being when one of them asks for it, at the cost of 1 to 3 products.
+// into being at their first use, at the cost of 1 to 3 products.
 class Matrix {
 public:
     // Debug builds check the pattern first, collectively.
@@ -47,14 +47,14 @@ public:
     using Addition = std::function<void(std::span<const double> x, std::span<double> y)>;
     void set_addition(Addition addition) { addition_ = std::move(addition); }
 
-    // For algebraic multigrid: rows belong together by so many, and these vectors, on this rank's rows, are what A hardly
-    // sees, such as the rigid motions of an elastic body. Before a preconditioner is made.
+    // For algebraic multigrid: rows belong together by so many, and these vectors, on this rank's rows, are the near
+    // null space of A, such as the rigid motions of an elastic body. Before a preconditioner is made.
     void set_blocks(int size, std::vector<std::vector<double>> near_kernel) {
         block_size_ = size;
         near_kernel_ = std::move(near_kernel);
     }
 
-    // Matrices are taken to be symmetric unless this says otherwise, before a preconditioner is made.
+    // Matrices are taken to be symmetric unless this is called, before a preconditioner is made.
     void set_unsymmetric() { symmetric_ = false; }
     bool symmetric() const { return symmetric_; }
 

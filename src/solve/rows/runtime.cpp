@@ -12,7 +12,7 @@ namespace treacle::solve {
 
 namespace {
 
-// PETSc calls the handler once per level of its call stack; the first call is the one that knows.
+// PETSc calls the handler once per level of its call stack; the first call has the cause.
 std::string last_error;
 
 PetscErrorCode remember(MPI_Comm, int line, const char* function, const char* file, PetscErrorCode code,

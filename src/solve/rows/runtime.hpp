@@ -17,7 +17,7 @@ public:
     SolveRuntime(const SolveRuntime&) = delete;
     SolveRuntime& operator=(const SolveRuntime&) = delete;
 
-    // Options given to PETSc that nothing has asked for up to now: misspelt ones, or of a solver not in use.
+    // Options given to PETSc that nothing has read up to now: misspelt ones, or of a solver not in use.
     std::vector<std::string> unused_options() const;
 
 private:

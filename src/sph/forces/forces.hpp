@@ -14,12 +14,12 @@ struct ForceOptions {
     double artificial = 0;         // alpha h c of Monaghan 1992 [m2/s]
     double viscosity = 0;          // dynamic [Pa s]; of several liquids: as of one of the first one's density that limits
                                    // the step as much (largest_kinematic_viscosity)
-    double surface_tension = 0;    // of all liquids against air [N/m]
-    std::vector<double> friction;  // per body: 0 free slip, 1 no slip
-    std::vector<double> skin_friction; // per body: c_f
-    std::vector<double> slip_length;   // per body [m]; 0: as `friction` says
-    bool by_particle = false;          // viscosities are those of the particles, not of their liquids
-    std::vector<flow::FlowCurve> rheology;   // per liquid; empty: no viscosity depends on the shear rate
+    double surface_tension = 0;            // of all liquids against air [N/m]
+    std::vector<double> friction;          // per body: 0 free slip, 1 no slip
+    std::vector<double> skin_friction;     // per body: c_f
+    std::vector<double> slip_length;       // per body [m]; 0: by `friction`
+    bool by_particle = false;              // viscosities are those of the particles, not of their liquids
+    std::vector<flow::FlowCurve> rheology; // per liquid; empty: no viscosity depends on the shear rate
 };
 
 // Force [N] and torque [N m] on each body, 6 numbers a body; the torque about the body's load point.

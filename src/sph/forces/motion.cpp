@@ -27,7 +27,7 @@ KOKKOS_INLINE_FUNCTION LossCause loss_of(const DomainBox& domain, const Vectors&
     return LossCause::none;
 }
 
-// True when a point within the domain and a finite velocity make a closer look needless; not so for NaN.
+// True when a point within the domain and a finite velocity need no further test; not so for NaN.
 KOKKOS_INLINE_FUNCTION bool clearly_inside(const DomainBox& domain, const double x[3], const double u[3]) {
     bool inside = true;
     for (int k = 0; k < 3; ++k) {
@@ -60,7 +60,7 @@ Departures move_particles(const DomainBox& domain, LiquidParticles& liquid, doub
 
 std::vector<LostParticle> remove_lost(const DomainBox& domain, LiquidParticles& liquid) {
     std::vector<LostParticle> lost;
-    // Losses are rare and each one is reported: the host looks at all particles of this rank.
+    // Losses are rare and each one is reported: the host checks all particles of this rank.
     const auto x = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), liquid.position());
     const auto u = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), liquid.velocity());
     const auto id = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), liquid.id());

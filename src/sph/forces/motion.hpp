@@ -25,7 +25,7 @@ struct Departures {
 Departures move_particles(const DomainBox& domain, LiquidParticles& liquid, double dt, Use use_correction);
 
 // Takes out the particles of this rank that left through an open side, went through a wall, or are no longer
-// finite, and returns them with their causes. Looks at every particle on the host: losses are rare.
+// finite, and returns them with their causes. Checks every particle on the host: losses are rare.
 std::vector<LostParticle> remove_lost(const DomainBox& domain, LiquidParticles& liquid);
 
 // Totals of the owned particles, summed over the ranks.

@@ -12,7 +12,7 @@ struct SkinFriction {
 
 // (S4s) Turbulent skin friction of walls whose boundary layer is thinner than a particle: the shear stress
 // c_f / 2 rho |v_t| v_t of the velocity v_t along the wall, relative to it (Whitham 1955 for dam breaks), on the wall
-// area per volume that a particle sees, |sum_s V_s grad W| [1/m]. Implicit in v_t, so that no step is too large.
+// area per volume at a particle, |sum_s V_s grad W| [1/m]. Implicit in v_t, so that no step is too large.
 // Changes the velocities of the owned particles, and adds the opposite forces to the loads of the bodies.
 void apply_skin_friction(const StepParts& parts, const SkinFriction& friction, BodyLoads& loads);
 

@@ -14,7 +14,7 @@ struct CorrectionParts {
 };
 
 // (S7c) Pressures that leave the rest density by the very forces that move the liquid. The pressure system's Laplacian
-// approximates what these do (S8), and S5 asks for A q = b with the A of iisph.hpp, q = p / rho^2. From the system's
+// approximates what these do (S8), and S5 requires A q = b with the A of iisph.hpp, q = p / rho^2. From the system's
 // solution, on its unknowns, with r = b - A q:
 //     d = M r / rho^2, M the preconditioner, minus its parts along earlier d so that A d is orthogonal to theirs
 //     a = r.Ad / Ad.Ad,  q += a d,  r -= a A d

@@ -12,7 +12,7 @@ namespace {
 // Share of the last pressures that an iteration starts from (Ihmsen et al. 2014).
 constexpr double warm_start = 0.5;
 // Particles with fewer neighbours than that share of the lattice's need not be free of divergence: about the 20 of 30 that
-// SPlisHSPlasH asks for.
+// SPlisHSPlasH requires.
 constexpr double least_neighbours = 2.0 / 3;
 // As published: without them a step may end before a pressure wave has started.
 constexpr int least_iterations = 2;
@@ -196,7 +196,7 @@ void Iisph::write_source(const StepParts& parts, double dt, Aim aim) {
     const auto fluid = gather_fluid(parts.constants, liquid, parts.solid, parts.neighbours);
     const double needed = least_neighbours * lattice_neighbours(parts.constants);
     const auto& options = parts.options.pressure;
-    // The corrections ask for what the pressure system asked for.
+    // The corrections have the same target as the pressure system.
     const auto density = options.solver == PressureSolver::isph ? liquid.blended_density() : liquid.density();
     const double slack = slack_factor * options.density_tolerance() * parts.constants.rest_density;
     with_kernel(parts.options.kernel, parts.constants.dimensions, parts.constants.support, [&](const auto& kernel) {

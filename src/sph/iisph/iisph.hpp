@@ -13,13 +13,12 @@ namespace treacle::sph {
 //     (A q)_i = sum_j m a_j.grad W_ij - a_i.g_i                 minus the density's change by a_i, over dt^2
 //     b_i = (rho*_i - rho0) / dt^2
 // A is G^T G with the q -> a of S8 as G: symmetric and positive semidefinite for any densities, solids included, unless
-// walls push harder.
-// Wanted: q >= 0, A q - b >= 0, one of the two zero. With Aim::approach the velocities that result are the nearest to u*, by their
-// kinetic energy, of those that compress nothing further: a projection onto a convex cone that holds u = 0, which loses
-// energy or keeps it, whatever u* and the step.
+// walls push harder. Conditions: q >= 0, A q - b >= 0, one of the two zero. With Aim::approach the velocities that
+// result are the nearest to u*, by their kinetic energy, of those that compress nothing further: a projection onto a
+// convex cone that holds u = 0, which loses energy or keeps it, whatever u* and the step.
 class Iisph {
 public:
-    // gravity [m/s2] tells Aim::approach which solids bear liquid.
+    // gravity [m/s2] determines the solids that bear liquid, for Aim::approach.
     explicit Iisph(const Vec3& gravity = {0, 0, 0}) : gravity_(gravity) {}
 
     // Source b of the solve.
@@ -27,7 +26,7 @@ public:
     //   approach:   the same without what the density exceeds rho0 by before the step, liquid within a slack of rho0 counting as full;
     //               of stop: density_error, largest_residual holds for the sums over cells of rows above solids that bear them
     //   places:     as density, of a shift of places; largest_residual does not hold
-    //   divergence: the density's rate of change over dt; rows with few neighbours, whose density says little, stay 0 (Bender &
+    //   divergence: the density's rate of change over dt; rows with few neighbours (inaccurate density) stay 0 (Bender &
     //               Koschier 2017)
     enum class Aim { density, approach, places, divergence };
     // g, the diagonal of A, the gradients of the pairs. Writes the field place.
@@ -35,7 +34,8 @@ public:
     // The same, and (S5) b. Ghosts' velocities must be current. Writes the fields source, place, motion.
     void prepare(const StepParts& parts, double dt, Aim aim = Aim::density);
 
-    // Dynamic bodies give way: A has their term as well, until this is called with nullptr. `response` must be that of the present poses.
+    // A has the response of dynamic bodies as well, until this is called with nullptr. `response` must be that of the
+    // present poses.
     void give_way(const BodyResponse* response) { response_ = response; }
 
     // Collective: product() = A q, on owned rows, with q of the owned particles, by gradients of single precision. Writes the
@@ -73,9 +73,9 @@ private:
     Array<double> watched_{"treacle::iisph_watched", 0}; // 1 in rows for which largest_residual holds, else 0
     Array<float> gradient_[3] = {Array<float>("treacle::iisph_gradient_x", 0), Array<float>("treacle::iisph_gradient_y", 0),
                                  Array<float>("treacle::iisph_gradient_z", 0)}; // m grad W of each pair [kg/m^(D+1)]
-    Array3 own_{"treacle::iisph_own", 0};     // g
+    Array3 own_{"treacle::iisph_own", 0};                                       // g
     Array3 force_{"treacle::iisph_force", 0}; // g of the forces: the same array unless walls push harder
-    Array<double> pressed_{"treacle::iisph_pressed", 0}, answered_{"treacle::iisph_answered", 0}; // with bodies that give way
+    Array<double> pressed_{"treacle::iisph_pressed", 0}, answered_{"treacle::iisph_answered", 0}; // with the bodies' response
     SpectralGradient spectral_;
     double weight_ = 0; // of Jacobi; 0: not known yet
 };

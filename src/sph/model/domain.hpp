@@ -5,7 +5,7 @@
 
 namespace treacle::sph {
 
-// The box that the liquid lives in, as kernels need it.
+// The box that contains the liquid, as kernels need it.
 struct DomainBox : PeriodicBox {
     int open[6];       // flow::beyond() of the sides x_min, x_max, y_min, ...
     double leak_depth; // [m] beyond a wall at which a particle has gone through it

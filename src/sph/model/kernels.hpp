@@ -8,7 +8,7 @@ enum class KernelKind { cubic_spline, wendland_c2, mueller };
 
 // Smoothing kernels of compact support h [m] in D dimensions. `value` is W(r) [1/m^D]; `gradient` is
 // W'(r)/r [1/m^(D+2)], so that the gradient at x_i is gradient(r) (x_i - x_j); `radial` is W'(r) r [1/m^D], which
-// needs no division. All expect r < h. Templates over a number or several, and 1/r where it is known already.
+// needs no division. All require r < h. Templates over a number or several, and 1/r where it is known already.
 
 // Monaghan & Lattanzio 1985, with h as the support radius.
 template <int D>

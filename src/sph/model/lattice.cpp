@@ -155,7 +155,7 @@ double wall_push(const WallSetup& setup, const DensityOptions& density) {
 }
 
 namespace {
-// One layer of particles as a particle at a height above it sees it.
+// Kernel sums of one layer of particles at a height above it.
 struct LayerSums {
     double push = 0;   // sum V |W'|/r y [1/m]
     double spread = 0; // sum V |W'|/r y^2
@@ -176,7 +176,7 @@ LayerSums see_layer(const Kernel& kernel, const WallSetup& setup, double volume,
     return out;
 }
 
-// The layers of liquid at multiples of the spacing away, and the wall's as each of them sees it.
+// The layers of liquid at multiples of the spacing away, and the wall's sums at each of them.
 struct Layers {
     std::vector<LayerSums> liquid, solid; // by number; liquid[0] is empty
     double gap, spacing;

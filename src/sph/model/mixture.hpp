@@ -12,7 +12,7 @@ struct LiquidMaterial {
 };
 
 // Several liquids in one scene. Every particle has the same rest volume, so that its density over its rest density,
-// the sum of V0 W, knows nothing of what the particles around it weigh: no false pressure stands where two liquids
+// the sum of V0 W, does not depend on the masses of the particles around it: no false pressure stands where two liquids
 // meet (Solenthaler & Pajarola 2008). In the sums of the pressure system, densities are therefore those of particles
 // that all weigh the first liquid's mass; what a particle truly weighs enters where forces become accelerations.
 // Formulas: README. Empty for one liquid.
@@ -28,7 +28,7 @@ struct Mixture {
     };
     int count = 1;
     // Time in which a compressed particle expands again, when a step is shorter [s]. A light one between a heavy liquid
-    // and a wall would take all the speed that expanding within a short step asks for, and make the next step shorter.
+    // and a wall would take all the speed that expansion within a short step requires, and make the next step shorter.
     double recovery = 0;
     // Factor on the step of one liquid: the root of the lightest over the heaviest density. The pressure that stops a
     // heavy liquid moves a light one faster by its inverse.
@@ -41,7 +41,7 @@ struct Mixture {
 };
 
 // For liquids whose first one has the density of Constants. Throws std::invalid_argument without liquids. Needs Kokkos.
-// With Loads::adjoint forces between liquids do the work that their compression takes, as IISPH asks for.
+// With Loads::adjoint forces between liquids do the work that their compression takes, as IISPH requires.
 enum class Loads { conducted, adjoint };
 Mixture make_mixture(std::span<const LiquidMaterial> liquids, Loads loads = Loads::conducted);
 
@@ -51,7 +51,7 @@ bool differ(std::span<const LiquidMaterial> liquids);
 // Mixture::step_share of the liquids.
 double step_share(std::span<const LiquidMaterial> liquids);
 
-// Largest viscosity over density of the one that gives way, of all pairs of liquids [m2/s].
+// Largest viscosity over density of the less viscous one, over all pairs of liquids [m2/s].
 double largest_kinematic_viscosity(std::span<const LiquidMaterial> liquids);
 
 // Rest density of a particle's liquid over the first liquid's.
@@ -136,7 +136,7 @@ struct SeveralLiquids {
     KOKKOS_INLINE_FUNCTION double scale() const { return viscous; }
 };
 
-// Calls work(pairing) with a OneLiquid or a SeveralLiquids, so that one liquid pays nothing for several. Without a
+// Calls work(pairing) with a OneLiquid or a SeveralLiquids, so that one liquid costs nothing more. Without a
 // viscosity [Pa s] none of several has any.
 template <class Work>
 void with_liquids(const Mixture& mixture, const Array<int>& liquid, double viscosity, const Work& work) {

@@ -110,8 +110,8 @@ struct PressureOptions {
     PressureSolver solver = PressureSolver::iisph;
     double jacobi_weight = 0;       // omega of IISPH and DFSPH; 0: the published 0.5, or less where that diverges (src/sph/theory.md)
     DirichletRule dirichlet = DirichletRule::predicted;
-    double prediction = 1;          // gamma of Eq. 2.6; the dissertation's 0.5 is noisier (src/sph/measurements.md)
-    double surface_density = 0.97;  // of the rest density, below which `density` and `predicted_density` see a surface
+    double prediction = 1;         // gamma of Eq. 2.6; the dissertation's 0.5 is noisier (src/sph/measurements.md)
+    double surface_density = 0.97; // of the rest density, below which `density` and `predicted_density` mark a surface
     Clamping clamping = Clamping::pressures;
     SolidTerm solid_term = SolidTerm::exact;
     double amplification_limit = 2; // gamma of Eq. 3.3; the dissertation's 5 ejects lone particles (src/sph/measurements.md)

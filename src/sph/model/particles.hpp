@@ -10,7 +10,7 @@ enum Role : int {
     separated = 2  // without liquid neighbours, touching a solid: its pressure follows directly
 };
 
-// The liquid's particles. State fields migrate and are checkpointed; work fields live for one step.
+// The liquid's particles. State fields migrate and are checkpointed; work fields are valid for one step.
 class LiquidParticles {
 public:
     LiquidParticles()
@@ -44,7 +44,7 @@ public:
     const Array3& velocity() const { return store.get<Array3>(velocity_); }               // [m/s]
     const Array<double>& pressure() const { return store.get<Array<double>>(pressure_); } // [Pa]
     const Array<int>& liquid() const { return store.get<Array<int>>(liquid_); } // number of its liquid, from 0
-    // Counts where ForceOptions::by_particle says so; otherwise a copy of the liquid's, for frames [Pa s].
+    // Used with ForceOptions::by_particle; otherwise a copy of the liquid's, for frames [Pa s].
     const Array<double>& viscosity() const { return store.get<Array<double>>(viscosity_); }
     const Array<double>& density() const { return store.get<Array<double>>(density_); } // [kg/m3]
     const Array<double>& volume() const { return store.get<Array<double>>(volume_); }   // m / density [m^D]

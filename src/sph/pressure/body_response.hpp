@@ -9,9 +9,9 @@ namespace treacle::sph {
 
 class PressureSystem;
 
-// (S7b) Term of dynamic bodies in the pressure system, since they give way while the liquid presses on them: in the row
-// of particle i the sum over bodies U_i M^-1 sum_j U_j^T p_j, symmetric and positive semidefinite, of rank six per body,
-// never assembled. M^-1 is that of the bodies with their joints, which may link several (rigid::Mobility). U_i =
+// (S7b) Term of dynamic bodies in the pressure system, since they accelerate while the liquid presses on them: in the
+// row of particle i the sum over bodies U_i M^-1 sum_j U_j^T p_j, symmetric and positive semidefinite, of rank six per
+// body, never assembled. M^-1 is that of the bodies with their joints, which may link several (rigid::Mobility). U_i =
 // sqrt(m) / rho_i rho0 sum_s V_s (grad W, arm x grad W).
 class BodyResponse {
 public:

@@ -26,7 +26,7 @@ class Complementarity {
 public:
     Complementarity(const Comm& comm, const solve::KrylovOptions& options);
 
-    // Collective: makes Dirichlet what must be held, and remembers it. Roles in: those of (S6), owned and ghosts.
+    // Collective: makes Dirichlet what must be held, and keeps it. Roles in: those of (S6), owned and ghosts.
     // Returns the number of this rank's particles that are held.
     std::int64_t anchor(const ComplementarityParts& parts);
 

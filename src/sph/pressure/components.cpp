@@ -208,7 +208,7 @@ std::int64_t Anchoring::anchor(const SphOptions& options, const Constants& const
     while (comm.any(label(options, constants, liquid, neighbours) > 0)) {
         merge_across_ranks(comm, liquid, neighbours, halo);
         const std::int64_t chosen = choose_anchors(comm, liquid);
-        // A component that looked loose here may be anchored on another rank; and a new anchor may itself hold too
+        // A component that is loose on this rank may be anchored on another rank; and a new anchor may itself hold too
         // little.
         if (!comm.any(chosen > 0)) break;
         halo.gather(liquid.store, {liquid.role_field()});

@@ -131,7 +131,7 @@ struct PredictionLoop {
         const double gain = math::min(options.amplification_limit - 1, alpha / weights);
         const double amplified = b + gain * b;
         if (options.solid_term == SolidTerm::amplified) return amplified + alpha * fluid.pressure(i); // (3.3)
-        // Without p_i = p_j: the fixed point is that of the system without alpha. What bodies gave way by is a source as
+        // Without p_i = p_j: the fixed point is that of the system without alpha. The bodies' response is a source as
         // b is, and bounded as that: a particle at a body may have hardly a neighbour.
         if (options.solid_term == SolidTerm::exact) return amplified - gain * answered + alpha * sum.weighted / weights;
         return b;

@@ -187,7 +187,7 @@ solve::Preconditioner translate(PressurePreconditioner kind) {
     case PressurePreconditioner::gamg: return solve::Preconditioner::gamg;
     case PressurePreconditioner::boomeramg: return solve::Preconditioner::boomeramg;
     case PressurePreconditioner::multilevel:
-    case PressurePreconditioner::multilevel_grids: break; // the solver asks the hierarchy
+    case PressurePreconditioner::multilevel_grids: break; // called by the solver for the hierarchy
     }
     return solve::Preconditioner::ic0;
 }

@@ -10,7 +10,7 @@
 
 namespace treacle::sph {
 
-// The multilevel preconditioner of the pressure system: tells the algebra in which cells the unknowns lie.
+// The multilevel preconditioner of the pressure system: the algebra with the cells of the unknowns.
 class PressureHierarchy {
 public:
     PressureHierarchy(const Comm& comm, const SphOptions& options, const Constants& constants, const DomainBox& domain,
@@ -54,7 +54,7 @@ private:
     std::vector<int> dirichlet_;                    // [n][3]
 };
 
-// The one that the options ask for; null for other preconditioners and other solvers.
+// The one of the options; null for other preconditioners and other solvers.
 std::unique_ptr<PressureHierarchy> make_hierarchy(const Comm& comm, const SphOptions& options,
                                                   const Constants& constants, const DomainBox& domain,
                                                   const CellGrid& grid);

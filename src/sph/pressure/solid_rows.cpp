@@ -220,7 +220,7 @@ void PressureSystem::assemble_joint(const SphOptions& options, const Constants& 
         fill_rows("treacle::fill_liquid_rows", n, rows_of_liquid());
         fill_rows("treacle::fill_solid_rows", walls, rows_of_solid());
     });
-    Kokkos::deep_copy(right_hand_side_, 0.0); // of solids: they are compressed by nothing but what their rows say
+    Kokkos::deep_copy(right_hand_side_, 0.0); // of solids: they are compressed by nothing but the terms of their rows
     write_vectors(n, first, l.row(), l.source(), right_hand_side_);
     write_vectors(n, first, l.row(), l.pressure(), solution_);
     write_vectors(walls, first, s.row(), s.pressure(), solution_);

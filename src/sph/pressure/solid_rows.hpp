@@ -12,7 +12,7 @@ public:
 
     // Roles of solid particles: unknowns where an unknown of the liquid is near, else p = 0. Writes their role and
     // diagonal, and to wall_term of the liquid's particles by how much solids hold them to p = 0, which anchoring
-    // asks for. Ghost liquid roles must be current; gathers the solids'. Returns this rank's number of unknown solids.
+    // requires. Ghost liquid roles must be current; gathers the solids'. Returns this rank's number of unknown solids.
     // Collective.
     std::int64_t predict(const SphOptions& options, const Constants& constants, LiquidParticles& liquid_particles,
                          SolidParticles& solid_particles, const Neighbourhood& neighbours, Halo& solid_halo) const;

@@ -324,7 +324,7 @@ double ImplicitViscosity::precondition(const LiquidParticles& liquid) {
 
 // The residual of the recurrence drifts from that of the velocities by some 1e-6 of the first one where products are in
 // single precision: the directions are begun anew from the true residual until that is small enough, and go on in
-// double precision when single has nothing more to give.
+// double precision when single precision stagnates.
 void ImplicitViscosity::iterate(Progress& progress) {
     auto& report = progress.report;
     bool nearly = multiplies_nearly(progress.parts.options.viscosity);

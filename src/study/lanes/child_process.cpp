@@ -25,7 +25,7 @@ std::vector<std::string> clean_environment(const std::vector<std::string>& added
         if (!is_of_a_launcher(text.substr(0, text.find('=')))) out.push_back(text);
     }
     out.push_back(std::string(lane_variable) + "=1");
-    out.push_back("OMPI_MCA_ess_singleton_isolated=1"); // a run on one rank starts sooner without a daemon, which nothing asks for
+    out.push_back("OMPI_MCA_ess_singleton_isolated=1"); // a run on one rank starts sooner without a daemon, unused here
     out.insert(out.end(), added.begin(), added.end());
     return out;
 }

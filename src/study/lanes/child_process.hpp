@@ -36,9 +36,9 @@ public:
     ChildProcess(const ChildProcess&) = delete;
     ChildProcess& operator=(const ChildProcess&) = delete;
 
-    // Ending of the program; nothing while it runs. Does not wait.
+    // Ending of the program; nothing while it runs. Does not block.
     const std::optional<Ending>& poll();
-    // Asks it and all that it has started to end (SIGTERM).
+    // Sends SIGTERM to it and all that it has started.
     void ask_to_end();
     // Ends it and all that it has started at once (SIGKILL).
     void kill();

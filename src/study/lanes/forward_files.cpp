@@ -111,7 +111,7 @@ void write_result(const std::filesystem::path& folder, const ForwardResult& resu
 }
 
 void write_failure(const std::filesystem::path& folder, const std::string& reason) {
-    write_file_atomically(folder / "results.out", "FAIL\n"); // what Dakota's failure capturing looks for
+    write_file_atomically(folder / "results.out", "FAIL\n"); // the text of Dakota's failure capturing
     write_file_atomically(folder / "FAIL", reason + "\n");
 }
 

@@ -7,11 +7,11 @@ namespace treacle::study {
 // The folder of a request: runs/0007.
 std::string request_folder(std::int64_t number);
 
-// Files of a request's folder, by which `treacle forward` is told what to run and tells what came of it:
+// Files of a request's folder, the input and output of `treacle forward`:
 //   params.yaml   the study, the scene's name, the values and the key
 //   params.in     the same values in Dakota's format of parameters files
 //   run/          the run's own folder
-//   result.json   the figures; its presence says that the run is done, or stopped early at a bound of its objective
+//   result.json   the figures; its presence marks a run that is done, or stopped early at a bound of its objective
 //   results.out   the figures in Dakota's format of results files: "0.31 front"
 //   FAIL          or why there are none
 // Each is written to a temporary name and renamed.

@@ -15,7 +15,7 @@ struct JournalOwner {
 };
 
 // The memory of a study: a JSON object a line, appended and synced, never rewritten. First the owner; then the runs in
-// the order in which they were asked for, and their outcomes as they came in. Of several outcomes of a run the last holds,
+// the order of the requests, and their outcomes as they came in. Of several outcomes of a run the last holds,
 // unless it was dropped later.
 // A last line that was cut off is dropped. Of one process.
 class Journal {
@@ -23,7 +23,7 @@ public:
     // Goes on with `folder`/journal.jsonl or begins it. Throws InputError with file:line for a journal of another study or
     // program, and for a line that cannot be read; SimulationError when it cannot be written.
     static Journal open(const std::filesystem::path& folder, const JournalOwner& owner);
-    // To look at; whose it is does not count.
+    // For reading, whoever owns it.
     static Journal read(const std::filesystem::path& folder);
 
     const std::vector<RunRequest>& runs() const { return runs_; } // run number k stands at k - 1
@@ -34,7 +34,7 @@ public:
 
     // Numbers the run and writes it down; call sync() before anything depends on it.
     const RunRequest& ask(const std::string& scene, const Point& values, const std::string& key, const std::vector<std::string>& changes = {});
-    // Writes an outcome down and waits for the disk.
+    // Writes an outcome down and syncs.
     void finish(const RunOutcome& outcome);
     // The run has no outcome any more; the lines of those that it had stay.
     void drop(std::int64_t number);

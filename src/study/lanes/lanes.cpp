@@ -10,7 +10,7 @@
 namespace treacle::study {
 
 namespace {
-constexpr double look_interval = 0.25; // [s] between looks at the running ones
+constexpr double look_interval = 0.25; // [s] between polls of the running ones
 constexpr double grace = 10;           // [s] from SIGTERM to SIGKILL
 constexpr double beside_steps = 10;    // times hang_least before the first step, and while a finished run is compared
 
@@ -78,7 +78,7 @@ void Lanes::end(Running& run, LaneEnd why) {
     if (run.end != LaneEnd::none) return;
     run.end = why;
     run.told = Clock::now();
-    // A run that hangs or fills the memory does not answer signals to end.
+    // A run that hangs or fills the memory does not end on signals.
     if (why == LaneEnd::hang || why == LaneEnd::memory) {
         run.process->kill();
     } else {

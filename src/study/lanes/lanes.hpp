@@ -36,8 +36,8 @@ struct LaneResult {
 struct LaneLimits {
     double time = 0;        // [s] of the clock a run; 0: none
     double hang_factor = 0; // mean steps without a row in steps.csv; 0: none
-    double hang_least = 60; // [s]; before the first step, and behind the last while the run is looked at, ten times as long
-    double memory = 0;      // [bytes] a run; 0: none
+    double hang_least = 60; // [s]; before the first step, and behind the last while the run is evaluated, ten times as long
+    double memory = 0; // [bytes] a run; 0: none
 };
 
 // Progress of a running run, from the last row of its steps.csv.
@@ -48,7 +48,7 @@ struct LaneProgress {
 };
 
 // Runs several programs at once, each in a process of its own: a crash, a hang or a kill for memory stays in it.
-// Signals that ask this process to stop (SIGINT, SIGTERM, SIGHUP) are kept while it lives, and told by `stop_asked`.
+// Signals to stop this process (SIGINT, SIGTERM, SIGHUP) are caught while the object exists; `stop_asked` returns them.
 class Lanes {
 public:
     Lanes(int count, const LaneLimits& limits);
@@ -64,10 +64,10 @@ public:
     void start(const LaneTask& task);
     // Ends a run at once, without a result.
     void discard(std::int64_t number);
-    // Waits until a run has ended, a stop is asked for, or the time [s] is over.
+    // Blocks until a run has ended, a stop is requested, or the time [s] is over.
     std::vector<LaneResult> wait(double seconds);
     bool stop_asked() const { return stop_asked_; }
-    // Asks all runs to end; those that still go on after the grace [s] are killed.
+    // Sends all runs SIGTERM; those that still go on after the grace [s] are killed.
     std::vector<LaneResult> stop(double grace);
     std::vector<LaneProgress> progress();
 

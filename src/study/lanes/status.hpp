@@ -10,11 +10,11 @@ namespace treacle::study {
 struct StudyStatus {
     std::size_t asked = 0, done = 0, stopped_early = 0, failed = 0;
     std::vector<LaneProgress> running;
-    std::size_t speculative = 0; // runs under way that nobody has asked for yet
-    int lanes = 0;           // 0: none are at work
-    double seconds = 0;      // of the clock, of this sitting; 0: not known
-    double mean_seconds = 0; // of a run that is done or stopped early; 0: none is
-    double left = -1;        // [s]; negative: not known
+    std::size_t speculative = 0; // runs under way without a request yet
+    int lanes = 0;               // 0: none are at work
+    double seconds = 0;          // of the clock, of this session; 0: not known
+    double mean_seconds = 0;     // of a run that is done or stopped early; 0: none is
+    double left = -1;            // [s]; negative: not known
 };
 
 // Outcomes of these runs by kind, and mean_seconds; all else is left as it starts.

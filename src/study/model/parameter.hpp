@@ -12,8 +12,8 @@ namespace treacle::study {
 // Division of a range: equal steps of the value, or of its logarithm.
 enum class Scale { linear, log };
 
-// A number as a study file writes it: "12 Pa.s" is 12 with the unit "Pa.s". No unit is known here; the scene's
-// own reader checks it.
+// A number as a study file writes it: "12 Pa.s" is 12 with the unit "Pa.s". Units are checked by the scene's
+// own reader alone.
 struct Quantity {
     double value = 0; // in `unit`
     std::string unit;

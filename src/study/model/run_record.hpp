@@ -8,7 +8,7 @@
 namespace treacle::study {
 
 // Status with which a run ended. One that stopped early is no failure: its objective had passed the cut that it was
-// asked for with. The others but `done` rank worst in a search. All but `done` are recorded with their reason.
+// requested with. The others but `done` rank worst in a search. All but `done` are recorded with their reason.
 enum class RunStatus { done, stopped_early, failed, bad_input, out_of_memory, killed, timed_out, hung };
 std::string word(RunStatus status);                   // "timed out"
 std::optional<RunStatus> run_status(const std::string& word);
@@ -17,9 +17,9 @@ bool is_failure(RunStatus status);
 // A cut that no objective is above.
 constexpr double no_cut = std::numeric_limits<double>::infinity();
 
-// A run that a study has asked for.
+// A run that a study has requested.
 struct RunRequest {
-    std::int64_t number = 0; // in the order in which it was first asked for, from 1
+    std::int64_t number = 0; // in the order of the first requests, from 1
     std::string scene;       // name of the study's scene
     Point values;
     std::string key;         // hash of all that its result depends on
@@ -47,7 +47,7 @@ struct RunOutcome {
     std::string folder;      // of another study, when the run is one of its; else empty
     double bound = 0;        // of `stopped_early`: what the objective is at least
 
-    // True when it tells what is asked of a run that may stop above `cut`.
+    // True when it is sufficient for a run that may stop above `cut`.
     bool answers(double cut) const { return status != RunStatus::stopped_early || bound > cut; }
 };
 

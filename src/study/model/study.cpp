@@ -11,7 +11,7 @@
 namespace treacle::study {
 
 namespace {
-// Names of items must tell them apart: they are columns and keys.
+// Names of items must be unique: they are columns and keys.
 template <class T, class Name>
 void check_names(Declaration& d, const std::string& key, const std::vector<T>& items, const Name& name) {
     if (!d.parsing()) return;

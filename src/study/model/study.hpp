@@ -47,7 +47,7 @@ struct RunOptions {
     double hang_factor = 20;        // mean steps without a new row in steps.csv, after which a run counts as hung
     double hang_least = 60;         // [s], and at least this long
     Keep keep = Keep::tables;       // of a run that is done
-    bool speculate = true;          // lanes that would idle do runs that a search may ask for next
+    bool speculate = true;          // lanes that would idle do runs that a search may request next
     double disk = 0;                // [GB] that the folder of runs may take; 0: no limit
     std::vector<std::string> reuse; // folders of other studies whose finished runs count
     std::string launcher_where;     // place of the launcher, or of the block

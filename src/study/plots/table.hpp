@@ -5,8 +5,8 @@
 
 namespace treacle::study {
 
-// A study's runs as a table: a row a run in the order asked for, with its number, scene, the parameters' values, its
-// status, figures, seconds [s] and the reason where it has none, or what it changes after the parameters.
+// A study's runs as a table: a row a run in the order of the requests, with its number, scene, the parameters' values,
+// its status, figures, seconds [s] and the reason where it has none, or what it changes after the parameters.
 struct Table {
     std::vector<std::string> header;
     std::vector<std::vector<std::string>> rows;

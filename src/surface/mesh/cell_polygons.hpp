@@ -1,10 +1,10 @@
 #pragma once
 #include "kokkos/types.hpp"
 
-// (SM1) The surface in one cell of the lattice: closed polygons over the cell's edges that change sign (Lorensen and Cline 1987).
-// Faces with two corners in the liquid across from each other follow the asymptotic decider (Nielson and Hamann 1991), which sees the four
-// values of the face only: both cells of a face draw the same segments, in opposite directions, so that polygons of
-// neighbouring cells close up whatever the signs are.
+// (SM1) The surface in one cell of the lattice: closed polygons over the cell's edges that change sign (Lorensen and
+// Cline 1987). Faces with two corners in the liquid across from each other follow the asymptotic decider (Nielson and
+// Hamann 1991), which uses the four values of the face only: both cells of a face draw the same segments, in opposite
+// directions, so that polygons of neighbouring cells close up whatever the signs are.
 namespace treacle::surface {
 
 // Corner c of a cell stands at (c & 1, c >> 1 & 1, c >> 2). Edge e runs along axis e / 4; its lower corner is edge_corner.

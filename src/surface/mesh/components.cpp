@@ -165,8 +165,8 @@ private:
     }
 
     Comm comm_;
-    std::vector<std::int64_t> label_; // [vertices] of the root of each set
-    std::map<int, std::vector<int>> roots_, served_; // by rank: sets of vertices that it owns, that it asked for
+    std::vector<std::int64_t> label_;                // [vertices] of the root of each set
+    std::map<int, std::vector<int>> roots_, served_; // by rank: sets of vertices that it owns, that it requested
 };
 
 // Collective: the sum of a label's volumes over the ranks, for the labels that this rank has.

@@ -12,8 +12,8 @@
 namespace treacle::surface {
 
 namespace {
-// A triangle seen from its corner `vertex`: its other corners, in its order. In 2D a segment that leaves the vertex (`to`) or
-// reaches it (`from`), the other is -1.
+// A triangle relative to its corner `vertex`: its other corners, in its order. In 2D a segment that leaves the vertex
+// (`to`) or reaches it (`from`), the other is -1.
 struct Spoke {
     std::int64_t vertex, from, to;
     bool operator<(const Spoke& other) const { return std::tie(vertex, from, to) < std::tie(other.vertex, other.from, other.to); }
@@ -31,7 +31,7 @@ bool is_flat(const Mesh& mesh, const std::array<int, 3>& t) {
     return u[1] * v[2] == u[2] * v[1] && u[2] * v[0] == u[0] * v[2] && u[0] * v[1] == u[1] * v[0];
 }
 
-// Each spoke to the rank that looks at its vertex.
+// Each spoke to the rank that checks its vertex.
 std::vector<Spoke> share_out(const Comm& comm, const std::vector<std::vector<Spoke>>& outgoing) {
     std::vector<Message> messages;
     for (std::size_t rank = 0; rank < outgoing.size(); ++rank) {

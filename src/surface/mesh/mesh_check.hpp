@@ -15,7 +15,8 @@ struct MeshFaults {
     bool none() const { return open == 0 && crowded == 0 && pinched == 0 && flat == 0; }
 };
 
-// Collective: looks at every edge and vertex of the mesh of all ranks; each rank is sent the fans of some of the vertices.
+// Collective: checks every edge and vertex of the mesh of all ranks; each rank is sent the fans of some of the
+// vertices.
 MeshFaults check_mesh(const Comm& comm, const Mesh& mesh);
 
 } // namespace treacle::surface

@@ -12,7 +12,7 @@ struct Request {
     std::vector<std::int64_t> keys;
     std::vector<int> rows; // of the patch
 };
-using Requests = std::map<int, Request>; // by the rank that is asked
+using Requests = std::map<int, Request>; // by the owner's rank
 
 std::vector<std::int64_t> words(const Message& message) {
     std::vector<std::int64_t> out(message.bytes.size() / sizeof(std::int64_t));
@@ -83,7 +83,8 @@ std::unordered_map<std::int64_t, int> rows_by_key(const HostPatch& patch) {
     return rows;
 }
 
-// Collective: numbers this rank's own vertices, those that others ask for among them, and asks the owners for the numbers of the rest.
+// Collective: numbers this rank's own vertices, those that others need among them, and gets the numbers of the rest
+// from their owners.
 Numbering number_vertices(const Comm& comm, const KeptPatch& kept, const VertexOwners& owners, Mesh& mesh) {
     const auto& patch = kept.patch;
     auto used = used_by_triangles(kept);

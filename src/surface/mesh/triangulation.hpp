@@ -35,7 +35,7 @@ public:
         KOKKOS_INLINE_FUNCTION int edge_vertex(const int node[3], int axis) const;
         KOKKOS_INLINE_FUNCTION int centre_vertex(const int node[3]) const;
         KOKKOS_INLINE_FUNCTION bool own_cell(const int cell[3]) const;
-        // Cell number `item` of a slot's; false where there is none to look at.
+        // Cell number `item` of a slot's; false where there is none to mesh.
         KOKKOS_INLINE_FUNCTION bool cell(const int tile[3], int item, int out[3]) const;
         KOKKOS_INLINE_FUNCTION double value(const int node[3]) const {
             return lattice.outside(node) ? -far : field.at(node);

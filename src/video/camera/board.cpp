@@ -13,7 +13,7 @@ namespace treacle::video {
 
 namespace {
 
-constexpr int largest_search = 1600; // [pixels] width or height of the picture in which boards are looked for
+constexpr int largest_search = 1600; // [pixels] width or height of the picture in which boards are searched
 
 using Points = std::vector<cv::Point2f>;
 

@@ -10,6 +10,7 @@
 
 namespace treacle::video {
 
+// Kinds of flat targets that find_board recognises.
 enum class BoardKind {
     chessboard,         // corners of squares
     asymmetric_circles, // rows of circles, every second one shifted by half of the distance in a row
@@ -22,20 +23,20 @@ struct Board {
     int columns = 9, rows = 6; // of points
     double spacing = 0;        // [m] side of a square; circles: between neighbouring rows
 
-    std::string text() const; // "chessboard with 9 x 6 inner corners"
-    int count() const { return columns * rows; }
+    std::string text() const;                    // "chessboard with 9 x 6 inner corners"
+    int count() const { return columns * rows; } // points of the whole board
 };
 
 // "9x6", "circles 4x11", "symmetric 7x5". InputError.
 Board read_board(const std::string& text);
 
-// InputError for a board that looks the same turned by 180 degrees: its place in the scene would have two answers.
+// InputError for a board that is the same turned by 180 degrees: its place in the scene would have two answers.
 // Chessboards whose numbers of corners are both even or both odd, asymmetric circles with an even number of rows,
 // symmetric circles.
 void check_board(const Board& board);
 
 // Places of the points [m], row by row, in axes of the board: x along a row, y along a column, z into the board, away
-// from who looks at it. The first point of a chessboard is the inner corner of a black corner square.
+// from the viewer. The first point of a chessboard is the inner corner of a black corner square.
 std::vector<Vec3> board_points(const Board& board);
 
 // The points in a picture.

@@ -5,14 +5,16 @@
 
 namespace treacle::video {
 
+// Options of find_boards.
 struct BoardPicturesOptions {
-    BoardSearch search;
+    BoardSearch search; // the same for every picture
+    // Called after each picture and frame, with the part of the work that is done, 0 to 1.
     std::function<void(double fraction)> progress = [](double) {};
 };
 
-// Looks for the board in each picture, and in frames of videos, of which those are taken that show it at another place. What cannot be read, shows no board or is blurred is named with its reason; it
-// stops nothing. InputError when the board of most of the first pictures has another size than the one given, with the size
-// that fits; for a HEIC picture.
+// Searches the board in each picture, and in frames of videos, of which those are taken that show it at another place.
+// What cannot be read, shows no board or is blurred is named with its reason; it stops nothing. InputError when the
+// board of most of the first pictures has another size than the one given, with the size that fits; for a HEIC picture.
 std::vector<BoardPicture> find_boards(const std::vector<std::filesystem::path>& paths, const Board& board,
                                       const BoardPicturesOptions& options);
 

@@ -11,15 +11,18 @@ namespace treacle::video {
 inline constexpr std::size_t intrinsic_count = 12;
 const std::array<std::string, intrinsic_count>& intrinsic_names();
 
+// Covariance of the intrinsic parameters: [pixels] for fx fy cx cy, the coefficients are dimensionless.
 struct IntrinsicCovariance {
     // [intrinsic_count][intrinsic_count], row by row; zero for parameters that were not fitted.
     std::vector<double> values = std::vector<double>(intrinsic_count * intrinsic_count, 0.0);
 
+    // Covariance of parameters i and j, by their index in intrinsic_names(); the caller keeps both halves equal.
     double& at(std::size_t i, std::size_t j) { return values[i * intrinsic_count + j]; }
     double at(std::size_t i, std::size_t j) const { return values[i * intrinsic_count + j]; }
-    double deviation(std::size_t i) const;
+    double deviation(std::size_t i) const; // standard deviation of parameter i, in its unit; 0 where it was not fitted
 };
 
+// Use of a picture in the calibration; only `used` ones enter the last fit.
 enum class PictureState { used, outlier, unreadable, no_board, blurred };
 
 // One picture of the board and what became of it.
@@ -33,22 +36,24 @@ struct BoardPicture {
     double rms = 0, largest = 0; // [pixels] distances between points and their projections
 };
 
+// Model of the lens, and the rule for outliers.
 struct CalibrationOptions {
     int coefficients = 5;        // of the distortion: 0, 4 (k1 k2 p1 p2), 5 (and k3) or 8 (and k4 k5 k6)
     double outlier_factor = 3;   // a picture whose rms exceeds the median by this factor and `outlier_floor` is an outlier
     double outlier_floor = 0.25; // [pixels]
 };
 
+// A lens with its covariance, and the pictures that both come from.
 struct Calibration {
     Board board;
     CalibrationOptions options;
-    scene::Lens lens;
+    scene::Lens lens; // width and height of the pictures, focal lengths and centre [pixels]; coefficients [-]
     IntrinsicCovariance covariance;
-    double rms = 0; // [pixels] of all points of the pictures used
-    std::vector<BoardPicture> pictures;
-    std::vector<std::string> warnings;
+    double rms = 0;                     // [pixels] of all points of the pictures used
+    std::vector<BoardPicture> pictures; // all that were given, in their order, used or not
+    std::vector<std::string> warnings;  // sentences for the user: a large error, poor coverage, few pictures
 
-    std::size_t count(PictureState state) const;
+    std::size_t count(PictureState state) const; // pictures in this state
 };
 
 // Intrinsic parameters from the points of a flat board in several pictures (Zhang 2000, as cv::calibrateCamera), the

@@ -13,10 +13,11 @@ cv::Mat distortion_vector(const scene::Lens& lens);     // [8]
 scene::Lens lens_of(const cv::Mat& matrix, const cv::Mat& distortion, int width, int height);
 
 cv::Vec3d rotation_of(const scene::CameraPose& pose); // rotation vector
-cv::Vec3d shift_of(const scene::CameraPose& pose);
+cv::Vec3d shift_of(const scene::CameraPose& pose);    // translation [m]
+// turn: rotation vector [3] [rad]; shift: translation [3] [m]; CV_64F.
 scene::CameraPose pose_of(const cv::Mat& turn, const cv::Mat& shift);
 
-// During a fit the distortion may fold the picture over; the caller judges.
+// During a fit the distortion may fold the picture over; the caller must check that.
 scene::CameraModel unchecked_camera(const scene::Lens& lens, const scene::CameraPose& pose);
 
 // Pose that projects points [m] to pixels with the least squares of distances: cv::solvePnP, refined by

@@ -5,7 +5,7 @@
 namespace treacle::video {
 
 // Coverage by the board: its points by picture, the parts of the picture without any shaded, outlines of the boards,
-// and the distortion as arrows of its true length from where an undistorted lens would see a point.
+// and the distortion as arrows of its true length from the image of a point in an undistorted lens.
 Image draw_coverage(const Calibration& calibration);
 
 } // namespace treacle::video

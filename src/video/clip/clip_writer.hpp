@@ -7,20 +7,22 @@
 
 namespace treacle::video {
 
+// Codec and container of a clip.
 enum class ClipCodec {
     h264,          // MP4, 4:2:0
     h264_lossless, // MP4, RGB without loss, exact stamps
     ffv1,          // MKV or AVI, RGB without loss; MKV rounds stamps to 1 ms, AVI has a constant rate
 };
 
+// Format of a clip, and faults on request.
 struct ClipOptions {
-    int width = 1280, height = 720; // of the frames given, upright [pixels], even
-    ClipCodec codec = ClipCodec::h264;
-    double quality = 16; // H.264's constant rate factor: 0 best, 51 worst
-    int turned = 0;      // clockwise degrees that the display matrix states: frames are stored turned back
+    int width = 1280, height = 720;    // of the frames given, upright [pixels], even
+    ClipCodec codec = ClipCodec::h264; // the name must end in a container of the codec
+    double quality = 16;               // H.264's constant rate factor: 0 best, 51 worst
+    int turned = 0;                // clockwise degrees that the display matrix states: frames are stored turned back
     double frames_per_second = 30; // of an AVI, and the duration of the last frame
-    int reordered = 0;   // B-frames between others, as phones write them
-    // Tests of what a reader must refuse or name:
+    int reordered = 0;             // B-frames between others, as phones write them
+    // Faults that a reader must report, for tests:
     bool interlaced = false;
     bool hybrid_log_gamma = false;
     int pixel_width = 1, pixel_height = 1; // sample aspect ratio

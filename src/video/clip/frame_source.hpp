@@ -10,7 +10,7 @@
 
 namespace treacle::video {
 
-// A picture of a clip with its time. Upright: turned as the container or the picture's own data say.
+// A picture of a clip with its time. Upright: turned by the container's or the picture's own data.
 struct TimedFrame {
     std::int64_t index = 0; // from 0, in the order of display
     double stamp = 0;       // time stamp of the container [s]
@@ -22,10 +22,10 @@ struct TimedFrame {
 struct Orientation {
     int a = 1, b = 0, c = 0, d = 1;
 
-    bool upright() const { return a == 1 && d == 1; }
-    bool swaps_sides() const { return a == 0; }
-    int degrees() const;          // clockwise: 0, 90, 180 or 270
-    bool mirrored() const { return a * d - b * c < 0; }
+    bool upright() const { return a == 1 && d == 1; }   // true when nothing needs turning or mirroring
+    bool swaps_sides() const { return a == 0; }         // true when width and height change places
+    int degrees() const;                                // clockwise: 0, 90, 180 or 270
+    bool mirrored() const { return a * d - b * c < 0; } // determinant below 0
 };
 
 // The picture turned.
@@ -37,10 +37,10 @@ enum class FieldOrder { progressive, interlaced, unknown };
 
 // Information of a clip's header and of the stamps of its frames. Sizes are those of upright frames.
 struct ClipInfo {
-    std::string file, kind;       // kind: "H.264 video in mov,mp4,…", "12 PNG pictures"
-    int width = 0, height = 0;    // [pixels]
-    Orientation orientation;      // what the container asks for
-    int bits = 8;                 // a colour
+    std::string file, kind;    // kind: "H.264 video in mov,mp4,…", "12 PNG pictures"
+    int width = 0, height = 0; // [pixels]
+    Orientation orientation;   // as the container states it
+    int bits = 8;              // a colour
     Transfer transfer = Transfer::unknown;
     FieldOrder fields = FieldOrder::unknown;
     double pixel_aspect = 1;      // width over height of a pixel
@@ -55,6 +55,8 @@ struct ClipInfo {
     bool variable_rate() const;
 };
 
+// A clip, the times of its frames, and the faults that are let pass by open_frames. true_rate and time_map exclude each
+// other.
 struct SourceRequest {
     std::filesystem::path clip; // a video, a folder, or a pattern: *.png, frame_%04d.png
     double rate = 0;            // frames per second of pictures

@@ -14,6 +14,7 @@ extern "C" {
 
 namespace treacle::video::libav {
 
+// Deleters for std::unique_ptr, by FFmpeg's own functions.
 struct CloseInput {
     void operator()(AVFormatContext* context) const { avformat_close_input(&context); }
 };
@@ -30,13 +31,14 @@ struct FreeScaler {
     void operator()(SwsContext* context) const { sws_freeContext(context); }
 };
 
+// Owning pointers; null: none.
 using Input = std::unique_ptr<AVFormatContext, CloseInput>;
 using Codec = std::unique_ptr<AVCodecContext, FreeCodec>;
 using Frame = std::unique_ptr<AVFrame, FreeFrame>;
 using Packet = std::unique_ptr<AVPacket, FreePacket>;
 using Scaler = std::unique_ptr<SwsContext, FreeScaler>;
 
-// Keeps FFmpeg from printing; its first complaint since the last call of `take_complaint` is kept in their place.
+// Keeps FFmpeg from printing; its first message since the last call of `take_complaint` is kept in their place.
 void capture_log();
 std::string take_complaint();
 

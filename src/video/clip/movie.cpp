@@ -39,7 +39,7 @@ void check(const MovieOptions& options) {
                "1280 x 720 is usual");
 }
 
-// Codecs fail in the same way for a bad folder as for a missing library, so the folder is tried first.
+// Codecs fail in the same way for a bad folder as for a missing library, so the folder is tested first.
 void check_folder(const std::filesystem::path& temporary) {
     std::ofstream file(temporary, std::ios::binary);
     if (!file)

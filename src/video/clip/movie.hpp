@@ -12,6 +12,7 @@ namespace treacle::video {
 // SimulationError when the folder is missing or cannot be written; an older file then stands.
 void write_png(const std::filesystem::path& path, const Image& image);
 
+// Codec and container of a movie.
 enum class Codec {
     h264,        // MP4, plays everywhere
     mpeg4,       // MP4
@@ -21,9 +22,10 @@ enum class Codec {
 // All, best first.
 std::vector<Codec> all_codecs();
 
+// Format of a movie.
 struct MovieOptions {
-    double frames_per_second = 30;
-    int width = 1280, height = 720; // [pixels], even: the codecs store colours of 2 x 2 pixels together
+    double frames_per_second = 30;            // positive, constant
+    int width = 1280, height = 720;           // [pixels], even: the codecs store colours of 2 x 2 pixels together
     std::vector<Codec> codecs = all_codecs(); // the first that works is taken
 };
 
@@ -43,7 +45,7 @@ public:
     // SimulationError without frames or when the disk is full.
     std::filesystem::path finish();
 
-    Codec codec() const;
+    Codec codec() const; // the one in use, chosen in the order of the options
     // Note for the user: that another codec than the first one was taken; otherwise empty.
     const std::string& message() const;
 

@@ -16,8 +16,8 @@ public:
     // A clip of frames at a steady `file_rate`, shot at `true_rate`; the first frame keeps its stamp.
     static TimeMap slowed(double first_stamp, double file_rate, double true_rate);
 
-    double at(double stamp) const;
-    bool identity() const { return stamps_.empty(); }
+    double at(double stamp) const;                    // [s] both; the first and last pieces go on beyond their ends
+    bool identity() const { return stamps_.empty(); } // true for the default: the stamp is the time
 
 private:
     std::vector<double> stamps_, times_;

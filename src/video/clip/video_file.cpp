@@ -148,7 +148,7 @@ public:
         if (info_.stamps.empty())
             throw InputError({request.clip.string(), "holds no frame", "", "choose another file"});
         rewind();
-        decode(); // only a decoded frame tells its fields for sure
+        decode(); // only a decoded frame has its field order for sure
         rewind();
     }
 

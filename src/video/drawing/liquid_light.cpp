@@ -27,7 +27,7 @@ Vec3f deepened(const Vec3f& albedo, float share) {
 Vec3f shade_liquid(const Fragment& f, const Lamp& lamp, const Vec3f& behind, float thickness, float clarity) {
     const Vec3f into = normalised(f.point);
     const float facing = std::clamp(-dot(into, f.normal), 0.0f, 1.0f);
-    // Light wanders inside the liquid before it leaves: the lamp reaches a little round the edge.
+    // Light scatters inside the liquid before it leaves: the lamp reaches a little round the edge.
     const float wrapped = std::max(0.0f, (dot(f.normal, lamp.towards) + 0.35f) / 1.35f);
     const float sky = 0.34f + 0.18f * dot(f.normal, lamp.up) + 0.12f * facing;
     const Vec3f deep =

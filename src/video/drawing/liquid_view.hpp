@@ -43,8 +43,8 @@ struct LiquidScene {
     std::optional<CutPlane> cut;
 };
 
-// Liquids as a camera sees them, by their surfaces; filled part by part, also by several ranks: the result does not depend
-// on how the parts are shared out. Depths are kept for samples x samples points of each pixel.
+// Liquids in the picture of a camera, by their surfaces; filled part by part, also by several ranks: the result does
+// not depend on how the parts are shared out. Depths are kept for samples x samples points of each pixel.
 class LiquidView {
 public:
     static constexpr int samples = 2;
@@ -52,6 +52,8 @@ public:
     // InputError as facing().
     explicit LiquidView(const LiquidScene& scene);
 
+    // Local. The meshes of all parts cover each surface once; points give values to
+    // sections and 2D scenes, and have no effect elsewhere. Any order.
     void add(const LiquidMesh& mesh);
     void add(const LiquidPoints& points);
 
@@ -72,8 +74,9 @@ public:
 
     const Camera& camera() const { return camera_; } // of pixels
     const Camera& fine() const { return fine_; }     // of samples
+    // With its normal unit and towards the camera; none: no cut.
     const std::optional<CutPlane>& cut() const { return cut_; }
-    const ShadowMap& shadows() const { return shadows_; }
+    const ShadowMap& shadows() const { return shadows_; } // casters: the surfaces that were added
 
 private:
     // The nearest surface in a sample, and sums over all of them.

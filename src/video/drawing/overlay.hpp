@@ -6,10 +6,11 @@
 
 namespace treacle::video {
 
+// Content of a colour bar.
 struct Legend {
-    std::string title;
+    std::string title; // quantity and unit: "speed [m/s]"
     ColourMap map = ColourMap::viridis;
-    ValueRange range;
+    ValueRange range;                           // in the unit of the title
     bool has_lower = false, has_higher = false; // values beyond the ends, shown by pointed ends
 };
 

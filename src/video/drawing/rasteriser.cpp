@@ -20,7 +20,7 @@ constexpr int samples = LiquidView::samples; // per pixel along each side
 constexpr float plane_relief =
     0.45f; // share of the lamp in plane scenes, where value matters more than shape
 
-// A layer's balls as the camera sees them.
+// A layer's balls in camera axes.
 struct PreparedLayer {
     const ParticleLayer* source;
     ValueRange range;
@@ -81,7 +81,7 @@ PreparedLayer prepare(const ParticleLayer& layer, const RenderRequest& request, 
     if (layer.kind == LayerKind::wall) out.gloss = 0;
     const bool valued = !layer.values.empty();
     if (valued) {
-        const ValueRange found = robust_range(layer.values, layer.map); // also refuses bad values
+        const ValueRange found = robust_range(layer.values, layer.map); // also throws for bad values
         out.range = layer.range.value_or(found);
         for (int k = 0; k < 256; ++k) out.map[k] = to_linear(colour_of(layer.map, k / 255.0));
         out.gloss *= 0.6f;

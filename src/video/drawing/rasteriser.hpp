@@ -12,7 +12,7 @@
 
 namespace treacle::video {
 
-// Kind of a layer: what the particles stand for decides how they may hide each other.
+// Kind of a layer: the object that the particles stand for, on which occlusion depends.
 enum class LayerKind {
     liquid, // drawn in full
     body,   // drawn in full, grey
@@ -33,11 +33,14 @@ struct ParticleLayer {
     double opacity = 1;                   // in (0, 1]; below 1 what lies behind shines through
 };
 
+// Background of a picture, with the ink that can be read on it.
 enum class Background { white, dark };
+// Rule by which light changes the colours of particles and surfaces.
 enum class Lighting {
     shaded, // lamp, shadows, ambient occlusion
     flat,   // every pixel has exactly the colour of its value
 };
+// Objects that are drawn around the particles.
 enum class Scenery {
     none,
     box_and_floor, // edges of the domain; in space also its floor, which catches shadows

@@ -20,8 +20,8 @@ void add_floor(const Camera& camera, const DomainBox& box, DepthBuffer& buffer);
 
 // Draws the edges of the domain as lines of the given width [pixels], hidden by what is nearer than they.
 struct BoxLines {
-    Vec3f colour;
-    float width = 2, opacity = 0.6f;
+    Vec3f colour;                    // linear
+    float width = 2, opacity = 0.6f; // [pixels]; 0 to 1
 };
 void draw_box(const Camera& camera, const DomainBox& box, const std::vector<float>& depth,
               const BoxLines& lines, Canvas& canvas);

@@ -6,7 +6,7 @@
 namespace treacle::video {
 
 namespace {
-constexpr int block = 16; // pixels along the edge of the squares that are decided at once
+constexpr int block = 16; // pixels along the edge of the squares that are classified at once
 
 // The plane's points in the scene's axes.
 class Section {

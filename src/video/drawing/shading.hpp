@@ -16,12 +16,12 @@ Vec3 up_of(const DomainBox& domain); // z; in plane scenes y
 
 // Point that a ray meets, in camera axes.
 struct Fragment {
-    Vec3f point;  // [m]
-    Vec3f normal; // unit, on the camera's side
-    Vec3f albedo; // linear
-    float gloss = 0.2f;
-    float lit = 1;  // share of the lamp's light that arrives
-    float open = 1; // share of the sky that is not hidden nearby
+    Vec3f point;        // [m]
+    Vec3f normal;       // unit, on the camera's side
+    Vec3f albedo;       // linear
+    float gloss = 0.2f; // linear light of the highlight at its brightest; the lamp's is 1
+    float lit = 1;      // share of the lamp's light that arrives
+    float open = 1;     // share of the sky that is not hidden nearby
 };
 
 // Linear light that the fragment sends to the camera; diffuse, with a soft highlight.

@@ -11,8 +11,8 @@ namespace treacle::video {
 
 // A ball in camera axes (Camera::to_camera) [m].
 struct Sphere {
-    Vec3f centre;
-    float radius;
+    Vec3f centre; // camera axes [m]
+    float radius; // [m]
 };
 
 constexpr float far_away = std::numeric_limits<float>::infinity();
@@ -24,14 +24,14 @@ struct DepthBuffer {
     std::vector<float> depth;         // [m] along the viewing direction, far_away where nothing is
     std::vector<std::int32_t> sphere; // index of the sphere, no_sphere where nothing is
 
-    DepthBuffer(int width, int height);
-    std::size_t size() const { return depth.size(); }
+    DepthBuffer(int width, int height);               // nothing seen: far_away, no_sphere
+    std::size_t size() const { return depth.size(); } // number of pixels
 };
 
 // The ray through a point of the picture, of measured cameras through the centre of its pixel: `direction` has z = 1 in
 // perspective; in an orthographic view the ray starts at `origin` and runs along z.
 struct Ray {
-    Vec3f origin, direction;
+    Vec3f origin, direction; // camera axes [m]; direction is not of unit length
 };
 Ray ray_through(const Camera& camera, float x, float y);
 
@@ -39,7 +39,7 @@ Ray ray_through(const Camera& camera, float x, float y);
 // depth the earlier sphere stays. Spheres that touch the plane of the camera are left out.
 void splat(const Camera& camera, std::span<const Sphere> spheres, DepthBuffer& buffer);
 
-// Pixels that may see a sphere, ends excluded; empty for one that touches the plane of the camera.
+// Pixels that a sphere may cover, ends excluded; empty for one that touches the plane of the camera.
 struct PixelBox {
     int left, right, top, bottom;
     bool is_empty() const { return left >= right || top >= bottom; }

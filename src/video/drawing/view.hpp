@@ -9,14 +9,15 @@
 
 namespace treacle::video {
 
+// Mapping from space to the picture for cameras that were not measured.
 enum class Projection { perspective, orthographic };
 
 // Pose of the camera, and what it shows.
 struct View {
-    Vec3 position{0, -1, 0}; // [m]
-    Vec3 target{0, 0, 0};    // [m], seen at the centre of the picture
-    Vec3 up{0, 0, 1};
-    double vertical_field_of_view = 0.7; // [rad]; orthographic views see what this angle spans at the target
+    Vec3 position{0, -1, 0};             // [m]
+    Vec3 target{0, 0, 0};                // [m], seen at the centre of the picture
+    Vec3 up{0, 0, 1};                    // not parallel to the direction of view; any length
+    double vertical_field_of_view = 0.7; // [rad]; orthographic: height that this angle spans at the target
     int width = 1280, height = 720;      // [pixels]
     Projection projection = Projection::perspective;
     std::optional<scene::CameraModel> model = {}; // a measured camera in the place of all but the size
@@ -35,7 +36,7 @@ View automatic_view(const DomainBox& box, int width, int height);
 // The view as a pinhole or a measured lens. An orthographic one becomes a pinhole that draws the same picture of the plane z = 0.
 scene::CameraModel camera_model(const View& view, const std::string& name);
 
-// A point as the camera sees it.
+// A point in the picture of a camera.
 struct ScreenPoint {
     double x = 0, y = 0; // [pixels] from the top left corner; a pixel's centre lies at +0.5
     double depth = 0;    // [m] along the viewing direction; not positive: behind the camera
@@ -45,8 +46,8 @@ struct ScreenPoint {
 struct LensRays {
     explicit LensRays(const scene::CameraModel& model);
 
-    scene::CameraModel model;
-    std::vector<float> x, y; // [height][width] X/Z and Y/Z in camera axes
+    scene::CameraModel model; // the one that the rays are of
+    std::vector<float> x, y;  // [height][width] X/Z and Y/Z in camera axes
 };
 
 // A view turned into numbers. Camera axes: x right, y down, z into the picture.
@@ -58,15 +59,16 @@ public:
     Camera enlarged(int factor) const;
 
     Vec3 to_camera(const Vec3& point) const; // [m]
+    // Vectors turned only, into camera axes and back.
     Vec3 direction_to_camera(const Vec3& d) const;
     Vec3 direction_to_world(const Vec3& d) const;
-    Vec3 to_world(const Vec3& point) const; // [m]
-    ScreenPoint project(const Vec3& point) const;
+    Vec3 to_world(const Vec3& point) const;              // [m]
+    ScreenPoint project(const Vec3& point) const;        // from a point in the scene's axes [m]
     ScreenPoint project_camera(const Vec3& point) const; // in camera axes
 
-    int width() const { return width_; }
-    int height() const { return height_; }
-    bool is_perspective() const { return projection_ == Projection::perspective; }
+    int width() const { return width_; }                                           // [pixels]
+    int height() const { return height_; }                                         // [pixels]
+    bool is_perspective() const { return projection_ == Projection::perspective; } // true for measured cameras, too
     // Perspective: f [pixels], the mean of both directions. Orthographic: pixels per metre.
     double scale() const { return scale_; }
     // Rays of a measured camera; null: a pinhole with the centre in the middle.

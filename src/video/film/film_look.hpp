@@ -24,7 +24,7 @@ struct FilmLook {
 
 // Light of a scene: `coverage` [height][width] is the liquid's share of each pixel, `liquid` [height][width][3] its light.
 struct FilmLight {
-    std::vector<float> coverage, liquid;
+    std::vector<float> coverage, liquid; // [height][width] 0 to 1; [height][width][3] linear, red green blue
 };
 
 // Draws frames of one clip; the background is made once.

@@ -17,6 +17,7 @@ struct FilmMesh {
     std::span<const std::array<int, 3>> triangles;      // 2D: segments with the liquid on their left, the third is -1
 };
 
+// Exposure, sampling and material of one frame.
 struct FilmShot {
     double offset = 0;   // of the middle of the exposure from the mesh's time [s]
     double exposure = 0; // [s]; vertices move along straight lines in it
@@ -30,9 +31,10 @@ struct FilmShot {
 // Obstacles between camera and liquid, in pixels: depth [height][width] [m], 1e30 where nothing is.
 using FilmDepth = std::vector<float>;
 
+// Liquid of one frame, before the look of the camera.
 struct FilmDrawing {
-    FilmLight light;
-    Mask mask; // pixels whose centre is liquid at the middle of the exposure, not hidden
+    FilmLight light; // light of the liquid by its share of each pixel, averaged over the instants and samples
+    Mask mask;       // pixels whose centre is liquid at the middle of the exposure, not hidden
     FilmDepth depth; // of the liquid at the centres of the mask's pixels, 1e30 beside them
 };
 

@@ -25,6 +25,7 @@ struct ContourPoint {
     int piece = 0;       // outlines are numbered; points of one follow each other, about a pixel apart
 };
 
+// Options of find_contour.
 struct ContourOptions {
     double blur = 1.5;        // [pixels] of the Gaussian whose half level is the outline; pixels leave no steps then
     double sharpest = 40;     // [deg] turn of the normal over 8 pixels above which a point is left out as a corner, which the blur rounds

@@ -7,10 +7,10 @@
 namespace treacle::video {
 
 // Signed distance [px] from a point to the contour of a mask along its outward normal: positive where the contour is
-// further out. Farther than `band` from any contour it goes on along the normal until the liquid ends, at the picture's rim at last; or,
-// outside of it, until it begins, within four times the distance to the nearest pixel of the contour, which is taken where it does not.
-// The nearest contour alone would tell a drop's tip within a long thread how wide the thread is. Without liquid in the mask, or without background, the
-// picture's diagonal.
+// further out. Farther than `band` from any contour it goes on along the normal until the liquid ends, at the picture's
+// rim at last; or, outside of it, until it begins, within four times the distance to the nearest pixel of the contour,
+// which is taken where it does not. The nearest contour alone would give the thread's width at a drop's tip within a
+// long thread. Without liquid in the mask, or without background, the picture's diagonal.
 class ContourDistance {
 public:
     explicit ContourDistance(const Mask& mask, double band = 6);

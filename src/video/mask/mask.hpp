@@ -10,15 +10,17 @@ namespace treacle::video {
 // Values of a silhouette's pixels. A pixel belongs to the liquid when its centre does.
 inline constexpr std::uint8_t mask_background = 0, mask_excluded = 64, mask_liquid = 255;
 
+// Silhouette of liquid in one picture.
 struct Mask {
     int width = 0, height = 0;        // [pixels]
     std::vector<std::uint8_t> pixels; // [height][width], top row first
 
+    // Value of a pixel, one of the mask_ constants; no check of the range.
     std::uint8_t at(int column, int row) const {
         return pixels[static_cast<std::size_t>(row) * static_cast<std::size_t>(width) + static_cast<std::size_t>(column)];
     }
-    bool liquid(int column, int row) const { return at(column, row) == mask_liquid; }
-    std::size_t area() const; // of liquid [px]
+    bool liquid(int column, int row) const { return at(column, row) == mask_liquid; } // false for excluded pixels
+    std::size_t area() const;                                                         // of liquid [px]
 };
 
 // The file of a frame's mask in a folder of masks: mask_000012.png.

@@ -1,4 +1,4 @@
-// The module that holds OpenCV's codecs; codecs.hpp says why it is one.
+// The module that holds OpenCV's codecs; codecs.hpp has the reason.
 #include "video/picture/codecs.hpp"
 
 #include <opencv2/imgcodecs.hpp>

@@ -14,11 +14,12 @@ public:
     virtual void add(const cv::Mat& frame) = 0;
 };
 
+// Format that OpenCV's writer is opened with.
 struct MovieFormat {
-    int backend = 0;            // cv::VideoCaptureAPIs
-    const char* codec = "avc1"; // four characters
-    double frames_per_second = 30;
-    cv::Size size;              // [pixels]
+    int backend = 0;               // cv::VideoCaptureAPIs
+    const char* codec = "avc1";    // four characters
+    double frames_per_second = 30; // positive
+    cv::Size size;                 // [pixels]
 };
 
 // OpenCV's codecs of pictures and movies, with its errors. Their libraries load some 200 others, which takes longer than

@@ -7,7 +7,7 @@
 
 namespace treacle::video {
 
-using Rgb8 = std::array<std::uint8_t, 3>;
+using Rgb8 = std::array<std::uint8_t, 3>; // sRGB: red, green, blue
 
 // viridis: from dark violet through green to yellow, even to the eye and in grey.
 // diverging: blue, nearly white in the middle, red; for signed fields.
@@ -21,7 +21,7 @@ Rgb8 to_display(const Vec3f& linear); // components outside [0, 1] take the near
 
 // Values that the two ends of a colour map stand for, in the field's unit.
 struct ValueRange {
-    double low = 0, high = 1;
+    double low = 0, high = 1; // low <= high
 };
 
 // From the 1st to the 99th percentile, so that a few wild particles do not dim all others. Maps that diverge

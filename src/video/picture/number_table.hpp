@@ -14,7 +14,7 @@ public:
     // InputError with file and line for a file that cannot be read, without a header, and for rows of unlike lengths.
     explicit NumberTable(const std::filesystem::path& path);
 
-    bool has(const std::string& name) const;
+    bool has(const std::string& name) const; // name without the unit and its brackets
     // Values in SI by the unit of the header, without one in that of `unit`; pixels count as plain numbers. InputError when
     // there is no such column, for a unit of another dimension and, with its line, for what is no finite number.
     std::vector<double> column(const std::string& name, const Unit& unit) const;

@@ -50,7 +50,7 @@ bool is_heic(const Bytes& bytes) {
     return false;
 }
 
-// Decoders fill what is missing with grey and say nothing.
+// Decoders fill what is missing with grey without an error.
 bool is_cut_off(const Bytes& bytes) {
     using namespace std::string_view_literals;
     const std::string_view all(bytes.data(), bytes.size());

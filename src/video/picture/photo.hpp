@@ -19,7 +19,7 @@ struct Unreadable {
     std::string reason;
 };
 
-// Reads a picture, turned upright as its EXIF orientation says. A file that ends before its picture does is unreadable.
+// Reads a picture, turned upright by its EXIF orientation. A file that ends before its picture does is unreadable.
 // InputError with the cure for HEIC, which OpenCV cannot read, and for a missing file.
 std::variant<Photo, Unreadable> read_photo(const std::filesystem::path& path);
 

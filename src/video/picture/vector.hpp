@@ -22,6 +22,7 @@ template <class T>
 Triple<T> operator*(T s, const Triple<T>& a) {
     return {s * a[0], s * a[1], s * a[2]};
 }
+// Products, Euclidean length and unit vector of triples; not a number for the unit vector of length 0.
 template <class T>
 T dot(const Triple<T>& a, const Triple<T>& b) {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
@@ -45,6 +46,6 @@ Triple<T> mix(const Triple<T>& a, const Triple<T>& b, T t) {
     return (T(1) - t) * a + t * b;
 }
 
-inline Vec3f single(const Vec3& a) { return {float(a[0]), float(a[1]), float(a[2])}; }
+inline Vec3f single(const Vec3& a) { return {float(a[0]), float(a[1]), float(a[2])}; } // in single precision
 
 } // namespace treacle::video

@@ -8,12 +8,12 @@ namespace treacle::video {
 
 // Velocities in a sheet of light at one time, as particle image velocimetry gives them.
 struct PivField {
-    std::vector<double> x, y;         // [n] in length_unit
-    std::vector<double> u, v;         // [n] in velocity_unit
-    std::vector<std::uint8_t> valid;  // [n] 0: not measured, masked, or rejected by the program that wrote it; u, v may be NaN
-    std::string length_unit;          // "mm", "px"; empty: the file does not say
-    std::string velocity_unit;        // "m/s", "px/frame"; empty likewise
-    std::string format;               // "DaVis", "Insight", "OpenPIV", "OpenPIV without header", "CSV"
+    std::vector<double> x, y; // [n] in length_unit
+    std::vector<double> u, v; // [n] in velocity_unit
+    std::vector<std::uint8_t> valid; // [n] 0: not measured, masked, or rejected by the program that wrote it; u, v may be NaN
+    std::string length_unit;   // "mm", "px"; empty: not stated in the file
+    std::string velocity_unit; // "m/s", "px/frame"; empty likewise
+    std::string format;        // "DaVis", "Insight", "OpenPIV", "OpenPIV without header", "CSV"
     std::size_t count_valid() const;
 };
 

@@ -14,12 +14,13 @@ struct OutlineEquation {
     scene::Vec2 pixel{0, 0}, normal{0, 0};
 };
 
+// Result of fit_outline.
 struct OutlineFit {
-    PoseVector change = PoseVector::all(0);
-    PoseMatrix covariance;   // of the change, prior included
-    double deviation = 0;    // [pixels] of the errors
-    double correlation = 0;  // [pixels] length L
-    double pieces = 0;       // number of independent pieces that the outline counts as
+    PoseVector change = PoseVector::all(0); // x: rotation [rad], translation [m]
+    PoseMatrix covariance;                  // of the change, prior included
+    double deviation = 0;                   // [pixels] of the errors
+    double correlation = 0;                 // [pixels] length L
+    double pieces = 0;                      // number of independent pieces that the outline counts as
 };
 
 // Generalised least squares with errors that are correlated along the outline, and of which a part is shared by the points

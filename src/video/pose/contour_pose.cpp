@@ -28,7 +28,7 @@ struct Match {
 };
 
 // Follows the normal from where rays hit the solid to where they pass it. The distance at which a ray passes, over that
-// of a pixel, tells how far outside of the outline it is: two or three steps meet it.
+// of a pixel, gives the distance outside of the outline: two or three steps reach it.
 bool find_outline(const scene::CameraModel& camera, const SeenSolid& solid, const ContourPoint& point, double search, Match& match) {
     const double focal = 0.5 * (camera.lens().fx + camera.lens().fy);
     const auto look = [&](double s) {
@@ -235,7 +235,7 @@ private:
 
 ContourPose refine_on_contour(const CameraRecord& given, const SeenSolid& solid, const Silhouette& silhouette, const ContourPoseOptions& options) {
     const auto start = for_pictures(given, silhouette.mask.width, silhouette.mask.height, silhouette.name);
-    if (!start.pose) (void)start.model(); // says that it has none
+    if (!start.pose) (void)start.model(); // throws where it has none
     ContourRefinement refinement(start, solid, silhouette, options);
     ContourPose out;
     out.overlap_before = refinement.overlap_now();

@@ -17,6 +17,7 @@ struct PoseEstimate {
     std::vector<std::string> warnings;
 };
 
+// Options of pose_of_points.
 struct PointPoseOptions {
     double noise = 1; // [pixels] standard deviation expected of points that state none; counts as four points' worth
 };

@@ -26,7 +26,7 @@ cv::Mat read_colour(const std::filesystem::path& path) {
     cv::setNumThreads(1);
     cv::Mat out = codecs().read(path.string(), cv::IMREAD_COLOR);
     if (out.empty()) {
-        const auto read = read_photo(path); // says what is wrong with it
+        const auto read = read_photo(path); // throws for a bad one
         const auto* unreadable = std::get_if<Unreadable>(&read);
         throw InputError({path.string(), "cannot be read as a picture", unreadable ? unreadable->reason : "", "give a PNG or JPEG"});
     }

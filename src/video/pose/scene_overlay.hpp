@@ -11,17 +11,19 @@
 
 namespace treacle::video {
 
+// Colour of a solid in the overlay: liquids blue, bodies orange.
 enum class OverlayKind { liquid, body };
 
+// Objects that are drawn over a frame.
 struct SceneOverlay {
-    std::vector<SeenSolid> solids;
+    std::vector<SeenSolid> solids;  // with signed distances in the scene's axes
     std::vector<OverlayKind> kinds; // of each solid
-    DomainBox domain;
+    DomainBox domain;               // edges are drawn in 3D; the axes have 0.15 of its diagonal
     std::optional<Mask> silhouette; // its outline is drawn too
-    std::string caption;
+    std::string caption;            // bottom left, plain ASCII; may be empty
 };
 
-// A frame with the scene drawn over it as the camera sees it: the solids tinted and with bright outlines, liquids blue,
+// A frame with the scene drawn over it by the camera: the solids tinted and with bright outlines, liquids blue,
 // bodies orange; the edges of the domain grey; the axes at the scene's origin red, green, blue; a silhouette's outline
 // white. InputError for a frame of another size than the camera's pictures.
 Image draw_overlay(const CameraRecord& camera, const std::filesystem::path& frame, const SceneOverlay& overlay);

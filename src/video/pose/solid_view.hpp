@@ -9,7 +9,7 @@
 
 namespace treacle::video {
 
-// Something of the scene that is looked at: a signed distance [m], negative inside, never larger than the true one, and a
+// Part of a scene for a picture: a signed distance [m], negative inside, never larger than the true one, and a
 // ball that holds all of it.
 struct SeenSolid {
     std::string name;
@@ -28,7 +28,7 @@ Passing pass(const SeenSolid& solid, const Vec3& origin, const Vec3& direction);
 
 // The ray through a pixel: origin and unit direction in the scene's axes.
 struct SceneRay {
-    Vec3 origin, direction;
+    Vec3 origin, direction; // [m]; unit
 };
 SceneRay ray_of(const scene::CameraModel& camera, const scene::Vec2& pixel);
 

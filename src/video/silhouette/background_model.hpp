@@ -8,7 +8,7 @@
 
 namespace treacle::video {
 
-// The scene without liquid: a Gaussian mixture a pixel (Zivkovic 2004, OpenCV's MOG2) or its mean and noise, learnt
+// The scene without liquid: a Gaussian mixture a pixel (Zivkovic 2004, OpenCV's MOG2) or its mean and noise, computed
 // from frames and then left as it is: liquid that stands still stays foreground.
 class BackgroundModel {
 public:
@@ -18,8 +18,9 @@ public:
     BackgroundModel(BackgroundModel&&) noexcept;
     BackgroundModel& operator=(BackgroundModel&&) = delete;
 
+    // One empty frame of the `of_frames` of the model; all of one size, at one brightness.
     void learn(const Image& frame, int of_frames);
-    // After the last frame that is learnt.
+    // After the last empty frame.
     void freeze();
 
     // Foreground as 255, the rest 0; shadows and highlights count as background. `frame` at the background's brightness.

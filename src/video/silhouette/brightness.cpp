@@ -9,7 +9,7 @@ namespace treacle::video {
 namespace {
 constexpr int band_width = 16; // [grey levels]
 constexpr int bands = 256 / band_width;
-constexpr int stride = 4;      // of the pixels that are looked at
+constexpr int stride = 4;          // of the pixels that are compared
 constexpr std::size_t least = 150; // pixels in a band
 constexpr int clipped = 251;
 

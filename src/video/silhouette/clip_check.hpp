@@ -9,15 +9,17 @@
 
 namespace treacle::video {
 
+// Severity of a finding.
 enum class FindingKind {
     problem, // the clip cannot be used as it is
     warning, // silhouettes will be worse than they could be
     note,
 };
 
+// One property of a clip that the user should read.
 struct Finding {
-    FindingKind kind;
-    std::string text, cure;
+    FindingKind kind;       // a problem makes the clip unusable
+    std::string text, cure; // clauses for the report; the cure may be empty
 };
 
 // Properties and faults of a clip, before anything is run.
@@ -40,7 +42,7 @@ struct ClipCheck {
     bool usable() const;
 };
 
-// Looks at every frame. `info` of the source, with its damage, is judged too.
+// Reads every frame. `info` of the source, with its damage, is checked too.
 ClipCheck check_clip(FrameSource& source, const std::function<void(std::int64_t, std::int64_t)>& progress);
 
 } // namespace treacle::video

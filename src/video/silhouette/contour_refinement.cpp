@@ -69,7 +69,7 @@ cv::Mat larger(const cv::Mat& picture, const cv::Size& size) {
 }
 
 // Value at each pixel of a straight line through the weighted values near it: liquid is shaded, and its means stand for
-// places further in. Slopes that few pixels tell count less; none changes a value by more than 30 %.
+// places further in. Slopes of few pixels count less; none changes a value by more than 30 %.
 cv::Mat local_line(const cv::Mat& picture, const cv::Mat& weight, double reach, const cv::Mat& mean) {
     const double s = reach / scale;
     const int size = 2 * int(std::ceil(2.5 * s)) + 1;
@@ -146,7 +146,7 @@ Levels local_levels(const cv::Mat& light, const cv::Mat& empty, const cv::Mat& l
     return levels;
 }
 
-// Share of liquid of each pixel within `band` of the contour of `liquid`, and `known` where it could be told.
+// Share of liquid of each pixel within `band` of the contour of `liquid`, and `known` where it could be determined.
 struct Shares {
     cv::Mat share, known;
 };

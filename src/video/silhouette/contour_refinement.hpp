@@ -26,9 +26,9 @@ RefinedContour refine_contour(const Image& frame, const std::vector<float>& back
                               double edge_width);
 
 // Deviation of a frame's blurred contours from even, in light and in the numbers of the file: root mean square of the
-// even part of the mean profile along the contour's normals. Both 0 where the contour is too short to tell.
+// even part of the mean profile along the contour's normals. Both 0 where the contour is too short.
 struct Unevenness {
-    double light = 0, code = 0;
+    double light = 0, code = 0; // root mean squares in the share of liquid, 0 to 1
 };
 Unevenness measure_unevenness(const Image& frame, const std::vector<float>& background, const Mask& rough);
 

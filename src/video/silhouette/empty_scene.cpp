@@ -15,9 +15,9 @@
 namespace treacle::video {
 
 namespace {
-constexpr std::int64_t few = 5;     // frames that tell the noise a little
-constexpr std::int64_t many = 100;  // more than these add nothing
-constexpr double least_changed = 4; // blocks of 4 x 4 pixels
+constexpr std::int64_t few = 5;       // frames for a rough estimate of the noise
+constexpr std::int64_t many = 100;    // more than these add nothing
+constexpr double least_changed = 4;   // blocks of 4 x 4 pixels
 constexpr float block_difference = 7; // [grey levels]
 
 Image load_picture(const std::filesystem::path& path) {
@@ -31,7 +31,7 @@ Image load_picture(const std::filesystem::path& path) {
 
 std::vector<float> floats(const Image& image) { return {image.pixels.begin(), image.pixels.end()}; }
 
-// Learns frames, each registered and at the brightness of the first.
+// Adds frames to the model, each registered and at the brightness of the first.
 class Learner {
 public:
     Learner(const SilhouetteSettings& settings, const Registration& registration, const ClipInfo& clip, int of)
@@ -92,7 +92,7 @@ EmptyScene from_frames(FrameSource& source, const SilhouetteSettings& settings, 
 FrameShift follow_shift(const Registration& registration, const Image& frame, const FrameShift& before) {
     auto found = registration.find(frame, before);
     if (!found.known || found.changed < 0.3) return found;
-    // Far off: tries again on a lattice of starts around the frame before.
+    // Far off: repeated on a lattice of starts around the frame before.
     for (const double step : {4.0, 9.0, 16.0})
         for (int direction = 0; direction < 8; ++direction) {
             auto start = before;
@@ -171,7 +171,7 @@ EmptyScene learn_empty_scene(FrameSource& source, const SilhouetteSettings& sett
         throw InputError({file, "has no empty scene: frame " + std::to_string(change) + " already differs from the first one",
                           "the background is learnt from frames without liquid",
                           "give empty.frames, empty.picture or empty.clip, or film 2 s of the empty scene first"});
-    const auto last = change - 2; // one more for what is too faint to be noticed
+    const auto last = change - 2; // one more for a change too faint to be detected
     return from_frames(source, settings, registration, {0, last},
                        "the empty scene is frames 0:" + std::to_string(last) + ", before the first change in frame " + std::to_string(change));
 }

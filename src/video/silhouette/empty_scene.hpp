@@ -8,13 +8,14 @@
 
 namespace treacle::video {
 
+// Frozen model of the scene without liquid.
 struct EmptyScene {
-    BackgroundModel model;
-    std::string note; // where it was taken from
+    BackgroundModel model; // at the brightness of the first frame of the model
+    std::string note;      // where it was taken from
 };
 
-// Learns the scene without liquid from what `settings.empty` names, else from the frames before the first that changes.
-// Each picture is registered onto the clip's first frame and set to the brightness of the first that is learnt.
+// Model of the scene without liquid from what `settings.empty` names, else from the frames before the first that
+// changes. Each picture is registered onto the clip's first frame and set to the brightness of the first of the model.
 // InputError: no such frames, another size, liquid from the first frame on, nothing that changes.
 EmptyScene learn_empty_scene(FrameSource& source, const SilhouetteSettings& settings, const Registration& registration,
                              const std::function<void(std::int64_t, std::int64_t)>& progress);

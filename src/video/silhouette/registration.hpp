@@ -25,6 +25,8 @@ public:
     // `usable` [height][width]: pixels of the background, not 0; empty for all.
     Registration(const Image& reference, const std::vector<unsigned char>& usable);
 
+    // Shift of a frame of the reference's size; start: first iterate, best the shift of the frame before. `known` is
+    // false without texture or with a singular system.
     FrameShift find(const Image& frame, const FrameShift& start) const;
     // True when there is texture to go by.
     bool possible() const { return possible_; }

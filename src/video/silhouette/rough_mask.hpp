@@ -12,12 +12,14 @@ namespace treacle::video {
 // A frame's liquid by one of the methods, before its contour is refined.
 struct RoughMask {
     Mask mask;
-    double gain = 1;
+    double gain = 1;        // brightness of the frame over that of the empty scene; threshold: of the first frame
     std::size_t shadow = 0; // [px]
 };
 
+// Masks of one clip by the method of the settings, frame after frame.
 class RoughMasks {
 public:
+    // Before the first `make`: set_background for gmm and difference, set_level for threshold without a level.
     explicit RoughMasks(const SilhouetteSettings& settings);
 
     // gmm, difference: the frozen empty scene.

@@ -7,10 +7,15 @@
 
 namespace treacle::video {
 
+// Source of the silhouettes: OpenCV's mixture model, the difference from the mean of the empty scene, a grey level, a
+// colour, or masks that were made elsewhere.
 enum class SilhouetteMethod { gmm, difference, threshold, colour, masks };
 // Levels at which half of a pixel is liquid lie half way in the numbers or in the light that they stand for.
 enum class MixingSpace { automatic, light, code };
+// Parts of the mask that stay: all, or those connected to `start` or to the parts of the frame before.
 enum class KeptParts { all, connected };
+// Tone of the liquid against the background; automatic: the one that does not fill the rim of the
+// first frame.
 enum class MaskPolarity { automatic, dark, light };
 
 // Frames first to last, both included, negative from the end; "" for all.
@@ -27,7 +32,7 @@ struct ExclusionSettings {
     void declare(Declaration& d);
 };
 
-// Everything that decides how a clip becomes silhouettes, as YAML that is written beside them and read again.
+// All settings from a clip to silhouettes, as YAML that is written beside them and read again.
 struct SilhouetteSettings {
     SilhouetteMethod method = SilhouetteMethod::gmm;
 
@@ -52,19 +57,23 @@ struct SilhouetteSettings {
     double max_changed = 0.5;  // share of the background that may change
 
     bool sub_pixel = true;      // contour at half way between liquid and background, as they are there
+    // Automatic: the space in which blurred contours of the clip are more even.
     MixingSpace mixing = MixingSpace::automatic;
-    double closing = 2, opening = 2; // radius of the disc [px]
-    bool fill_holes = true;
-    double min_area = 60;       // of a part, below which it is a speck [px]
-    KeptParts keep = KeptParts::all;
-    std::string start;          // polygon that parts must touch, or the parts of the frame before must
-    std::string region;         // polygon or picture outside which nothing counts
-    std::vector<ExclusionSettings> exclusions;
+    double closing = 2, opening = 2;           // radius of the disc [px]
+    bool fill_holes = true;                    // background enclosed by liquid becomes liquid
+    double min_area = 60;                      // of a part, below which it is a speck [px]
+    KeptParts keep = KeptParts::all;           // among parts of min_area or more
+    std::string start;                         // polygon that parts must touch, or the parts of the frame before must
+    std::string region;                        // polygon or picture outside which nothing counts
+    std::vector<ExclusionSettings> exclusions; // their pixels get mask_excluded
 
+    // Keys, ranges and units of the YAML.
     void declare(Declaration& d);
 };
 
+// Defaults for an empty path. changes: "key=value" that replace values of the file. InputError with file and line.
 SilhouetteSettings read_silhouette_settings(const std::filesystem::path& path, const std::vector<std::string>& changes);
+// Every value as YAML; reading it gives the same settings.
 std::string silhouette_settings_text(const SilhouetteSettings& settings);
 
 } // namespace treacle::video

@@ -14,8 +14,8 @@
 namespace treacle::video {
 
 namespace {
-constexpr std::size_t enough_liquid = 2000; // to tell the mixing by [px]
-constexpr std::int64_t looks = 6;           // frames that tell mixing and level
+constexpr std::size_t enough_liquid = 2000; // to determine the mixing by [px]
+constexpr std::int64_t looks = 6;           // frames that determine mixing and level
 
 struct Exclusion {
     FrameSpan span;
@@ -175,7 +175,7 @@ struct SilhouetteMaker::State {
         before = {};
     }
 
-    // Some frames over the clip tell the grey level and the mixing.
+    // Some frames over the clip determine the grey level and the mixing.
     void look_through(const std::function<void(std::int64_t, std::int64_t)>& progress) {
         const bool level = settings.method == SilhouetteMethod::threshold && settings.level <= 0;
         const bool space = settings.sub_pixel && mixing == MixingSpace::automatic;
@@ -216,7 +216,7 @@ struct SilhouetteMaker::State {
             sum.light += uneven.light / looks;
             sum.code += uneven.code / looks;
         }
-        // Uneven light on the liquid makes its contours uneven in both: only an even profile tells.
+        // Uneven light on the liquid makes its contours uneven in both: only an even profile is a criterion.
         const bool code = sum.code < 0.5 * sum.light && sum.code < 0.004;
         mixing = code ? MixingSpace::code : MixingSpace::light;
         if (code) notes.push_back("blurred contours are even in the file's numbers, not in light: mixing: code");

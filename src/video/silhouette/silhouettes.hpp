@@ -43,7 +43,7 @@ struct MotionStart {
 // Errors (InputError, with file and frame): an empty scene that is not there or has another size, a camera that moves.
 class SilhouetteMaker {
 public:
-    // Learns the empty scene; rewinds `source`. `progress(done, of)` of the frames looked at.
+    // Makes the model of the empty scene; rewinds `source`. `progress(done, of)` of the frames read.
     SilhouetteMaker(FrameSource& source, const SilhouetteSettings& settings, const std::function<void(std::int64_t, std::int64_t)>& progress);
     ~SilhouetteMaker();
 

@@ -22,7 +22,7 @@ scene::CameraModel camera() {
     return {"test", lens, pose};
 }
 
-// What a search compares and what a film's truth says are one thing: with a bent lens, motion and a rolling shutter.
+// The mask of a search and the true mask of a film are equal: with a bent lens, motion and a rolling shutter.
 TEST(FilmMask, IsTheSilhouetteBitForBit) {
     surface::Options options;
     options.spacing = 1;

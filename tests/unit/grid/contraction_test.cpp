@@ -50,7 +50,7 @@ TEST_F(Contracting, SparseLiquidTakesItsVolumeAgain) {
         EXPECT_NEAR(level(*step), volume(*step), 0.04 * volume(*step));
         sample.setup.options.contraction.steps = 0;
         const auto without = after(sample, 0.2, 0.01);
-        EXPECT_GT(level(*without), 1.08 * volume(*without)); // or there would be nothing to see
+        EXPECT_GT(level(*without), 1.08 * volume(*without)); // or there would be nothing to measure
     }
 }
 

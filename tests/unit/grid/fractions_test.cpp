@@ -221,7 +221,7 @@ TEST_P(FractionCase, FacesEdgesAndCentresSumToOneVolume) {
     for (int a = 0; a < dimensions; ++a) {
         worst = std::max(worst, std::fabs(block.sum(block.fractions.face_liquid.axis[a]) - block.sum(block.fractions.cell_liquid)));
     }
-    EXPECT_GT(worst, 1e-3); // cubes each by itself do not agree
+    EXPECT_GT(worst, 1e-3); // cubes each by itself differ
 }
 
 TEST_P(FractionCase, TheVolumeOfABallIsSecondOrder) {

@@ -57,7 +57,7 @@ protected:
     const Comm comm = Comm::world();
 };
 
-// Wherever the opening is among the cells and whereto it looks: what flows in moves on as a whole.
+// Wherever the opening is among the cells and its direction: what flows in moves on as a whole.
 TEST_F(Inlet, AJetWithoutForcesKeepsItsSpeedAndLeavesNoGap) {
     const double c = std::cos(0.5), s = std::sin(0.5);
     const std::pair<Vec3, Vec3> ways[] = {{{1, 0, 0}, {0, 1, 0}}, {{0, 0, -1}, {1, 0, 0}}, {{c, s, 0}, {0, 0, 1}}};

@@ -2,13 +2,13 @@
 
 #include <gtest/gtest.h>
 
-// Flows of two liquids that lie in layers: what a stress meets where their viscosities jump (R3).
+// Flows of two liquids that lie in layers: stresses where their viscosities jump (R3).
 namespace treacle::grid::mixed_viscosity_test {
 namespace {
 
 constexpr double density = 1000; // [kg/m3]
 
-// Two liquids, the first one where `first` says so.
+// Two liquids, the first one where `first` is true.
 std::unique_ptr<GridStep> two_liquids(const Comm& comm, StepSample& sample, double eta_first, double eta_second,
                                       const std::function<bool(const Vec3&)>& first) {
     sample.setup.liquids = 2;

@@ -152,7 +152,7 @@ TEST_P(CorrectionCase, APoolInATankKeepsItsVolumeAndItsPotentialEnergy) {
     for (int frame = 0; frame < 20; ++frame) {
         energy += correct(liquid, options, 10).report.energy;
         liquid.settle();
-        // The seeds lie at random, which the level set sees as less liquid: from where they have been spread.
+        // The seeds lie at random, for which the level set has less liquid: from where they have been spread.
         if (frame == 4) before = volume();
     }
     // Half a per cent of the volume, and as much of the energy of raising the pool by its height.

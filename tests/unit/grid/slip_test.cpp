@@ -87,7 +87,7 @@ TEST(FreeSlip, DrumsTurnAroundLiquidAtRest) {
 }
 
 // At 1e5 Pa s it keeps 0.87: what the cut faces of a circle let through of a turn is zero but for the second order of a cell, and
-// the stiffer the liquid the less it gives way to that (src/grid/measurements.md).
+// the stiffer the liquid the smaller its response (src/grid/measurements.md).
 TEST(FreeSlip, DrumsAtRestLetLiquidTurn) {
     for (const double viscosity : {1.0, 100.0, 1e4}) {
         auto sample = drum_of(viscosity, scene::BodyKind::fixed, 0);

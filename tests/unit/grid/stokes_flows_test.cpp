@@ -3,7 +3,7 @@
 #include "stokes_exact.hpp"
 #include "stokes_sample.hpp"
 
-// Flows with known answers, by pressure and viscosity together and, where that shows what it is for, one after the other.
+// Flows with known answers, by pressure and viscosity together and, for comparison, one after the other.
 namespace treacle::grid {
 namespace {
 

@@ -63,7 +63,8 @@ double mean(const FrameComparison& comparison) {
     return sum;
 }
 
-// A drop of 40 px within a thread as wide that goes on for 100 px more, and the other way round: tips are told how far, sides that nothing moved.
+// A drop of 40 px within a thread as wide that goes on for 100 px more, and the other way round: tips have the
+// displacement, sides none.
 TEST(ContourDistance, GoesAlongTheNormalWhereTheContourIsFar) {
     const auto thread = [](int end) {
         video::Mask out{160, 240, std::vector<std::uint8_t>(160 * 240, video::mask_background)};
@@ -80,10 +81,10 @@ TEST(ContourDistance, GoesAlongTheNormalWhereTheContourIsFar) {
     EXPECT_NEAR(video::ContourDistance(thread(240))({{79.5, 79.5}, {0, 1}}), 159.5, 1); // the liquid leaves the picture
 }
 
-// Points of the small disc's contour know how far the ring around is, but not of liquid beyond it.
+// Points of the small disc's contour depend on the distance of the ring around, but not on liquid beyond it.
 TEST(FrameComparison, LiquidFarBeyondTheObservedCountsByHowFarItGoesOn) {
     EXPECT_EQ(compare(Disc(0.03), Disc(0.03), camera_at()).beyond, 0);
-    EXPECT_EQ(compare(Disc(0.03), Disc(0.033), camera_at()).beyond, 0); // 6 px: the segments' to tell
+    EXPECT_EQ(compare(Disc(0.03), Disc(0.033), camera_at()).beyond, 0); // 6 px: within the range of the segments
     const auto beyond = [](double radius) { return compare(Disc(0.01), Disc(radius), camera_at()).beyond; };
     // A ring of 2 pi r points, each r - 20 - 10 px too far out, in segments of 25.
     EXPECT_NEAR(beyond(0.02), 2 * std::numbers::pi * 40 * 10 / 25, 20);
@@ -153,7 +154,7 @@ TEST(CompareFrame, ARollingShuttersRowsAreComparedAtTheirOwnTime) {
     for (std::size_t i = 0; i < with.segments.size(); ++i) {
         ignored = std::max(ignored, std::abs(without.segments[i].displacement));
         included = std::max(included, std::abs(with.segments[i].displacement));
-        // What its derivative says of it.
+        // Prediction of its derivative.
         EXPECT_NEAR(without.segments[i].displacement + readout * without.segments[i].by_view[view_readout], 0, 0.5);
     }
     EXPECT_GT(ignored, 2);

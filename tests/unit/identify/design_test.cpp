@@ -40,7 +40,8 @@ TEST(Design, TheViewTakesItsShare) {
     EXPECT_NEAR(found(0, 0), 1 / (1.0 / 160 + 0.09), 1e-6);
 }
 
-// Two parameters that one block cannot tell apart are told by a block to which they are of another share.
+// Two parameters that one block does not distinguish are distinguished by a block on which their effects have another
+// ratio.
 TEST(Design, ABlockThatTellsTheRidgeApartNarrowsTheBandMore) {
     const Eigen::MatrixXd before = covariance_after(10 * Eigen::MatrixXd::Identity(2, 2), information_of_runs(run(0, 0, true), {run(0.1, 0, true), run(0, 0.1, true)}, {0.1, 0.1}, known(), 1));
     const auto same = information_of_runs(run(0, 0, true), {run(0.1, 0, true), run(0, 0.1, true)}, {0.1, 0.1}, known(), 1);

@@ -87,7 +87,8 @@ TEST(Estimate, AShiftOfManyPixelsIsNotTakenForNoise) {
     }
 }
 
-// A liquid that grows thicker over a film is told from one that does not, of whose films few seem to drift.
+// A liquid that grows thicker over a film is distinguished from one that does not, few of whose films have a
+// significant drift.
 TEST(Estimate, AViscosityThatRisesOverTheFramesIsSeenInWindowsOfTime) {
     Film steady(1, 1e-9, 1, 1, 0);
     for (const double rise : {-0.2, 0.0, 0.2}) {
@@ -162,7 +163,7 @@ TEST(Estimate, AnotherResolutionsRunMovesTheAnswer) {
     const Film film(1, 1e-9, 1, 1, 0);
     const auto runs = film.runs();
     auto finer = film.run(2.35);
-    finer.point[0] = 2.3; // at 2.3 it looks as the others at 2.35
+    finer.point[0] = 2.3; // at 2.3 its contours are those of the others at 2.35
     const auto found = estimate(runs, prior(0.3), {{finer}});
     EXPECT_NEAR(found.point[0], 2.25, 1e-3);
 }
@@ -191,7 +192,7 @@ TEST(Estimate, ARollingShutterThatIsIgnoredBiasesTheAnswerAndOneThatIsFreeDoesNo
     EXPECT_NEAR(free.view[0][view_readout], 0.02, 0.002);
 }
 
-// A sheet of PIV beside a film: vectors in units of their noise. `odd` is what they say the logarithm of the viscosity is.
+// A sheet of PIV beside a film: vectors in units of their noise. `odd` is the logarithm of the viscosity by them.
 EvaluatedRun with_vectors(EvaluatedRun run, double odd, double noise, int seed) {
     std::mt19937 generator{std::uint32_t(seed)};
     std::normal_distribution<double> normal(0, noise);
@@ -227,7 +228,7 @@ TEST(Estimate, ExperimentsOfTwoKindsAddUpEachByItsOwnNoise) {
     EXPECT_LT(std::abs(agreeing.point[0] - truth), 3 * std::sqrt(agreeing.parts[0].total()));
     EXPECT_NEAR(agreeing.noise[0], 0.5, 0.05); // [px]
     EXPECT_NEAR(agreeing.noise[1], 1, 0.1);    // [noises]
-    // Vectors that are sixty times as noisy as stated hardly count, whatever they say.
+    // Vectors that are sixty times as noisy as stated hardly count, whatever their values.
     EXPECT_LT(std::abs(both(truth + 0.3, 60).point[0] - alone.point[0]), std::sqrt(alone.parts[0].total()));
     EXPECT_EQ(agreeing.misfit.size(), 60u); // by frame and field
     EXPECT_EQ(agreeing.misfit_of.back(), 1u);

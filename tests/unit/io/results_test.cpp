@@ -131,7 +131,7 @@ TEST(RunFolder, WhileOneIsWrittenOthersAreRefusedOnEveryRankAndChangeNothing) {
             EXPECT_NE(text.find("a run is writing into this folder"), std::string::npos) << text;
             EXPECT_NE(text.find("process "), std::string::npos) << text;
         }
-        EXPECT_NO_THROW(open_run_folder(world(), folder)); // to look at it
+        EXPECT_NO_THROW(open_run_folder(world(), folder)); // for reading
         world().barrier();
         EXPECT_TRUE(std::filesystem::exists(run.effective_scene()));
     }

@@ -34,7 +34,7 @@ std::vector<std::int64_t> listed(const NeighbourList& list, const std::vector<te
     return ids;
 }
 
-// All pairs are tried; the rows of `among` are in the order that is expected of the list.
+// All pairs are tested; the rows of `among` are in the order that is expected of the list.
 void expect_brute_force(const NeighbourList& list, const std::vector<test::Point>& of,
                         const std::vector<test::Point>& among, double radius, bool same) {
     std::int64_t pairs = 0;

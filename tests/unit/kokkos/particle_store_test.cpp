@@ -34,7 +34,7 @@ struct Sample {
         });
     }
 
-    // Expects every state field of row k to be that of the particle made as number i.
+    // Asserts every state field of row k to be that of the particle made as number i.
     void expect_row(int k, int i) const {
         EXPECT_EQ(test::on_host(store.id())(k), 100 + i);
         EXPECT_EQ(test::on_host(store.get<Array<double>>(mass))(k), 0.5 * i);

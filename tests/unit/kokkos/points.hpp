@@ -9,7 +9,7 @@
 
 namespace treacle::test {
 
-// Particles as plain values, for tests that know all of them.
+// Particles as plain values, for tests that have all of them.
 struct Point {
     std::int64_t id;
     std::array<double, 3> x; // [m]

@@ -12,7 +12,7 @@ using Sixteen = std::array<float, 16>;
 
 Tile tile_of(const Sixteen& values) { return Tile::load(values.data()); }
 
-// The k-th one of what an operation leaves is wanted(k).
+// The k-th element of an operation's result must be wanted(k).
 void expect(const Tile& tile, const std::function<float(int)>& wanted) {
     Sixteen found{};
     tile.store(found.data());

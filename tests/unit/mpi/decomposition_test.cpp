@@ -52,7 +52,7 @@ void expect_partition(const Decomposition& decomposition) {
             ASSERT_EQ(decomposition.boxes()[static_cast<std::size_t>(r)].contains(c), host(k) == r);
         }
     }
-    // All ranks know the same boxes.
+    // All ranks have the same boxes.
     auto state = decomposition.state();
     const auto mine = state;
     decomposition.comm().broadcast(std::span(state));

@@ -6,7 +6,7 @@
 namespace treacle::exchange_test {
 namespace {
 
-// Every rank knows the whole graph of messages; the content names sender, receiver and place in the order.
+// Every rank has the whole graph of messages; the content names sender, receiver and place in the order.
 std::vector<std::vector<Message>> random_graph(int ranks, int most, std::uint64_t seed) {
     test::Random random(seed);
     std::vector<std::vector<Message>> sent(static_cast<std::size_t>(ranks));

@@ -323,7 +323,7 @@ TEST(Mobility, IsSymmetricPositiveAndAnswersNothingAlongItsConditions) {
                       std::sqrt(std::max(0.0, columns[i][i] * columns[j][j])) + 1e-13 * most);
         }
     }
-    // What they answer leaves the ball and the hinge closed.
+    // Their response leaves the ball and the hinge closed.
     for (const auto& v : columns) {
         const Vec3 va{v[0], v[1], v[2]}, wa{v[3], v[4], v[5]}, vb{v[6], v[7], v[8]}, wb{v[9], v[10], v[11]};
         const Vec3 ball{0.4, 0.05, 0.05}, pin{0.6, 0.05, 0.05};

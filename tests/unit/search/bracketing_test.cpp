@@ -70,7 +70,7 @@ double mean_loss(const std::vector<double>& residuals) {
     return sum / double(residuals.size());
 }
 
-// Evaluations until the stop; `told` makes residuals of a point.
+// Evaluations until the stop; `told` returns the residuals of a point.
 std::int64_t evaluations_with(double start, const std::function<std::vector<double>(double)>& told) {
     Bracketing search(axis(start, 0.03));
     while (!search.stopped()) {
@@ -115,7 +115,7 @@ TEST(Bracketing, AsksForTheStartAndBothItsSidesAtOnce) {
     EXPECT_EQ(search.ask(), (std::vector<Point>{{0.5}, {-0.5}, {1.5}}));
 }
 
-// With lanes for what may be asked next, many rounds are answered by runs that are there already.
+// With lanes for the next candidates, many rounds need no new runs.
 TEST(Bracketing, SpeculationSavesRounds) {
     std::size_t asked = 0, waited = 0;
     for (const double start : starts) {

@@ -82,7 +82,7 @@ TEST(CmaBounds, AStartOnABoundIsTheFirstCentre) {
     for (const double c : search.centre()) EXPECT_NEAR(c, 0, 1e-15);
 }
 
-// Section 6.5.5 on a linear axis: the viscosities of a drain's times T = a + b eta, asked to be those of eta = 1.
+// Section 6.5.5 on a linear axis: the viscosities of a drain's times T = a + b eta, required to be those of eta = 1.
 TEST(CmaBounds, TheDissertationsVariantDrawsAnewAndStaysPositive) {
     Axis axis;
     axis.lower = 0;

@@ -121,7 +121,7 @@ TEST(Comparators, CutsOfNelderMeadAndSwarmChangeNothing) {
 }
 
 // Steps of a noisy objective that are as large as the differences lead gradients astray; the ranks of CMA-ES and the
-// simplex get nearer. This is what section 6.5.5 tells of.
+// simplex get nearer. This is the observation of section 6.5.5.
 TEST(Comparators, GradientsAreStuckWhereTheObjectiveHasSteps) {
     const auto steps = [](const Point& x) { return std::floor(50 * sphere(x)) / 50; };
     Lbfgs gradients(axes(2, 1, 0.5), {.limits = to(-1)});

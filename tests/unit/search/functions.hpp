@@ -44,7 +44,7 @@ inline std::vector<Value> values_of(const std::vector<Point>& points, const Func
     return out;
 }
 
-// Every point asked for until the search has stopped.
+// Every point requested until the search has stopped.
 inline std::vector<Point> minimise(Search& search, const Function& f) {
     std::vector<Point> asked;
     while (!search.stopped()) {

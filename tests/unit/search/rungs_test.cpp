@@ -17,7 +17,7 @@ std::vector<Rung> series(double value, double slope, double order, std::vector<d
     return out;
 }
 
-// Beyond the finest rung lies what the order says, and the order is left in doubt.
+// Beyond the finest rung lies the extrapolation by the order, and the order stays uncertain.
 TEST(Rungs, APowerIsFollowedToSpacingZero) {
     for (const double order : {0.75, 1.0, 1.25, 1.5})
         for (const auto& spacings : {std::vector<double>{0.25, 0.5, 1}, {1, 0.25, 0.6}, {0.35, 0.5, 0.7, 1}, {0.4, 0.5, 0.7, 1}}) {
@@ -57,8 +57,8 @@ TEST(Rungs, NoiseIsNotTakenForAnOrder) {
     EXPECT_GT(found.deviation, 0.015);
 }
 
-// First order with a second-order part and noise that is known by four degrees of freedom: intervals hold what they say, and the
-// deviation is no more than three times the error that there is.
+// First order with a second-order part and noise that is known by four degrees of freedom: intervals have their nominal
+// coverage, and the deviation is no more than three times the error that there is.
 TEST(Rungs, TheDeviationIsHonest) {
     const Random random(3);
     int ninety = 0, fifty = 0;

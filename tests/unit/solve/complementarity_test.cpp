@@ -54,7 +54,7 @@ std::vector<double> solve_on(const std::vector<std::vector<double>>& matrix, con
     return x;
 }
 
-// The solution by trying every set of rows.
+// The solution by testing every set of rows.
 std::vector<double> search(const std::vector<std::vector<double>>& matrix, const std::vector<double>& b) {
     for (unsigned set = 0; set < 1u << b.size(); ++set) {
         const auto x = solve_on(matrix, b, set);

@@ -9,7 +9,7 @@
 
 namespace treacle::solve {
 
-// The program's one runtime, with the options that runtime_test.cpp looks at.
+// The program's one runtime, with the options that runtime_test.cpp checks.
 const SolveRuntime& runtime();
 
 // Rows [first, first + rows) of a matrix given entry by entry, in the arrays that a Matrix borrows.

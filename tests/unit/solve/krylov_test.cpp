@@ -13,7 +13,7 @@ KrylovSolver solver_with(Preconditioner preconditioner, NullSpace null_space = N
     KrylovOptions options;
     options.preconditioner = preconditioner;
     options.null_space = null_space;
-    // The closed box has an eigenvalue of D^-1 A of 2, which two sweeps with 1 would not see.
+    // The closed box has an eigenvalue of D^-1 A of 2, on which two sweeps with 1 would have no effect.
     if (preconditioner == Preconditioner::sor_jacobi) options.relaxation = 0.9;
     return KrylovSolver(Comm::world(), "test", options);
 }
@@ -234,7 +234,7 @@ TEST_P(DensityTest, ends_the_iteration_at_the_users_measure_of_the_true_residual
     for (std::size_t i = 0; i < r.size(); ++i) r[i] = b[i] - r[i];
     // r is the recurrence's, this one is fresh: they differ by round-off of numbers near 10.
     EXPECT_NEAR(comm.sum(positive_error(r)), report.error_measure, 1e-13);
-    EXPECT_GT(report.relative_residual, 1e-6); // not solved further than asked
+    EXPECT_GT(report.relative_residual, 1e-6); // not solved beyond the target
 }
 
 TEST(Krylov, takes_a_preconditioner_of_the_callers) {

@@ -121,7 +121,7 @@ TEST_F(RigidMultilevelTest, iterations_hardly_depend_on_stiffness_or_size) {
 TEST_F(RigidMultilevelTest, takes_rows_aside_and_aggregates_of_few_rows) {
     Sample sample(comm, 8, 1e4, several_levels());
     for (std::size_t i = 0; i < sample.axes.size(); ++i) {
-        // One component left alone in its box, and a whole layer of rows that only the sweeps see.
+        // One component left alone in its box, and a whole layer of rows that only the sweeps change.
         sample.aside.push_back(sample.cells[3 * i] == 3 || (sample.cells[3 * i + 1] == 7 && sample.axes[i] != 1));
     }
     EXPECT_LE(sample.iterations(), 80); // 55 to 65

@@ -118,7 +118,7 @@ TEST(Anchoring, MakesOneParticleOfEveryLooseComponentDirichletTheSameOnAnyRanks)
             const auto parts = clusters.parts(comm);
             EXPECT_EQ(parts->anchor(), std::int64_t(expected.size()));
             EXPECT_EQ(changed(*parts, clusters), expected);
-            // Ghosts know it.
+            // Ghosts have it.
             const auto role = test::on_host(parts->liquid.role());
             const auto id = test::on_host(parts->liquid.id());
             int wrong = 0;

@@ -259,7 +259,7 @@ TEST(BodyResponse, LetsALightBodyRiseWithoutOvershooting) {
     EXPECT_LT(fastest, 1.5 * pull * 10 * dt);
 }
 
-// A drop at a body, with one neighbour at the rim of its support: what the body gives way by must not count for it many
+// A drop at a body, with one neighbour at the rim of its support: the body's response must not count for it many
 // times over, or it is thrown off.
 TEST(BodyResponse, CountsForNoParticleMoreThanASourceMay) {
     auto sample = brick_in_liquid({0, 0, 0}, 0.3);

@@ -71,7 +71,7 @@ Problem problem_of(const IsphStep& step) {
     return out;
 }
 
-// The solution by trying every set of unknowns.
+// The solution by testing every set of unknowns.
 Eigen::VectorXd search(const Problem& problem) {
     const auto n = problem.source.size();
     const double scale = problem.source.cwiseAbs().maxCoeff();

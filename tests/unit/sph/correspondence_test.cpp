@@ -49,7 +49,7 @@ bool in_middle(const Cell& c) {
     return std::min(c[0], c[1]) > cells / 3 && std::max(c[0], c[1]) <= cells - cells / 3;
 }
 
-// What the caller's rows say, on all ranks in the order of the ids.
+// Values of the caller's rows, on all ranks in the order of the ids.
 std::map<std::int64_t, double> gather(Parts& parts, const std::vector<double>& of_rows) {
     const auto row = test::on_host(parts.liquid.row());
     Array<double> values("values", parts.liquid.store.owned());

@@ -148,7 +148,7 @@ TEST(Inflow, HeldParticlesCarryAStiffRope) {
         }
         EXPECT_GT(held, 0);
         EXPECT_GT(hanging, 20);
-        EXPECT_LT(4 * strained, 0.05); // or the test would see no difference to 9.81 m/s2 in 0.6 s
+        EXPECT_LT(4 * strained, 0.05); // or the test would measure no difference to 9.81 m/s2 in 0.6 s
     }
 }
 

@@ -32,7 +32,7 @@ Sample tank(int n, int dimensions, const SphOptions& options) {
     return sample;
 }
 
-// One step, with the roles that the given pressures say.
+// One step, with the roles by the given pressures.
 std::unique_ptr<IsphStep> stepped(const Comm& comm, const Sample& sample, StepReport& report) {
     auto step = started(comm, sample);
     step->start(IsphStep::SolidVolumes::keep);

@@ -7,7 +7,7 @@
 #include <map>
 #include <memory>
 
-// Scenes made by hand, all of which every rank knows.
+// Scenes made by hand, all of which every rank has.
 namespace treacle::sph {
 
 constexpr double spacing = 0.0625;    // d [m]

@@ -121,7 +121,7 @@ TEST(ImplicitViscosity, ShearWaveDecaysAtNuKSquared) {
     RecordProperty("lattice", std::to_string(lattice));
     RecordProperty("disordered", std::to_string(disordered));
     EXPECT_NEAR(lattice, 1, 0.02); // second order: (k h)^2 is 0.24
-    // Particles out of order give way to the stress between them: seen 0.976, 0.956, 0.886 at 0.05, 0.1, 0.2.
+    // Disordered particles yield to the stress between them: seen 0.976, 0.956, 0.886 at 0.05, 0.1, 0.2.
     EXPECT_NEAR(disordered, 1, 0.05);
 }
 

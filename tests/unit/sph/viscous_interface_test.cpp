@@ -127,7 +127,7 @@ TEST(ViscousInterface, IterationsStayFewInABlend) {
             const auto report = one.solve(stiff_step).solve;
             ASSERT_TRUE(report.converged()) << report.reason;
             RecordProperty("iterations_" + std::to_string(int(ratio)) + "_" + std::to_string(int(100 * part)), report.iterations);
-            EXPECT_LE(report.iterations, 100) << ratio << " " << part; // 62; of single particles whose gradients know of h 1055
+            EXPECT_LE(report.iterations, 100) << ratio << " " << part; // 62; with h in single particles' gradients 1055
         }
     }
 }

@@ -140,7 +140,7 @@ TEST(ViscousMultilevel, KeepsIterationsFewBetweenPeriodicSidesAndOnAnyRanks) {
     }
 }
 
-// What a thick liquid's stresses hold of a thin one around it the cells hold as well: a coarse correction that did not know of that
+// What a thick liquid's stresses hold of a thin one around it the cells hold as well: a coarse correction without that
 // threw it about, 50 to 1000 iterations.
 TEST(ViscousMultilevel, KeepsIterationsFewWhereAThinLiquidMeetsAThickOne) {
     for (const int dimensions : {2, 3}) {

@@ -7,7 +7,7 @@ namespace {
 constexpr double dt = 4e-3;           // [s]
 constexpr double depth = 0.5 * spacing; // of the layers below their surfaces [m]
 
-// A particle in front of a floor, and of a wall at x = 0 if asked for, both of body 1.
+// A particle in front of a floor, and on request of a wall at x = 0, both of body 1.
 struct Approach {
     Vec3 x;
     Vec3 u;

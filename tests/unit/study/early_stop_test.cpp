@@ -70,7 +70,7 @@ protected:
     }
     StudySetup setup(const std::string& name = "out") const { return {folder_.path() / name, program_, {}}; }
 
-    // Searches by CMA-ES, two generations beyond the first; the points that it asks for, and what it is told.
+    // Searches by CMA-ES, two generations beyond the first; the points of `ask`, and the values of `tell`.
     std::vector<double> search(StudyRuns& runs) const {
         search::Axis axis{std::log(1.0), std::log(99.0), std::log(20.0), 1, 0.001};
         search::CmaOptions options;

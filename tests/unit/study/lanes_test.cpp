@@ -62,7 +62,7 @@ TEST_F(LanesTest, AProgramThatIsNotThereIsAnError) {
     EXPECT_EQ(lanes.free(), 1);
 }
 
-// A run that does not listen, and has started others.
+// A run that ignores signals, and has started others.
 TEST_F(LanesTest, ARunThatTakesTooLongIsEndedWithAllThatItStarted) {
     LaneLimits limits;
     limits.time = 0.3;

@@ -1,4 +1,4 @@
-"""tools/reproduce: what can be asked for, and what an entry leaves behind."""
+"""tools/reproduce: its arguments, and the files of an entry."""
 
 import io
 import json

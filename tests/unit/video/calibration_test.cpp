@@ -134,7 +134,7 @@ TEST(Calibration, BadPictureIsLeftOutAndNamed) {
     EXPECT_GT(result.pictures[7].rms, 1);
 }
 
-// Errors over standard deviations, their root mean square over parameters and repeats: 1 where these are honest.
+// Errors over standard deviations, their root mean square over parameters and repeats: 1 where these are right.
 double mean_square_score(double noise, double shared, bool jackknife) {
     constexpr int repeats = 12;
     double sum = 0;

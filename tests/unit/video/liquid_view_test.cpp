@@ -124,7 +124,7 @@ TEST(LiquidView, CutBallIsADiscInTheFieldsColours) {
         }
 }
 
-// Cut behind its middle, one looks at a smaller disc; in front of it nothing is left out.
+// Cut behind its middle, the picture has a smaller disc; in front of it nothing is left out.
 TEST(LiquidView, CutFollowsItsPlane) {
     const LiquidBall ball;
     const auto section = [&](double y) {

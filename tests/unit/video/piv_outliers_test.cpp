@@ -47,7 +47,8 @@ TEST(RejectOdd, FindsOutliersAndSparesTheRest) {
             (outlier ? found : spared) += (noisy.field.valid[i] == 0) == outlier;
         }
     }
-    // Those that point where their neighbours do, within some noises, cannot be told: a circle of 0.1 in a square of 2 x 2.
+    // Those that point where their neighbours do, within some noises, cannot be detected: a circle of 0.1 in a square
+    // of 2 x 2.
     EXPECT_GE(double(found), 0.95 * double(all));
     EXPECT_GE(double(spared), 0.97 * double(good));
 }

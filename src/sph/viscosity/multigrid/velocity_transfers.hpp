@@ -105,7 +105,7 @@ struct ParticleVelocities {
         for (int m = members.begin(e); m < members.begin(e + 1); ++m) {
             const float* share = members.share.data() + corners<D> * std::int64_t(m);
             const int i = members.particle(m);
-            Four even = 0.0f, odd = 0.0f; // two, since each addition waits for the one before
+            Four even = 0.0f, odd = 0.0f; // two, since each addition depends on the one before
             for (int a = 0; a < corners<D>; a += 2) {
                 even.add(Four(share[a]), around[a]);
                 odd.add(Four(share[a + 1]), around[a + 1]);

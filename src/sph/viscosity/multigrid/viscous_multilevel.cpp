@@ -11,7 +11,8 @@ namespace treacle::sph {
 
 namespace {
 constexpr double spacings_across = 1.7; // of the finest cells
-// Where the viscosity reaches less far than that in a step, in squares of a cell's width, no coarser cells help.
+// Where the viscosity reaches less far than that in a step, in squares of a cell's width, coarser cells have no
+// benefit.
 constexpr double mild = 2;
 constexpr std::int64_t dense_nodes = 60; // of all ranks, for which the coarsest level is solved directly
 // Chebyshev's polynomials of the smoothers, on this share of the eigenvalues and above.

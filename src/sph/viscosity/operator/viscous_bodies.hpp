@@ -7,7 +7,7 @@
 namespace treacle::sph {
 
 // Dynamic bodies as unknowns beside the particles of the viscous system. Their velocities are V* + L q, with
-// the columns L of m M^-1 = L L^T, m being a particle's mass and M^-1 how the bodies answer impulses with
+// the columns L of m M^-1 = L L^T, m being a particle's mass and M^-1 the bodies' response to impulses with
 // their joints and locked degrees of freedom: what cannot move has no column. (V - V*) M (V - V*) / 2m is q.q
 // / 2, so that
 //   q - L^T (dt/m) F(u, V* + L q) = 0

@@ -79,8 +79,8 @@ private:
     }
 };
 
-// Diagonal blocks of the preconditioner, as in PrepareLoop::stress_block. Of a thicker neighbour's stress a particle feels what its own viscosity lets it
-// have, where the neighbour knows of the interface.
+// Diagonal blocks of the preconditioner, as in PrepareLoop::stress_block. Of a thicker neighbour's stress a particle
+// gets the part that its own viscosity lets it have, where the interface is within the neighbour's support.
 template <class Kernel>
 struct InterfaceBlockLoop : ViscousLoop<Kernel> {
     using Base = ViscousLoop<Kernel>;
@@ -121,7 +121,7 @@ private:
         Symmetric strained;
         double damped = 0, held = 0, around = 0, weights = 0, pull[3] = {0, 0, 0};
     };
-    // The contrast that the stress of i sees.
+    // The contrast in the stress of i.
     KOKKOS_INLINE_FUNCTION double seen(int i, double h) const {
         return h != 0 && is_normal(normal(i, 0), normal(i, 1), normal(i, 2)) ? h : 0;
     }

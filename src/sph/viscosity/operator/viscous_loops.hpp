@@ -46,8 +46,8 @@ struct ViscousLoop {
             visit(static_cast<double>(weights(k++)), j, dx, dy, dz, r2);
         });
     }
-    // The list and its weights are read once a product, faster than the processor foresees by itself: asks for those of the row
-    // after the next.
+    // The list and its weights are read once a product, faster than the hardware prefetches by itself: prefetches those
+    // of the row after the next.
     KOKKOS_INLINE_FUNCTION void read_ahead(int i) const {
         constexpr int row_ahead = 64, line = 16; // in entries
         const std::int64_t last = fluid.liquid.offset(i + 1);
@@ -56,7 +56,8 @@ struct ViscousLoop {
             prefetch(weights.data() + last + ahead);
         }
     }
-    // visit(sums, k) for the list's entries around i, even and odd ones apart, since each addition waits for the one before.
+    // visit(sums, k) for the list's entries around i, even and odd ones apart, since each addition depends on the one
+    // before.
     template <class Sums, class Visit>
     KOKKOS_INLINE_FUNCTION void each_entry(int i, Sums& even, Sums& odd, const Visit& visit) const {
         read_ahead(i);

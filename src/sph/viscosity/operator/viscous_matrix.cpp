@@ -71,7 +71,7 @@ public:
         }
         return values_[static_cast<std::size_t>(slot)];
     }
-    // Hands out (particle, block) and forgets them.
+    // Returns the (particle, block) pairs and clears them.
     template <class Visit>
     void take(const Visit& visit) {
         for (std::size_t k = 0; k < particles_.size(); ++k) {
@@ -196,7 +196,7 @@ void ViscousMatrix::Assembly::find_beside() {
     }
 }
 
-// The law's answers to unit velocities of the members, in the order of find_members(): the neighbours, then i.
+// The law's forces for unit velocities of the members, in the order of find_members(): the neighbours, then i.
 std::vector<Block> ViscousMatrix::Assembly::blocks_beside(int i, const InterfaceLaw& law) const {
     std::vector<Neighbour> around;
     Vec3 walls_pull = members[offsets[static_cast<std::size_t>(i) + 1] - 1].force; // less the liquid's part of sum w x

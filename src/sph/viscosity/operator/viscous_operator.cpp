@@ -11,7 +11,7 @@ namespace {
 constexpr double least_height = 0.25;
 // Share of the tension that is kept to the next step: in liquid that is stretched evenly the bulk viscosity counts twenty times.
 constexpr double kept_tension = 0.95;
-constexpr double first_tension = 1e-30; // [1/s] of a particle that begins to be stretched: tells it from others
+constexpr double first_tension = 1e-30; // [1/s] of a particle that begins to be stretched: the threshold against others
 
 // Velocity gradients G_i = N_i B_i^+, and of them Q_i = dt/m V (2 mu S_i B_i^+ - kappa mu G_i).
 template <class Kernel>

@@ -20,7 +20,7 @@ public:
     // Returns the largest dt/m V mu of all ranks [m2]; 0: C is the identity.
     double prepare(const ViscousParts& parts, double dt);
 
-    // Whether the solids move as `motion` says, or rest.
+    // Motion of the solids: by `motion`, or none.
     enum class Walls { moving, resting };
     // Collective: product = C u of the owned particles. Gathers the ghosts' u.
     void multiply(const ViscousParts& parts, int u_field, Walls walls, const Array3& product);

@@ -16,7 +16,8 @@ void write_places(const Array3& x, const Array<double>& share, int n, const Arra
     });
 }
 
-// B_i^+, the bulk viscosity over the viscosity, and whether the neighbours spread in all directions: 1, or 0 where the span is to be looked at.
+// B_i^+, the bulk viscosity over the viscosity, and whether the neighbours spread in all directions: 1, or 0 where the
+// span is to be tested.
 void write_fits(const Array6& correction, const Array<float>& bulk, int dimensions, int n, const Array8& fits) {
     Kokkos::parallel_for("treacle::float_fits", n, KOKKOS_LAMBDA(int i) {
         for (int k = 0; k < 6; ++k) fits(i, k) = static_cast<float>(correction(i, k));

@@ -4,8 +4,8 @@
 
 namespace treacle::sph {
 
-// Of a loop that stores as well, each particle adds to the sum once: the compiler takes the stores to change it, and goes to
-// memory for every addition.
+// Of a loop that stores as well, each particle adds to the sum once: the compiler assumes that the stores change it,
+// and goes to memory for every addition.
 double sum_squares(const Array3& a, int n, const RelativeDensity& weight) {
     double sum = 0;
     Kokkos::parallel_reduce("treacle::viscous_norm", n, KOKKOS_LAMBDA(int i, double& out) {
