@@ -229,7 +229,7 @@ class Recoveries(Workplace):
         for ranks in (1, 3):
             with self.subTest(ranks=ranks):
                 run = f"column_on_{ranks}"
-                self.run_text(COLUMN, ranks, run, **{"method.viscosity.bulk": 4})
+                self.run_text(COLUMN, ranks, run)
                 first, last = self.frame(run, 0)["position"][:, 1], self.frame(run)["position"][:, 1]
                 low = first < first.min() + 1e-4
                 over = first - first[low].mean()

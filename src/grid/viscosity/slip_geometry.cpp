@@ -33,7 +33,7 @@ std::vector<char> gripping_bodies(const SlipSetup& setup) {
 struct SlipLengthLoop {
     FineNodes nodes;
     Array<int> number;
-    Array<double> distance, of, length;
+    Array<double> distance, of, length, of_centre;
     Array<int> body;
 
     KOKKOS_INLINE_FUNCTION double length_of_solid(int solid) const { return solid == Solids::nothing ? 0 : of(Solids::place(solid)); }
@@ -62,6 +62,7 @@ struct SlipLengthLoop {
             if (const int sliding = sliding_near(c); sliding != Solids::nothing) nearest = sliding;
         }
         body(i) = nearest;
+        of_centre(i) = distance(FineNodes::per_cell * i + nodes.used() - 1);
         length(i) = length_of_solid(nearest);
     }
 };
@@ -72,7 +73,10 @@ SlipGeometry::SlipGeometry(const MacGrid& grid, const scene::Domain& domain, con
     std::vector<double> lengths;
     for (const auto& face : domain.faces) {
         const bool wall = face.kind == scene::FaceKind::wall;
+        const auto k = lengths.size();
         lengths.push_back(wall ? length_of(face.slip, face.slip_length) : 0);
+        slip_.slides[k] = lengths.back() > 0;
+        slip_.side[k] = k % 2 == 0 ? domain.min[k / 2] : domain.max[k / 2];
     }
     for (std::size_t b = 0; b < setup.slip.size(); ++b) lengths.push_back(length_of(setup.slip[b], setup.slip_length[b]));
     any_ = std::ranges::any_of(lengths, [](double length) { return length > 0; });
@@ -87,8 +91,9 @@ void SlipGeometry::find_lengths(const Solids& solids) {
     const auto n = static_cast<std::size_t>(nodes.window.size());
     reserve(slip_.length, n);
     reserve(slip_.body, n);
+    reserve(slip_.distance, n);
     Kokkos::parallel_for("treacle::slip_lengths", static_cast<int>(n),
-                         SlipLengthLoop{nodes, solids.number(), solids.distance(), lengths_, slip_.length, slip_.body});
+                         SlipLengthLoop{nodes, solids.number(), solids.distance(), lengths_, slip_.length, slip_.distance, slip_.body});
 }
 
 void SlipGeometry::update(const CellHalo& halo, const rigid::RigidBodies& bodies, const Solids& solids,

@@ -23,9 +23,12 @@ struct Viscosities {
 
 // Solids along which the liquid slides. Without them all solids grip.
 struct SlipSolids {
+    bool slides[6] = {false, false, false, false, false, false}; // sides of the domain, -x, +x, -y, ...
+    double side[6] = {0, 0, 0, 0, 0, 0};                         // their places along their axes [m]
     Fractions grip;           // of the solids that grip alone: cell_fluid, face_fluid, edge_fluid, open
     Array<double> length;     // [window] slip length of the solid near the cell [m], infinity: none of its tangents holds
     Array<int> body;          // [window] its number, Solids::number: < 0 no body
+    Array<double> distance;   // [window] of the cells' centres from the nearest solid, < 0 in it [m]
 };
 
 // Input of a solve. All arrays over the window of the halo, with valid values in all its cells.

@@ -6,6 +6,8 @@
 namespace treacle::grid {
 
 namespace {
+constexpr double aligned = 1 - 1e-8; // cosine between the normal of a surface and an axis from which it is along the faces
+
 // w = K wet / W_F^2 dx^3 / dx^2 of one stress; 0 where there is no liquid, or no room for it to slide.
 struct StressLoop {
     Array<double> viscosity, wet, fluid, out;
@@ -52,7 +54,7 @@ struct RoleLoop {
         faces.each_stress(axis, i, cell_fluid, edge_fluid, [&](double f) { tight = tight || f < least_gap; });
         const bool has_liquid = wet(i) > least_wet;
         int role = idle_face;
-        if (has_liquid || stressed || push > 0) role = fluid(i) < least_gap || (has_liquid && tight) ? held_face : free_face;
+        if (has_liquid || stressed || push > 0) role = fluid(i) < least_gap || tight ? held_face : free_face;
         const double solid = 1 - fluid(i);
         faces.role[axis](i) = role;
         faces.share.axis[axis](i) = role == free_face ? fluid(i) : 0.0;
@@ -107,46 +109,95 @@ struct WallLoop {
     }
 };
 
-// The force of the slip surface that a cell carries: its own one where its centre is not in the solid, and those of cells
-// before it whose centre is. Areas by the divergence of the open areas of a cell's faces, velocities at the cell's centre, a
-// distance from the surface that adds to the slip length.
+// Tractions of slip surfaces, whose areas are the divergence of the open areas of a cell's faces.
+// Along a surface: in the cell that has it where its centre is not in the solid, otherwise in the next one; velocities at the
+// cell's centre, a distance from the surface that adds to the slip length.
+// Across a surface along the faces, of a side of the domain or a body: in the cell that has it, at the surface, where the
+// velocity is that between two faces. The face behind it is closed and has no flux, so that pressures leave it free: without
+// this traction the liquid in front of it is not strained, and bears nothing. Across others, whose flux the pressures have: as
+// along them, where there are no pressures. At curved ones both together resist rotation.
 struct TractionLoop {
     ViscousFaces faces;
     Inner inner;
-    FaceField open, grip;
+    FaceField open, grip_open;
     Array<double> wet, fluid, viscosity, length;
     Array<double> distance; // none: no pressure
+    SlipSolids slip;
+    MacGrid grid;
     double area, least_wet, normal_layer, dx; // [m2], of a plane scene [m]; [1]; [m]; [m]
 
     // Out of the solid, in faces' areas.
     KOKKOS_INLINE_FUNCTION double surface(std::ptrdiff_t i, double n[3]) const {
-        double squares = 0;
         for (int k = 0; k < faces.dimensions; ++k) {
             const auto j = i + faces.stride[k];
-            n[k] = (open.axis[k](j) - open.axis[k](i)) - (grip.axis[k](j) - grip.axis[k](i));
-            squares += n[k] * n[k];
+            n[k] = (open.axis[k](j) - open.axis[k](i)) - (grip_open.axis[k](j) - grip_open.axis[k](i));
         }
+        return size_of(n);
+    }
+    KOKKOS_INLINE_FUNCTION double size_of(const double n[3]) const {
+        double squares = 0;
+        for (int k = 0; k < faces.dimensions; ++k) squares += n[k] * n[k];
         return math::sqrt(squares);
     }
-    KOKKOS_INLINE_FUNCTION void add(std::ptrdiff_t i, const double n[3], double size, double beyond) const {
+    // Adds across n nT + along (1 - n nT), 1/m each, times the area.
+    KOKKOS_INLINE_FUNCTION void add(std::ptrdiff_t i, const double n[3], double size, double across, double along) const {
         const double whole = area * size * viscosity(i) * wet(i) / fluid(i);
-        const bool pressed = distance.extent(0) > 0 && distance(i) < 0;
-        const double across = pressed ? 0.0 : whole / normal_layer, along = whole / (math::max(length(i), normal_layer) + beyond);
         for (int k = 0; k < faces.dimensions; ++k) {
             for (int l = k; l < faces.dimensions; ++l) {
                 const double nn = n[k] * n[l] / (size * size);
-                faces.traction[ViscousFaces::component(k, l)](i) += across * nn + along * ((k == l ? 1.0 : 0.0) - nn);
+                faces.traction[ViscousFaces::component(k, l)](i) += whole * (across * nn + along * ((k == l ? 1.0 : 0.0) - nn));
             }
         }
+    }
+    KOKKOS_INLINE_FUNCTION double along(std::ptrdiff_t i, double beyond) const {
+        return 1 / (math::max(length(i), normal_layer) + beyond);
+    }
+    // A surface of that size along the faces across axis k, so many widths above the lower one.
+    KOKKOS_INLINE_FUNCTION void hold(std::ptrdiff_t i, int k, double at, double size) const {
+        double normal[3] = {0, 0, 0};
+        normal[k] = 1;
+        faces.lean.axis[k](i) = 1 - math::min(1.0, math::max(0.0, at));
+        add(i, normal, size, 1 / normal_layer, 0);
+    }
+    // Takes what is along the faces, cell c's, off its areas n; `holds`: with its traction.
+    KOKKOS_INLINE_FUNCTION void take_sides(std::ptrdiff_t i, const int c[3], bool holds, double n[3]) const {
+        for (int k = 0; k < faces.dimensions; ++k) {
+            double x[3];
+            grid.face(k, c, x);
+            for (int side = 0; side < 2; ++side) {
+                if (!slip.slides[2 * k + side]) continue;
+                const double at = (slip.side[2 * k + side] - x[k]) / dx, thickness = side == 0 ? 1 - at : at;
+                if (!(thickness > least_wet) || !(thickness < 1 + least_wet)) continue;
+                const double size = open.axis[k](side == 0 ? i + faces.stride[k] : i);
+                n[k] -= side == 0 ? size : -size;
+                if (holds && size > 0) hold(i, k, at, size);
+            }
+        }
+        const double size = size_of(n);
+        for (int k = 0; k < faces.dimensions; ++k) {
+            if (!(size > least_wet) || !(math::fabs(n[k]) > aligned * size)) continue;
+            if (holds) hold(i, k, 0.5 - (n[k] > 0 ? 1 : -1) * slip.distance(i) / dx, math::fabs(n[k]));
+            n[k] = 0;
+        }
+    }
+    // Across what is left of the areas.
+    KOKKOS_INLINE_FUNCTION void resist_rest(std::ptrdiff_t i, const double n[3]) const {
+        const double size = size_of(n);
+        const bool pressed = distance.extent(0) > 0 && distance(i) < 0;
+        if (size > least_wet && !pressed) add(i, n, size, 1 / normal_layer, 0);
     }
     KOKKOS_INLINE_FUNCTION void operator()(int at) const {
         int c[3];
         const auto i = inner.place(at, c);
         for (int k = 0; k < 6; ++k) faces.traction[k](i) = 0;
-        if (!(wet(i) > least_wet) || fluid(i) < 0.5) return;
+        if (!(wet(i) > least_wet)) return;
+        const bool carries = fluid(i) >= 0.5;
         double n[3] = {0, 0, 0};
         double size = surface(i, n);
-        if (size > 0) add(i, n, size, (fluid(i) - 0.5) * dx);
+        if (size > 0 && carries) add(i, n, size, 0, along(i, (fluid(i) - 0.5) * dx));
+        take_sides(i, c, true, n);
+        if (!carries) return;
+        resist_rest(i, n);
         for (int k = 0; k < faces.dimensions; ++k) {
             for (int side = -1; side <= 1; side += 2) {
                 const auto j = i - side * faces.stride[k];
@@ -156,7 +207,12 @@ struct TractionLoop {
                 for (int l = 0; l < faces.dimensions; ++l) {
                     here = here && (l > k ? n[l] * n[l] <= n[k] * n[k] : l == k || n[l] * n[l] < n[k] * n[k]);
                 }
-                if (here) add(i, n, size, (fluid(j) + 0.5) * dx);
+                if (!here) continue;
+                add(i, n, size, 0, along(i, (fluid(j) + 0.5) * dx));
+                int of[3] = {c[0], c[1], c[2]};
+                of[k] -= side;
+                take_sides(j, of, false, n);
+                resist_rest(i, n);
             }
         }
     }
@@ -212,16 +268,15 @@ void ViscousParts::weigh_slip(const ViscousScene& scene, const ViscosityOptions&
     for (auto& component : faces_.wall_bend) make_room(f.cell_wet, {&component});
     const double dx = scene.grid.dx;
     const Inner second(faces_.window, faces_.dimensions, 2); // the neighbours' neighbours are read
-    Kokkos::parallel_for("treacle::weigh_slip", second.count(),
-                         TractionLoop{faces_, second, f.open, scene.slip->grip.open, f.cell_wet, f.cell_fluid,
-                                      scene.viscosity.cell, scene.slip->length,
-                                      scene.distance ? *scene.distance : Array<double>(), faces_.dimensions == 3 ? dx * dx : dx,
-                                      options.least_wet, options.normal_layer * dx, dx});
     for (int a = 0; a < faces_.dimensions; ++a) {
         make_room(f.cell_wet, {&faces_.lean.axis[a]});
         Kokkos::parallel_for("treacle::lean_slip", inner.count(),
                              LeanLoop{f.face_wet.axis[a], faces_.lean.axis[a], faces_.stride[a], inner});
     }
+    Kokkos::parallel_for("treacle::weigh_slip", second.count(),
+                         TractionLoop{faces_, second, f.open, scene.slip->grip.open, f.cell_wet, f.cell_fluid,
+                                      scene.viscosity.cell, scene.slip->length, scene.distance ? *scene.distance : Array<double>(), *scene.slip, scene.grid,
+                                      faces_.dimensions == 3 ? dx * dx : dx, options.least_wet, options.normal_layer * dx, dx});
 }
 
 void ViscousParts::cast_roles(const ViscousScene& scene, const ViscosityOptions& options, double dt) {

@@ -296,7 +296,7 @@ void ViscosityOptions::declare_others(Declaration& d) {
               "Most solves of a step for that; what is left is taken up by the next step. 1: the viscosities are those of "
               "the last step.");
     d.number("bulk", bulk, unit::none, range_between(0, 1000),
-             "Bulk viscosity, over the viscosity, of liquid that expands: pressures are never negative, and without it stretched liquid comes apart.");
+             "Bulk viscosity, over the viscosity, of liquid that is stretched: pressures are never negative, and without it such liquid comes apart. 0: none.");
     d.number("artificial", artificial, unit::none, range_at_least(0),
              "Coefficient alpha of Monaghan's artificial viscosity alpha h c, which acts between approaching "
              "particles.");

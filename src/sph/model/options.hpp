@@ -167,7 +167,7 @@ struct ViscosityOptions {
     int rheology_solves = 4;           // most in a step, when viscosities depend on the shear rate
     double artificial = 0.2;      // Monaghan's alpha
     double reference_speed = 0;   // [m/s]; 0: sqrt(g H) of the initial liquid
-    double bulk = 0;              // zeta / mu of liquid that is stretched
+    double bulk = 4;              // zeta / mu of liquid that is stretched
     double xsph = 0;              // share of the neighbours' mean velocity that moves a particle
 
     void declare(Declaration& d); // keys of `viscosity`

@@ -11,7 +11,10 @@ namespace {
 constexpr double least_height = 0.25;
 // Share of the tension that is kept to the next step: in liquid that is stretched evenly the bulk viscosity counts twenty times.
 constexpr double kept_tension = 0.95;
-constexpr double first_tension = 1e-30; // [1/s] of a particle that begins to be stretched: the threshold against others
+constexpr double first_tension = 1e-30; // [1/s] of a particle that begins to be stretched, as distinct from none
+// Liquid is stretched from where it expands at this share of its shear rate, which is 0.7 in a column that hangs; round-off
+// and the noise of pressures are well below. It no longer is where its tension is below the second share of the rate.
+constexpr double stretched_from = 0.2, stretched_until = 0.05;
 
 // Velocity gradients G_i = N_i B_i^+, and of them Q_i = dt/m V (2 mu S_i B_i^+ - kappa mu G_i).
 template <class Kernel>
@@ -25,7 +28,7 @@ struct StressLoop : ViscousLoop<Kernel> {
     bool rated;
     Array<double> rate;
     Array<float> bulk; // zeta / mu of each particle, or empty
-    Array<double> tension, expansion; // s / mu, or empty; tr D
+    Array<double> tension, expansion; // s / mu, or empty; tr D, with `bulk`
 
     KOKKOS_INLINE_FUNCTION void operator()(int block) const {
         each_row<Columns>(block, Base::fluid.count, [&](int i) { return sum_pairs(i); },
@@ -51,7 +54,7 @@ private:
         for (int k = 0; k < 3; ++k) fit.times(n[k], g[k]);
         double s[3][3];
         strain(spanned, g, s);
-        if (rated) rate(i) = math::sqrt(2 * contract(s));
+        if (rated || bulk.size() > 0) rate(i) = math::sqrt(2 * contract(s));
         if (bulk.size() > 0) resist_expansion(i, spanned, s);
         const double c = share(i);
         for (int k = 0; k < 3; ++k) {
@@ -284,7 +287,7 @@ double ViscousOperator::prepare(const ViscousParts& parts, double dt) {
     if (viscosity.form == ViscosityForm::printed) scale_by_volumes(liquid.volume(), constants.rest_volume, n, share);
     if (slip_.any()) slip_.prepare(parts, parts.points, share);
     parts.halo.gather(liquid.store, {share_});
-    if (!parts.forces.rheology.empty()) reserve(rate_, static_cast<std::size_t>(n));
+    if (!parts.forces.rheology.empty() || tension_ >= 0) reserve(rate_, static_cast<std::size_t>(n));
     reserve(correction_, static_cast<std::size_t>(n));
     reserve(block_, static_cast<std::size_t>(n));
     for (auto* array : {&ground_, &smeared_share_}) reserve(*array, static_cast<std::size_t>(n));
@@ -320,11 +323,12 @@ void ViscousOperator::find_stretched(const LiquidParticles& liquid, double bulk)
 
 void ViscousOperator::keep_tension(const LiquidParticles& liquid) const {
     if (tension_ < 0) return;
-    const auto trace = trace_, tension = liquid.store.get<Array<double>>(tension_);
+    const auto trace = trace_, rate = rate_, tension = liquid.store.get<Array<double>>(tension_);
     const auto bulk = bulk_;
     Kokkos::parallel_for("treacle::keep_tension", liquid.store.owned(), KOKKOS_LAMBDA(int i) {
-        const double held = kept_tension * math::max(0.0, tension(i) + static_cast<double>(bulk(i)) * trace(i));
-        tension(i) = bulk(i) > 0 ? held : trace(i) > 0 ? first_tension : 0;
+        const double held = kept_tension * (tension(i) + static_cast<double>(bulk(i)) * trace(i));
+        const bool stays = bulk(i) > 0 && held > stretched_until * rate(i);
+        tension(i) = stays ? held : trace(i) > stretched_from * rate(i) ? first_tension : 0;
     });
 }
 
