@@ -1,6 +1,6 @@
 #pragma once
 #include "kokkos/cells.hpp"
-#include "kokkos/lanes.hpp"
+#include "kokkos/simd.hpp"
 
 namespace treacle {
 

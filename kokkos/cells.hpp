@@ -44,7 +44,7 @@ inline CellBox intersect(const CellBox& a, const CellBox& b) {
     return out;
 }
 
-// With `layers` more cells on either side of each axis; plane scenes have no third one.
+// With `layers` more cells on either side of each axis; 2D scenes have no third one.
 inline CellBox grown(const CellBox& box, int layers, int dimensions) {
     CellBox out = box;
     for (int k = 0; k < dimensions; ++k) {
@@ -66,7 +66,7 @@ inline CellBox join(const CellBox& a, const CellBox& b) {
 }
 
 // The uniform cells that cover the domain: the unit of ownership, of halos and of the neighbour search.
-// A cell is at least one support radius wide, so that neighbours lie in adjacent cells. Plane scenes have one
+// A cell is at least one support radius wide, so that neighbours lie in adjacent cells. 2D scenes have one
 // layer of cells in z.
 struct CellGrid {
     double origin[3] = {0, 0, 0};        // [m], lower corner of cell (0, 0, 0)

@@ -1,6 +1,6 @@
 #include "kokkos/neighbour_list.hpp"
 
-#include "kokkos/lanes.hpp"
+#include "kokkos/simd.hpp"
 #include "kokkos/scan.hpp"
 
 #include <type_traits>
@@ -13,7 +13,7 @@ constexpr int batch = 16;
 // Particles of one loop index: those of one cell follow one another and share their candidates.
 constexpr int chunk = std::is_same_v<Memory, Kokkos::HostSpace> ? 64 : 1;
 
-// The candidates around the particles of a cell: up to 27 cells (9 in the plane), where cells along x that stand one
+// The candidates around the particles of a cell: up to 27 cells (9 in 2D), where cells along x that stand one
 // behind the other in memory are one run.
 struct Runs {
     int first[27], last[27];
@@ -89,13 +89,13 @@ struct Search {
     // The neighbours among the candidates [start, start + batch), as bits. All of the batch is tested, the last one
     // reading into the padding behind the coordinates; the outcome of a test is as good as random, so that hits are
     // collected as bits, not by branches.
-    KOKKOS_INLINE_FUNCTION unsigned hits(Lanes x, Lanes y, Lanes z, int start, int last, int self) const {
+    KOKKOS_INLINE_FUNCTION unsigned hits(SimdDouble x, SimdDouble y, SimdDouble z, int start, int last, int self) const {
         unsigned bits = 0;
         for (int k = 0; k < batch; k += lanes) {
-            const Lanes dx = x - load_lanes(along_x.data() + start + k);
-            const Lanes dy = y - load_lanes(along_y.data() + start + k);
-            const Lanes dz = z - load_lanes(along_z.data() + start + k);
-            bits |= bits_of(dx * dx + dy * dy + dz * dz < Lanes(radius2)) << k;
+            const SimdDouble dx = x - load_lanes(along_x.data() + start + k);
+            const SimdDouble dy = y - load_lanes(along_y.data() + start + k);
+            const SimdDouble dz = z - load_lanes(along_z.data() + start + k);
+            bits |= to_bitmask(dx * dx + dy * dy + dz * dz < SimdDouble(radius2)) << k;
         }
         if (last - start < batch) bits &= (1u << (last - start)) - 1;
         const unsigned own = static_cast<unsigned>(self - start);
@@ -153,13 +153,13 @@ void NeighbourList::build(const ParticleStore& of, const ParticleStore& among, c
         search.test(c, masks.data() + masks_before(c), rows);
     });
     size = counts_to_offsets(offset, n);
-    reserve(index, static_cast<std::size_t>(size) + spare);
+    reserve(index, static_cast<std::size_t>(size) + padding);
     const auto list = index;
     const auto entries = size;
     Kokkos::parallel_for("treacle::fill_neighbours", chunks, KOKKOS_LAMBDA(int c) {
         search.fill(c, masks.data() + masks_before(c), rows, list);
     });
-    Kokkos::parallel_for("treacle::spare_neighbours", spare, KOKKOS_LAMBDA(int k) { list(entries + k) = 0; });
+    Kokkos::parallel_for("treacle::pad_neighbours", padding, KOKKOS_LAMBDA(int k) { list(entries + k) = 0; });
 }
 
 } // namespace treacle

@@ -13,7 +13,7 @@ public:
     Array<int> index{"treacle::neighbour_index", 0};            // [size + 16], rows of the other store
     std::int64_t size = 0;
     // Entries behind the last row, all 0: whoever reads a row several entries at a time may read beyond its end.
-    static constexpr int spare = 16;
+    static constexpr int padding = 16;
 
     // Neighbours of the owned particles of `of` among all particles of `among`, which `cells` lists. The radius [m] is
     // at most a cell's width. A distance of 0 counts, but from a particle to itself.

@@ -1,5 +1,5 @@
 #pragma once
-#include "kokkos/tile.hpp"
+#include "kokkos/float4x4.hpp"
 
 namespace treacle {
 
@@ -8,7 +8,7 @@ namespace treacle {
 // the right. Up to three entries of `index` beyond the count are read.
 #if defined(TREACLE_AVX512)
 // Four pairs at a time, a quad each.
-inline Tile sum_pair_products(const float* rows, int i, const int* index, const float* weights, int count) {
+inline Float4x4 sum_pair_products(const float* rows, int i, const int* index, const float* weights, int count) {
     const auto row = [&](int j) { return _mm256_loadu_ps(rows + 8 * std::int64_t(j)); };
     const __m256 turn = _mm256_castsi256_ps(_mm256_setr_epi32(0, 0, 0, static_cast<int>(0x80000000), 0, 0, 0, 0x3f800000)); // -s, 1
     const __m512 own = _mm512_maskz_broadcast_f32x8(0xffff, _mm256_xor_ps(row(i), turn));
@@ -38,9 +38,9 @@ inline Tile sum_pair_products(const float* rows, int i, const int* index, const 
     return halves(halves(sum[0], sum[1]), halves(sum[2], sum[3]));
 }
 #else
-KOKKOS_INLINE_FUNCTION Tile sum_pair_products(const float* rows, int i, const int* index, const float* weights, int count) {
+KOKKOS_INLINE_FUNCTION Float4x4 sum_pair_products(const float* rows, int i, const int* index, const float* weights, int count) {
     const float* own = rows + 8 * std::int64_t(i);
-    Tile sum(0.0f);
+    Float4x4 sum(0.0f);
     for (int k = 0; k < count; ++k) {
         const float* other = rows + 8 * std::int64_t(index[k]);
         const float right[4] = {own[4] - other[4], own[5] - other[5], own[6] - other[6], 1};

@@ -16,7 +16,7 @@ CellBox shifted(CellBox box, const int by[3], int sign) {
 }
 
 // One slice more: the places of a block of cells in the window.
-void add_slice(const CellBox& cells, const CellBox& window, int rank, Slices& slices, std::vector<int>& places) {
+void add_slice(const CellBox& cells, const CellBox& window, int rank, ExchangePlan& slices, std::vector<int>& places) {
     for (int z = cells.lo[2]; z < cells.hi[2]; ++z) {
         for (int y = cells.lo[1]; y < cells.hi[1]; ++y) {
             for (int x = cells.lo[0]; x < cells.hi[0]; ++x) places.push_back(window.index(x, y, z));
@@ -76,10 +76,10 @@ void add_places(const Array<double>& field, const Array<int>& places, std::int64
 // Parts that both directions share: the message of a list of fields, from their places to the other side's.
 struct Passage {
     const Comm& comm;
-    const Slices& outgoing;
+    const ExchangePlan& outgoing;
     const Array<int>& from;
     Array<double>& send;
-    const Slices& incoming;
+    const ExchangePlan& incoming;
     Array<double>& receive;
 };
 

@@ -16,7 +16,7 @@ public:
     void connect(const Decomposition& decomposition, const CellBox& active, int layers);
 
     const CellBox& owned() const { return owned_; }   // this rank's cells of the block
-    const CellBox& window() const { return window_; } // and the layers around them; flat axes of plane scenes have none
+    const CellBox& window() const { return window_; } // and the layers around them; flat axes of 2D scenes have none
     const CellBox& active() const { return active_; } // block of the last connect()
     int layers() const { return layers_; }            // of halo, >= 0
 
@@ -36,7 +36,7 @@ private:
     Comm comm_ = Comm::self();
     CellBox active_, owned_, window_;
     int layers_ = 0;
-    Slices outgoing_, incoming_;
+    ExchangePlan outgoing_, incoming_;
     Array<int> sent_{"treacle::cell_halo_sent", 0};         // places in the window, slice after slice
     Array<int> received_{"treacle::cell_halo_received", 0}; // the same of what comes in
     Array<double> send_{"treacle::cell_halo_send", 0};

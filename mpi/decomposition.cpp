@@ -153,10 +153,10 @@ struct WeightedCells {
 
 Decomposition::Decomposition(const Comm& comm, const CellGrid& grid)
     : comm_(comm), grid_(grid), boxes_(static_cast<std::size_t>(comm.size())) {
-    recut({}, {});
+    repartition({}, {});
 }
 
-void Decomposition::recut(std::span<const int> cells, std::span<const double> weights) {
+void Decomposition::repartition(std::span<const int> cells, std::span<const double> weights) {
     WeightedCells weighted(cells, weights);
     std::vector<Part> parts{{grid_.all(), 0, comm_.size(), -1, false}};
     nodes_.clear();

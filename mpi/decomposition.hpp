@@ -19,10 +19,10 @@ public:
     const CellBox& box() const { return boxes_[static_cast<std::size_t>(comm_.rank())]; }
     const std::vector<CellBox>& boxes() const { return boxes_; }
 
-    // Collective: cuts anew so that each rank gets about the same weight. `cells` [n][3] and `weights` [n]
+    // Collective: repartitions so that each rank gets about the same weight. `cells` [n][3] and `weights` [n]
     // are this rank's weighted cells, of any rank's box. Each level of the bisection sums one histogram per
     // box and axis and takes the plane with the least load: what moves grows with the cells of an edge, not of the volume.
-    void recut(std::span<const int> cells, std::span<const double> weights);
+    void repartition(std::span<const int> cells, std::span<const double> weights);
     // Collective: goes back to a bisection of the same number of ranks, as state() gave it.
     void restore(std::span<const std::int64_t> state);
     std::vector<std::int64_t> state() const;

@@ -60,7 +60,7 @@ void exchange_slices(const Comm& comm, const SlicedBuffer& send, const SlicedBuf
     Kokkos::deep_copy(host_send, send.buffer);
     std::vector<MPI_Request> requests;
     requests.reserve(outgoing.ranks.size() + incoming.ranks.size());
-    const auto slice = [&](const Slices& slices, std::size_t k) {
+    const auto slice = [&](const ExchangePlan& slices, std::size_t k) {
         const std::int64_t first = slices.offsets[k] * width;
         return std::pair(first, static_cast<int>(slices.offsets[k + 1] * width - first));
     };

@@ -21,13 +21,13 @@ std::vector<Message> exchange_sparse(const Comm& comm, const std::vector<Message
 // Known partners, known sizes: swaps slices of two buffers of doubles in device memory. Slice k goes to or
 // comes from ranks[k]; offsets has one entry more than ranks, in rows of `width` doubles. Messages between two
 // ranks pair up in order.
-struct Slices {
+struct ExchangePlan {
     std::vector<int> ranks;
     std::vector<std::int64_t> offsets{0};
     std::int64_t rows() const { return offsets.back(); }
 };
 struct SlicedBuffer {
-    const Slices& slices;
+    const ExchangePlan& slices;
     const Array<double>& buffer; // [rows][width]
 };
 void exchange_slices(const Comm& comm, const SlicedBuffer& send, const SlicedBuffer& receive, int width);

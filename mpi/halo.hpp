@@ -43,7 +43,7 @@ private:
 
     Comm comm_ = Comm::self();
     std::vector<Neighbour> neighbours_;
-    Slices outgoing_, incoming_;
+    ExchangePlan outgoing_, incoming_;
     std::vector<std::array<double, 3>> incoming_offset_; // [m] per incoming slice
     Array<int> rows_{"treacle::halo_rows", 0};           // owned rows that are sent, slice after slice
     std::vector<int> chosen_; // the same on the host, while they are chosen

@@ -28,7 +28,7 @@ void LoadBalance::add(const ParticleStore& store, const CellGrid& grid, double w
 }
 
 void LoadBalance::cut(Decomposition& decomposition) {
-    decomposition.recut(cells_, weights_);
+    decomposition.repartition(cells_, weights_);
     cells_.clear();
     weights_.clear();
 }
@@ -36,7 +36,7 @@ void LoadBalance::cut(Decomposition& decomposition) {
 bool LoadBalance::is_due(const Comm& comm, int owned) const {
     if (comm.size() == 1) return false;
     const double imbalance = load_imbalance(comm, owned);
-    return imbalance >= rebalance_above_ && imbalance >= 1.05 * after_cut_;
+    return imbalance >= max_load_imbalance_ && imbalance >= 1.05 * after_cut_;
 }
 
 std::vector<std::int64_t> LoadBalance::state(const Decomposition& decomposition) const {

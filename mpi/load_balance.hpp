@@ -15,7 +15,7 @@ double load_imbalance(const Comm& comm, int owned);
 class LoadBalance {
 public:
     // A cut is due from this ratio of the largest to the mean load on.
-    explicit LoadBalance(double rebalance_above) : rebalance_above_(rebalance_above) {}
+    explicit LoadBalance(double max_load_imbalance) : max_load_imbalance_(max_load_imbalance) {}
 
     // Counts the owned particles of a store for the next cut, each by `weight`, at their cells. A particle outside of the
     // grid counts for the nearest cell, whose rank owns it.
@@ -34,7 +34,7 @@ public:
     void restore(std::span<const std::int64_t> state, Decomposition& decomposition);
 
 private:
-    double rebalance_above_;
+    double max_load_imbalance_;
     double after_cut_ = 1;
     std::vector<int> cells_;      // [n][3]
     std::vector<double> weights_; // [n]

@@ -30,7 +30,7 @@ void add_dam_break(CLI::App& app, BenchWords& words) {
 
 void add_solves(CLI::App& app, BenchWords& words) {
     add_repeated(app, "--preconditioner", words.pressure.preconditioners,
-                 "One or several; pressure: default multilevel, multilevel_grids, jacobi; viscosity: multilevel, boomeramg.");
+                 "One or several; pressure: default multilevel, multilevel_rediscretised, jacobi; viscosity: multilevel, boomeramg.");
     app.add_option("--residual", words.pressure.residuals,
                    "Relative; pressure: one or several, default 1e-3 1e-4 1e-6; viscosity: the first, default 1e-8")
         ->check(CLI::Range(1e-14, 1.0))

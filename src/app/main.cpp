@@ -1,5 +1,5 @@
 #include "app/command_line.hpp"
-#include "app/study/end_together.hpp"
+#include "app/study/run_collectively.hpp"
 #include "app/study_commands.hpp"
 #include "kokkos/runtime.hpp"
 #include "solve/rows/runtime.hpp"
@@ -34,13 +34,13 @@ void warn_of_unused(const Comm& comm, const solve::SolveRuntime& petsc) {
 ExitCode run_program(const Comm& comm, const std::vector<std::string>& arguments) {
     app::CommandLine line;
     std::optional<solve::SolveRuntime> petsc;
-    const auto code = app::end_together(comm, [&] {
+    const auto code = app::run_collectively(comm, [&] {
         line = app::read_command_line(arguments);
         petsc.emplace(line.petsc);
         return ExitCode::ok;
     });
     if (code != ExitCode::ok) return code;
-    return app::end_together(comm, [&] {
+    return app::run_collectively(comm, [&] {
         const auto result = line.command(comm);
         if (!line.petsc.empty()) warn_of_unused(comm, *petsc);
         return result;

@@ -57,7 +57,7 @@ void add_resume(CLI::App& program, Chosen& chosen, const Words& arguments) {
     app.add_option("folder", words->folder, "Folder of a run")->required()->type_name("DIR");
     app.add_option("--until", words->until, "Simulated time at which the run ends from now on, in place of time.end")
         ->type_name("TIME");
-    add_repeated(app, "--set", words->changes, "Change time.end, output, cameras or lost_limit of the scene: a.b.c=value.");
+    add_repeated(app, "--set", words->changes, "Change time.end, output, cameras or max_lost_fraction of the scene: a.b.c=value.");
     app.add_option("--wall-limit", words->wall_limit, "Stop with a checkpoint after this time of the clock")
         ->type_name("TIME");
     add_petsc(app, chosen);

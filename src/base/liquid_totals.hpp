@@ -7,7 +7,7 @@ namespace treacle {
 // Sums over the liquid's particles, which the measurements and the step control need.
 struct LiquidTotals {
     std::int64_t particles = 0;
-    double mass = 0;                       // [kg], [kg/m] in the plane
+    double mass = 0;                       // [kg], [kg/m] in 2D
     std::array<double, 3> momentum{};      // [kg m/s]
     std::array<double, 3> angular_momentum{}; // about the origin [kg m2/s]
     double kinetic_energy = 0;             // [J]

@@ -32,7 +32,7 @@ double place_of(const InletSetup& inlet, const Layers& layers, std::int64_t laye
     return inlet.speed * (time - inlet.start) - (double(layer) + 0.5) * step_of(inlet, layers);
 }
 
-LayerSource::LayerSource(const InflowSetup& setup, Layers layers, const PeriodicBox& box)
+InletEmitter::InletEmitter(const InflowSetup& setup, Layers layers, const PeriodicBox& box)
     : setup_(setup), layers_(layers), box_(box) {
     for (const auto& inlet : setup.inlets) {
         const Array3 points("treacle::inlet_points", inlet.points.size());
@@ -46,7 +46,7 @@ LayerSource::LayerSource(const InflowSetup& setup, Layers layers, const Periodic
 }
 
 // Id of the first particle of a layer.
-std::int64_t LayerSource::id_of(std::size_t inlet, std::int64_t layer) const {
+std::int64_t InletEmitter::id_of(std::size_t inlet, std::int64_t layer) const {
     const auto count = static_cast<std::int64_t>(setup_.inlets[inlet].points.size());
     return setup_.first_id + layer * count * static_cast<std::int64_t>(setup_.inlets.size()) +
            static_cast<std::int64_t>(inlet);
@@ -125,7 +125,7 @@ void write_layer(const LayerPlaces& layer, const NewParticles& to, int first) {
 }
 } // namespace
 
-void LayerSource::add(ParticleStore& store, const Fields& fields, const CellGrid& grid, const CellBox& own, const Layer& layer) const {
+void InletEmitter::add(ParticleStore& store, const Fields& fields, const CellGrid& grid, const CellBox& own, const Layer& layer) const {
     const auto& from = setup_.inlets[layer.inlet];
     LayerPlaces places{points_[layer.inlet], {}, box_, grid, own};
     NewParticles to{};

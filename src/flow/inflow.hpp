@@ -56,7 +56,7 @@ double place_of(const InletSetup& inlet, const Layers& layers, std::int64_t laye
 
 // Puts particles of layers into a store. Ids follow from the number of a layer and the place in it, the inlets' numbers
 // alternating: the same on any number of ranks.
-class LayerSource {
+class InletEmitter {
 public:
     // Fields of the store, by their numbers.
     struct Fields {
@@ -65,7 +65,7 @@ public:
     };
 
     // Copies the points to the device. Positions wrap along periodic axes of the box.
-    LayerSource(const InflowSetup& setup, Layers layers, const PeriodicBox& box);
+    InletEmitter(const InflowSetup& setup, Layers layers, const PeriodicBox& box);
 
     // Input of the constructor.
     const InflowSetup& setup() const { return setup_; }

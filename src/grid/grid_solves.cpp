@@ -8,7 +8,7 @@
 namespace treacle::grid {
 
 namespace {
-constexpr double least_wet = 1e-3;   // share of a face's cube from which its velocity is that of liquid
+constexpr double min_liquid_fraction = 1e-3;   // share of a face's cube from which its velocity is that of liquid
 constexpr int most_closings = 4;     // times that gaps that close are solved for
 constexpr int most_separations = 4;  // times that liquid which separates is solved for
 
@@ -20,12 +20,12 @@ void add_cost(const solve::SolveReport& of, solve::SolveReport& to) {
 }
 } // namespace
 
-void GridStep::project(StepReport& report, double dt, Pressure::Surface surface) {
+void GridStep::project(StepReport& report, double dt, Pressure::SurfaceTension surface) {
     follow_walls();
     auto found = pressure_.project(velocity_, bodies_, dt, surface);
-    wall_momentum_.add(wall_scene(), WallMomentum::Which::pushed, velocity_);
+    wall_momentum_.add(wall_scene(), WallMomentum::Which::with_pressure, velocity_);
     gather_faces(grid_, cells_halo_, velocity_);
-    if (surface == Pressure::Surface::tense) {
+    if (surface == Pressure::SurfaceTension::include) {
         report.pressure = std::move(found);
         report.loads = report.pressure.loads;
         return;
@@ -37,11 +37,11 @@ void GridStep::project(StepReport& report, double dt, Pressure::Surface surface)
 // (R1), (R2): by what the particles brought along, which gravity and pressure have not changed yet.
 void GridStep::find_viscosities_by_rate() {
     const bool slides = slip_.any();
-    const StrainScene scene{grid_, cells_halo_, fractions_, slides ? slip_.slip().grip : fractions_,
+    const StrainContext scene{grid_, cells_halo_, fractions_, slides ? slip_.slip().grip : fractions_,
                             slides ? slip_.shares() : shares_, solids_.motion(), setup_.options.viscosity, &strains_,
-                            dt_ > 0 ? before_ / dt_ : 0.0, gripping().any_moves() ? &gripping() : nullptr};
+                            dt_ > 0 ? before_ / dt_ : 0.0, no_slip().any_moves() ? &no_slip() : nullptr};
     halo_.gather(particles_.store, {particles_.viscosity_field()});
-    rheology_.find_rates(scene, start_);
+    rheology_.compute_rates(scene, start_);
     rheology_.find_viscosities(scene, {particles_, cells_, particle_mass_}, viscosities_);
     rheology_.to_particles(scene, particles_);
 }
@@ -75,11 +75,11 @@ ViscousScene GridStep::viscous_scene() {
     const bool slides = slip_.any();
     if (slides) {
         slip_.update(cells_halo_, bodies_, solids_, level_set_, setup_.options.fractions);
-        gripping_.find(slip_.gripping(), slip_.fractions_of_gripping(), bodies_);
+        no_slip_.find(slip_.no_slip(), slip_.no_slip_fractions(), bodies_);
     }
     find_viscosities();
     return {grid_, cells_halo_, fractions_, slides ? slip_.shares() : shares_, viscosities_, setup_.density,
-            slides ? &slip_.slip() : nullptr, nullptr, &strains_, &distance_, &gripping()};
+            slides ? &slip_.slip() : nullptr, nullptr, &strains_, &distance_, &no_slip()};
 }
 
 SlipAreas GridStep::slip_areas() const {
@@ -87,7 +87,7 @@ SlipAreas GridStep::slip_areas() const {
     return {&closed_centres_, slip_.lengths()};
 }
 
-PressureScene GridStep::pressure_scene() {
+PressureContext GridStep::pressure_context() {
     return {grid_, cells_halo_, distance_, fractions_, shares_, bodies_, setup_.density, tensions_.largest(),
             tensions_.differ() ? &tensions_.at_centres() : nullptr, nullptr, slip_areas(), &inflow_, &curvature_.at_centres()};
 }
@@ -100,14 +100,14 @@ void GridStep::apply_viscosity(StepReport& report, double dt) {
     report.viscosity = viscosity_.solve(scene, velocity_, bodies_, dt);
     report.viscous_loads = report.viscosity.loads;
     // Faces that hardly any liquid reaches have stresses and no mass: what the solve leaves there is arbitrary.
-    mark_faces(grid_, cells_halo_.window(), fractions_.face_wet, least_wet, known_);
+    mark_faces(grid_, cells_halo_.window(), fractions_.face_liquid_clipped, min_liquid_fraction, known_);
     extrapolate(grid_, cells_halo_, velocity_, known_, 2);
     follow_walls();
 }
 
 // True when the set of gaps that close has changed by the last solve, or by the first one, in which all were open.
 bool GridStep::gaps_change(bool first) {
-    const Closing::Scene scene{grid_, cells_halo_, cells_, fractions_, solids_, pressure_.describe(pressure_scene()), velocity_, distance_, slip_areas()};
+    const Closing::Scene scene{grid_, cells_halo_, cells_, fractions_, solids_, pressure_.describe(pressure_context()), velocity_, distance_, slip_areas()};
     const bool released = !first && closing_.release(comm_, scene, pressure_.last());
     return closing_.find(comm_, scene, dt_) || released;
 }
@@ -137,16 +137,16 @@ bool GridStep::separates() {
 // (P), (L)
 void GridStep::project_first(StepReport& report, double dt) {
     if (setup_.options.pressure.ceilings == Ceilings::adhere || !(scene::length(setup_.domain.gravity) > 0)) {
-        project(report, dt, Pressure::Surface::tense);
+        project(report, dt, Pressure::SurfaceTension::include);
         return;
     }
     keep_start(report);
-    project(report, dt, Pressure::Surface::tense);
+    project(report, dt, Pressure::SurfaceTension::include);
     for (int pass = 1; pass <= most_separations && separates(); ++pass) {
         go_back(report);
-        pressure_.build(pressure_scene());
+        pressure_.build(pressure_context());
         const auto before = report.pressure.solve;
-        project(report, dt, Pressure::Surface::tense);
+        project(report, dt, Pressure::SurfaceTension::include);
         add_cost(before, report.pressure.solve);
     }
 }
@@ -154,14 +154,14 @@ void GridStep::project_first(StepReport& report, double dt) {
 // (K): from the velocities of the last projection, whose matrix is that of open gaps, with gaps that close, as often as others
 // are found.
 void GridStep::close_gaps(StepReport& report, double dt) {
-    continue_velocity({false, {}, viscous() ? viscous_spread(dt) : ViscousSpread{}, separation_.separated()});
+    extrapolate_velocity({false, {}, viscous() ? viscous_spread(dt) : DiffusionNumber{}, separation_.separated()});
     if (!gaps_change(true)) return;
     wall_momentum_.add(wall_scene(), WallMomentum::Which::closed, velocity_);
     keep_start(report);
     for (int pass = 1;; ++pass) {
         find_inflow(fractions_.open);
-        pressure_.build(pressure_scene(), true);
-        project(report, dt, Pressure::Surface::relaxed);
+        pressure_.build(pressure_context(), true);
+        project(report, dt, Pressure::SurfaceTension::omit);
         if (pass == most_closings || !gaps_change(false)) return;
         go_back(report);
     }
@@ -172,7 +172,7 @@ void GridStep::split(StepReport& report, double dt) {
     const bool again = viscous() && setup_.options.second_projection;
     {
         const auto phase = timers_.scope("pressure");
-        pressure_.build(pressure_scene());
+        pressure_.build(pressure_context());
         project_first(report, dt);
         if (!again) close_gaps(report, dt);
     }
@@ -182,7 +182,7 @@ void GridStep::split(StepReport& report, double dt) {
     }
     if (again) {
         const auto phase = timers_.scope("pressure");
-        project(report, dt, Pressure::Surface::relaxed);
+        project(report, dt, Pressure::SurfaceTension::omit);
         close_gaps(report, dt);
     }
 }
@@ -198,7 +198,7 @@ double GridStep::largest_viscosity() const {
     return comm_.max(particles_.store.owned() > 0 ? most : 0.0);
 }
 
-bool GridStep::solves_together(double dt) const {
+bool GridStep::solves_monolithic(double dt) const {
     const auto solve = setup_.options.stokes.solve;
     if (!viscous() || solve == StokesSolve::split) return false;
     if (solve == StokesSolve::together) return true;
@@ -209,18 +209,18 @@ bool GridStep::solves_together(double dt) const {
 // (P), (U)
 void GridStep::together(StepReport& report, double dt) {
     auto scene = viscous_scene();
-    const auto pressed = pressure_.describe(pressure_scene());
-    scene.pressed = &pressed;
+    const auto pressure_faces = pressure_.describe(pressure_context());
+    scene.pressure_faces = &pressure_faces;
     auto& problem = viscosity_.problem();
     {
         const auto phase = timers_.scope("pressure");
         problem.find_places(scene, bodies_, dt);
         close_held_faces(problem.places(), fractions_.open, open_);
         find_inflow(open_);
-        auto closed = pressure_scene();
+        auto closed = pressure_context();
         closed.open = &open_;
         pressure_.build(closed);
-        project(report, dt, Pressure::Surface::tense);
+        project(report, dt, Pressure::SurfaceTension::include);
     }
     const auto phase = timers_.scope("viscosity");
     leave_solids(dt);
@@ -233,14 +233,14 @@ void GridStep::together(StepReport& report, double dt) {
 }
 
 // Velocities beyond the liquid's own faces, as far as particles may come in a step.
-void GridStep::continue_velocity(const WallGrip& grip) {
-    const auto faces = pressure_.describe(pressure_scene());
+void GridStep::extrapolate_velocity(const WallCondition& grip) {
+    const auto faces = pressure_.describe(pressure_context());
     const FaceScene scene{grid_, cells_halo_, faces};
-    mark_solved(faces, {fractions_.face_wet, least_wet}, grip.viscosity, grid_.dx, known_);
-    continue_changes(scene, {start_, mass_, scratch_, reached_}, known_, velocity_); // (A6)
+    mark_valid_faces(faces, {fractions_.face_liquid_clipped, min_liquid_fraction}, grip.viscosity, grid_.dx, known_);
+    extrapolate_increment(scene, {start_, mass_, scratch_, reached_}, known_, velocity_); // (A6)
     const int reach = static_cast<int>(std::ceil(setup_.options.cfl)) + 1;
     extrapolate(grid_, cells_halo_, velocity_, known_, reach);
-    turn_along_solids(scene, solids_, grip, velocity_, scratch_); // (A2)
+    enforce_wall_velocity(scene, solids_, grip, velocity_, scratch_); // (A2)
 }
 
 } // namespace treacle::grid

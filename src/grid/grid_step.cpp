@@ -18,10 +18,10 @@ constexpr int layers = 3;  // of halo: what linear interpolation and a step of C
 
 GridStep::GridStep(const Comm& comm, const GridSetup& setup)
     : comm_(comm), setup_(setup), grid_(make_mac_grid(setup.domain)), bodies_(setup.rigid),
-      decomposition_(comm, grid_.cells), load_balance_(setup.options.rebalance_above), source_(make_layer_source(setup.inflow, grid_)),
+      decomposition_(comm, grid_.cells), load_balance_(setup.options.max_load_imbalance), source_(make_inlet_emitter(setup.inflow, grid_)),
       outlets_(flow::make_outlets(setup.inflow.outlets, grid_.dimensions)), solids_(grid_, setup.domain),
       slip_(grid_, setup.domain, setup.slip), resting_(grid_, setup.domain, setup.rigid.bodies.size()),
-      gripping_(grid_, setup.domain, setup.rigid.bodies.size()), rheology_(setup.rheology), tensions_(setup.surface_tension),
+      no_slip_(grid_, setup.domain, setup.rigid.bodies.size()), rheology_(setup.rheology), tensions_(setup.surface_tension),
       pressure_(comm, setup.options.pressure, setup.options.coupling, grid_.dimensions),
       viscosity_(comm, setup.options.viscosity, setup.options.coupling), stokes_(comm, setup.options.stokes),
       correction_(grid_) {
@@ -30,7 +30,7 @@ GridStep::GridStep(const Comm& comm, const GridSetup& setup)
 }
 
 void GridStep::start() {
-    recut();
+    repartition();
     place_particles();
     if (before_ > 0) return;
     begin_velocities(particles_, 0);
@@ -38,7 +38,7 @@ void GridStep::start() {
 }
 
 std::vector<double> GridStep::history() const {
-    std::vector<double> out{before_, crowding_, double(steps_)};
+    std::vector<double> out{before_, max_density_error_, double(steps_)};
     const auto motion = end_motion_.state();
     out.insert(out.end(), motion.begin(), motion.end());
     return out;
@@ -46,7 +46,7 @@ std::vector<double> GridStep::history() const {
 
 void GridStep::restore_history(std::span<const double> state) {
     before_ = state[0];
-    crowding_ = state[1];
+    max_density_error_ = state[1];
     steps_ = static_cast<std::int64_t>(state[2]);
     end_motion_.restore(state.subspan(3), bodies_.size());
 }
@@ -60,7 +60,7 @@ void GridStep::restore(std::span<const std::int64_t> state) {
 std::vector<std::int64_t> GridStep::decomposition_state() const { return load_balance_.state(decomposition_); }
 
 // By particles; cells' own cost follows them.
-void GridStep::recut() {
+void GridStep::repartition() {
     if (comm_.size() > 1) {
         load_balance_.add(particles_.store, grid_.cells);
         load_balance_.cut(decomposition_);
@@ -70,7 +70,7 @@ void GridStep::recut() {
 
 void GridStep::rebalance() {
     if (!load_balance_.is_due(comm_, particles_.store.owned())) return;
-    recut();
+    repartition();
     place_particles();
     load_balance_.note_cut(comm_, particles_.store.owned());
 }
@@ -104,7 +104,7 @@ void GridStep::particles_to_grid() {
 // Distances at the centres of cells. Liquid that contains no centre, drops and sheets thinner than a cell, would have
 // no pressure and fall through the floor: where a cell with particles has no liquid beside it, its own centre is in the
 // liquid.
-void GridStep::take_centres() {
+void GridStep::sample_level_set_at_centres() {
     const auto& nodes = solids_.nodes();
     const int middle = grid_.dimensions == 2 ? 3 : 7, dimensions = grid_.dimensions;
     const auto fine = level_set_.distance(), centre = distance_;
@@ -132,10 +132,10 @@ void GridStep::take_centres() {
 }
 
 // (F1), (F2)
-void GridStep::find_surface() {
+void GridStep::update_geometry() {
     solids_.update(cells_halo_, bodies_);
     level_set_.build(grid_, cells_halo_, particles_, cells_, solids_);
-    take_centres();
+    sample_level_set_at_centres();
     fraction_builder_.build(solids_.nodes(), solids_.distance(), level_set_.distance(), setup_.options.fractions, fractions_, solids_.walls());
     resting_.find(solids_, fraction_builder_, bodies_);
     if (!bodies_.any_moves()) { // what rests has no shares, but the lists of the faces are read
@@ -156,7 +156,7 @@ void GridStep::find_strains(double dt) {
     strains_.find({grid_, cells_halo_, velocity_, mass_, fractions_, solids_, before_, dt});
     closing_.clear(cells_halo_);
     separation_.clear();
-    if (contracts()) contraction_.find(setup_.options.contraction, {grid_, cells_halo_, cells_, distance_, fractions_}, dt);
+    if (relaxes_density()) density_relaxation_.find(setup_.options.density_relaxation, {grid_, cells_halo_, cells_, distance_, fractions_}, dt);
     find_inflow(fractions_.open);
 }
 
@@ -164,13 +164,13 @@ void GridStep::find_strains(double dt) {
 void GridStep::find_inflow(const FaceField& open) {
     const CellBox window = cells_halo_.window(), owned = cells_halo_.owned();
     reserve(inflow_, static_cast<std::size_t>(window.size()));
-    const auto out = inflow_, more = contraction_.inflow(), closes = closing_.inflow();
-    const bool contracts = more.extent(0) > 0;
+    const auto out = inflow_, more = density_relaxation_.inflow(), closes = closing_.inflow();
+    const bool relaxes_density = more.extent(0) > 0;
     Kokkos::parallel_for("treacle::inflow", static_cast<int>(owned.size()), KOKKOS_LAMBDA(int n) {
         int c[3];
         owned.cell(n, c);
         const int i = window.index(c[0], c[1], c[2]);
-        out(i) = closes(i) >= 0 ? closes(i) : contracts ? more(i) : 0.0;
+        out(i) = closes(i) >= 0 ? closes(i) : relaxes_density ? more(i) : 0.0;
     });
     strains_.add_flux(grid_, cells_halo_, open, inflow_);
 }
@@ -204,7 +204,7 @@ void GridStep::move(StepReport& report, StepTimes& times) {
     const Advection how{FaceSampler(grid_, cells_halo_.window(), velocity_), solids_.sampler(),
                         make_domain_sides(grid_, setup_.domain), setup_.options.advection, outlets_};
     const auto gone = advect(how, particles_, dt); // (A5)
-    report.pushed = gone.pushed;
+    report.projected_out = gone.projected_out;
     report.imbalance = load_imbalance(comm_, particles_.store.owned());
     if (gone.lost + gone.outflow > 0) report.lost = remove_departed(particles_);
     report.lost_by_cause[static_cast<std::size_t>(LossCause::outflow) - 1] = gone.outflow;
@@ -222,7 +222,7 @@ void GridStep::correct(StepReport& report) {
     const auto& g = setup_.domain.gravity;
     report.correction = correction_.apply(options.correction, particles_,
                                           {cells_, halo_, comm_, solids_, particle_mass_, {g[0], g[1], g[2]}});
-    crowding_ = report.correction.density_after;
+    max_density_error_ = report.correction.density_after;
 }
 
 // One MAC/APIC step, collective. Tags: src/grid/README.md.
@@ -240,7 +240,7 @@ StepReport GridStep::advance(double dt) {
     }
     {
         const auto phase = timers_.scope("surface");
-        find_surface(); // (F1), (F2)
+        update_geometry(); // (F1), (F2)
         if (tensions_.largest() > 0) {
             curvature_.find({grid_, cells_halo_, particles_, cells_, particle_mass_, setup_.density, fractions_});
         }
@@ -256,7 +256,7 @@ StepReport GridStep::advance(double dt) {
     find_strains(dt); // (S), (D)
     bodies_.fall(kick);
     accelerate(grid_, cells_halo_.window(), setup_.domain.gravity, kick, velocity_); // (A1)
-    const bool at_once = solves_together(kick);
+    const bool at_once = solves_monolithic(kick);
     if (at_once) {
         together(report, kick); // (P), (U)
     } else {
@@ -265,7 +265,7 @@ StepReport GridStep::advance(double dt) {
     {
         const auto phase = timers_.scope("move");
         solids_.update(cells_halo_, bodies_);
-        continue_velocity({viscous(), slip_.lengths(), viscous_spread(kick), separation_.separated()});
+        extrapolate_velocity({viscous(), slip_.lengths(), viscous_spread(kick), separation_.separated()});
         load_resting(report, kick, at_once);
         move(report, times); // (A4), (E), (A5)
     }
@@ -284,10 +284,10 @@ void GridStep::collect(StepReport& report) {
     std::array<std::int64_t, loss_causes + 1> counts{};
     std::copy_n(report.lost_by_cause.begin(), loss_causes, counts.begin());
     for (const auto& particle : report.lost) ++counts[static_cast<std::size_t>(particle.cause) - 1];
-    counts[loss_causes] = report.pushed;
+    counts[loss_causes] = report.projected_out;
     comm_.sum(std::span<std::int64_t>(counts));
     std::copy_n(counts.begin(), loss_causes, report.lost_by_cause.begin());
-    report.pushed = counts[loss_causes];
+    report.projected_out = counts[loss_causes];
     std::erase_if(report.lost, [](const LostParticle& particle) { return particle.cause == LossCause::outflow; });
 }
 
@@ -310,7 +310,7 @@ double GridStep::pull() const {
 
 double GridStep::stable_step(double cfl) const {
     const double speed = std::max({fastest(particles_.velocity()), bodies_.max_speed(), resting_.max_speed()});
-    if (crowding_ > 1) cfl = std::min(cfl, std::max(1.0, cfl / crowding_));
+    if (max_density_error_ > 1) cfl = std::min(cfl, std::max(1.0, cfl / max_density_error_));
     const double pull = this->pull(), way = cfl * grid_.dx;
     double dt = std::numeric_limits<double>::infinity();
     // (speed + pull dt) dt = way.
@@ -326,17 +326,17 @@ std::size_t GridStep::bytes() const {
     std::size_t numbers = distance_.span() + viscosities_.cell.span();
     for (int a = 0; a < 3; ++a) {
         for (const auto* field : {&mass_, &velocity_, &scratch_, &fractions_.face_fluid, &fractions_.face_liquid,
-                                  &fractions_.face_wet, &fractions_.open}) {
+                                  &fractions_.face_liquid_clipped, &fractions_.open}) {
             numbers += field->axis[a].span();
         }
-        for (const auto* field : {&viscosities_.edge, &fractions_.edge_fluid, &fractions_.edge_liquid, &fractions_.edge_wet}) {
+        for (const auto* field : {&viscosities_.edge, &fractions_.edge_fluid, &fractions_.edge_liquid, &fractions_.edge_liquid_clipped}) {
             numbers += field->axis[a].span();
         }
     }
-    numbers += fractions_.cell_fluid.span() + fractions_.cell_liquid.span() + fractions_.cell_wet.span();
+    numbers += fractions_.cell_fluid.span() + fractions_.cell_liquid.span() + fractions_.cell_liquid_clipped.span();
     numbers += level_set_.distance().span() + 2 * solids_.distance().span();
     return 8 * numbers + particles_.store.bytes() + pressure_.bytes() + viscosity_.bytes() + rheology_.bytes() +
-           tensions_.bytes() + curvature_.bytes() + contraction_.bytes() + resting_.bytes() + gripping_.bytes() +
+           tensions_.bytes() + curvature_.bytes() + density_relaxation_.bytes() + resting_.bytes() + no_slip_.bytes() +
            resting_pressures_.bytes() + wall_pressures_.bytes() + strains_.bytes() + separation_.bytes() + closing_.bytes() +
            closed_centres_.bytes() + balance_.bytes() + wall_momentum_.bytes();
 }

@@ -41,7 +41,7 @@ struct GridSetup {
     std::vector<double> surface_tension; // [liquids] against air [N/m]; none: no liquid has any
     double viscosity = 0;           // [Pa s] of all liquid, unless it varies; 0: without a viscous solve
     bool viscosity_varies = false;  // then each particle has its own
-    std::vector<flow::FlowCurve> rheology; // [liquids]; empty: no viscosity depends on the shear rate
+    std::vector<flow::ViscosityModel> rheology; // [liquids]; empty: no viscosity depends on the shear rate
     rigid::BodiesSetup rigid;       // all bodies, those at rest as well
     SlipSetup slip;                 // of all of them
     flow::InflowSetup inflow;       // the plugs of its inlets are among the bodies (inflow.hpp)
@@ -58,7 +58,7 @@ struct StepReport {
     std::vector<double> viscous_loads; // by viscosity; both of bodies that move
     // The same of solids at rest, torques about the origin: the six sides of the domain, then all bodies, 0 where they move.
     std::vector<double> resting_loads, resting_viscous_loads;
-    std::int64_t pushed = 0;        // particles moved out of solids, over all ranks
+    std::int64_t projected_out = 0;        // particles moved out of solids, over all ranks
     double imbalance = 1;           // largest over mean number of particles per rank
     std::vector<LostParticle> lost; // of this rank, but for what flowed out
     std::array<std::int64_t, loss_causes> lost_by_cause{}; // over all ranks
@@ -120,21 +120,21 @@ public:
     std::size_t bytes() const;
 
     // Parts of advance(); not private, since nvcc takes no kernel in a private function.
-    void take_centres();
+    void sample_level_set_at_centres();
     void find_strains(double dt);
     void find_inflow(const FaceField& open);
     double largest_viscosity() const;
     double fastest(const Array3& of) const;
 
 private:
-    void recut();
+    void repartition();
     void rebalance();
     void place_particles();
     void connect(const CellBox& occupied);
     void particles_to_grid();
-    void find_surface();
-    bool contracts() const { return setup_.options.contraction.steps > 0; }
-    void project(StepReport& report, double dt, Pressure::Surface surface);
+    void update_geometry();
+    bool relaxes_density() const { return setup_.options.density_relaxation.steps > 0; }
+    void project(StepReport& report, double dt, Pressure::SurfaceTension surface);
     bool gaps_change(bool first);
     void keep_start(const StepReport& report);
     void go_back(StepReport& report);
@@ -145,20 +145,20 @@ private:
     void split(StepReport& report, double dt);
     void together(StepReport& report, double dt);
     ViscousScene viscous_scene();
-    PressureScene pressure_scene();
+    PressureContext pressure_context();
     SlipAreas slip_areas() const;
-    bool solves_together(double dt) const;
+    bool solves_monolithic(double dt) const;
     bool viscous() const { return setup_.viscosity_varies || setup_.viscosity > 0 || rheology_.any(); }
     void find_viscosities_by_rate();
     void find_viscosities();
-    ViscousSpread viscous_spread(double dt) const { return {viscosities_.cell, setup_.density, dt}; }
-    void continue_velocity(const WallGrip& grip);
+    DiffusionNumber viscous_spread(double dt) const { return {viscosities_.cell, setup_.density, dt}; }
+    void extrapolate_velocity(const WallCondition& grip);
     void show_pressures();
     void load_resting(StepReport& report, double dt, bool at_once);
     void leave_solids(double dt);
     WallMomentum::Scene wall_scene();
     void follow_walls() { wall_momentum_.begin(grid_, cells_halo_.window(), velocity_); }
-    const RestingSolids& gripping() const { return slip_.any() ? gripping_ : resting_; }
+    const RestingSolids& no_slip() const { return slip_.any() ? no_slip_ : resting_; }
     void move(StepReport& report, StepTimes& times);
     MomentumBalance::Scene balance_scene();
     bool balances() const { return bodies_.any_moves() && setup_.options.coupling == Coupling::strong; }
@@ -182,7 +182,7 @@ private:
     Halo halo_;
     CellList cells_;
     CellHalo cells_halo_;
-    flow::LayerSource source_;
+    flow::InletEmitter source_;
     flow::Outlets outlets_;
     Solids solids_;
     LevelSet level_set_;
@@ -191,13 +191,13 @@ private:
     FaceShares shares_;
     SlipGeometry slip_;
     ClosedCentres closed_centres_;
-    RestingSolids resting_, gripping_; // all, and of them those that grip
+    RestingSolids resting_, no_slip_; // all, and of them those that grip
     PressureCoupling resting_pressures_;
     WallMomentum wall_momentum_;
     WallPressures wall_pressures_;
     Array<double> distance_{"treacle::centre_distance", 0};
     FaceField mass_, velocity_, start_, scratch_; // start: of the particles, before the step changes it
-    FaceMarks known_, reached_;
+    FaceValidity known_, reached_;
     Rheology rheology_;
     Viscosities viscosities_;
     SurfaceTensions tensions_;
@@ -207,7 +207,7 @@ private:
     Stokes stokes_;
     FaceField open_; // of faces that no solid takes along
     PositionCorrection correction_;
-    Contraction contraction_;
+    DensityRelaxation density_relaxation_;
     StepStrains strains_;
     Separation separation_;
     Closing closing_;
@@ -220,7 +220,7 @@ private:
     MomentumBalance balance_;
     std::int64_t steps_ = 0;
     double before_ = 0, dt_ = 0; // [s] length of the last step, 0: there was none; of this one
-    double crowding_ = 0; // largest density error that the last correction of places left
+    double max_density_error_ = 0; // largest density error that the last position correction left
 };
 
 } // namespace treacle::grid

@@ -57,7 +57,7 @@ std::array<double, 9> GridStep::sums(const Array3& velocity) const {
     Kokkos::parallel_reduce("treacle::grid_totals", p.store.owned(), loop,
                             Kokkos::View<double*, Kokkos::HostSpace, Kokkos::MemoryTraits<Kokkos::Unmanaged>>(sums.data(), TotalsLoop::count));
     comm_.sum(std::span<double>(sums));
-    // Plane scenes: per metre of depth.
+    // 2D scenes: per metre of depth.
     if (grid_.dimensions == 2) std::ranges::for_each(sums, [&](double& sum) { sum /= grid_.dx; });
     return sums;
 }

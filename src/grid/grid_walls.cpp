@@ -7,7 +7,7 @@ namespace treacle::grid {
 // made of these would drag the liquid down.
 void GridStep::leave_solids(double dt) {
     follow_walls();
-    continue_velocity({false, {}, viscous_spread(dt), separation_.separated()});
+    extrapolate_velocity({false, {}, viscous_spread(dt), separation_.separated()});
     wall_momentum_.add(wall_scene(), WallMomentum::Which::closed, velocity_);
 }
 

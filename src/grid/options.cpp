@@ -7,7 +7,7 @@ namespace treacle::grid {
 namespace {
 void declare_advection(Declaration& d, AdvectionOptions& options) {
     d.number("clearance", options.clearance, unit::none, range_between(0, 0.5),
-             "Least distance of particles from solids, in grid widths: nearer ones are pushed off.");
+             "Least distance of particles from solids, in grid widths: nearer ones are moved off.");
     d.number("leak_depth", options.leak_depth, unit::none, range_above(0),
              "Depth in a solid, in grid widths, from which a particle is lost.");
 }
@@ -24,14 +24,14 @@ void declare_correction(Declaration& d, GridOptions& options) {
     d.integer("iterations", c.iterations, range_at_least(1), "Most iterations of a correction.");
     d.number("tolerance", c.tolerance, unit::none, range_above_to(0, 1),
              "Largest density error at which a correction ends, as a share of the rest density.");
-    d.number("slack", c.slack, unit::none, range_between(0, 1),
-             "Density error up to which nothing is pushed apart, as a share of the rest density: what no iteration draws "
+    d.number("dead_band", c.dead_band, unit::none, range_between(0, 1),
+             "Density error up to which nothing is moved apart, as a share of the rest density: what no iteration draws "
              "together again would swell the liquid.");
     d.number("relaxation", c.relaxation, unit::none, range_above_to(0, 10),
              "Factor on each iteration's moves; 1 to 5 where only own constraints count.");
     d.boolean("neighbour_constraints", c.neighbour_constraints,
               "Whether the neighbours' constraints move a particle as well (Macklin & Mueller 2013), or its own alone.");
-    d.number("softness", c.softness, unit::none, range_at_least(0),
+    d.number("cfm_epsilon", c.cfm_epsilon, unit::none, range_at_least(0),
              "Softness of the constraints, as a share of the sum of squared gradients within a lattice.");
     d.number("scale_min", c.scale_min, unit::none, range_above(0),
              "Factor on what particles at solids move (alpha_min of 5.3.5); it grows with the distance in grid widths.");
@@ -43,11 +43,11 @@ void declare_correction(Declaration& d, GridOptions& options) {
              "Most that a correction moves a particle, in grid widths, which bounds the potential energy that it adds.");
 }
 
-void declare_contraction(Declaration& d, ContractionOptions& options) {
+void declare_density_relaxation(Declaration& d, DensityRelaxationOptions& options) {
     d.number("steps", options.steps, unit::none, range_at_least(0),
              "Steps in which liquid that has become sparse, as what is torn or splashes does, draws together again, and liquid "
              "that has become too dense spreads; 0: never. Fewer than 3 overshoot.");
-    d.number("slack", options.slack, unit::none, range_between(0, 1),
+    d.number("dead_band", options.dead_band, unit::none, range_between(0, 1),
              "Share of the rest density that may be missing or too much: particles in motion are never spread quite evenly.");
 }
 } // namespace
@@ -72,11 +72,11 @@ void GridOptions::declare(Declaration& d) {
     d.block_of("advection", [this](Declaration& inner) { declare_advection(inner, advection); }, "How particles move.");
     d.block_of("correction", [this](Declaration& inner) { declare_correction(inner, *this); },
                "The correction of the particles' places.");
-    d.block_of("contraction", [this](Declaration& inner) { declare_contraction(inner, contraction); },
+    d.block_of("density_relaxation", [this](Declaration& inner) { declare_density_relaxation(inner, density_relaxation); },
                "What keeps the liquid's volume where its particles have come to lie too far apart.");
     d.integer("band", band, range_between(3, 64),
               "Cells around the liquid that arrays reach over beside it; bodies beyond them are not seen.");
-    d.number("rebalance_above", rebalance_above, unit::none, range_at_least(1),
+    d.number("max_load_imbalance", max_load_imbalance, unit::none, range_at_least(1),
              "Largest over mean number of particles of a rank above which the domain is cut anew.");
 }
 

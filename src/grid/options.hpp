@@ -1,5 +1,5 @@
 #pragma once
-#include "grid/geometry/contraction.hpp"
+#include "grid/geometry/density_relaxation.hpp"
 #include "grid/geometry/fractions.hpp"
 #include "grid/pressure/pressure_options.hpp"
 #include "grid/transport/advection.hpp"
@@ -24,10 +24,10 @@ struct GridOptions {
     StokesOptions stokes;
     AdvectionOptions advection;
     PositionOptions correction;
-    ContractionOptions contraction;
+    DensityRelaxationOptions density_relaxation;
     int correction_every = 1;      // steps
     int band = 4;                  // cells of the active block around liquid
-    double rebalance_above = 1.15; // largest over mean load of the ranks
+    double max_load_imbalance = 1.15; // largest over mean load of the ranks
 
     void declare(Declaration& d); // keys of `method`
 };

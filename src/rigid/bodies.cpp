@@ -31,7 +31,7 @@ RigidBodies::RigidBodies(BodiesSetup setup) : setup_(std::move(setup)), states_(
     begin(0);
     contact_loads_.assign(6 * size(), 0.0);
     joint_loads_.assign(6 * size(), 0.0);
-    open_ledger();
+    begin_load_sums();
 }
 
 Matrix3 RigidBodies::inertia(std::size_t body, const Quaternion& turn) const {
@@ -69,7 +69,7 @@ Response RigidBodies::response(std::size_t body) const {
 
 Pose RigidBodies::pose_at(std::size_t body, double time) const {
     const auto& setup = setup_.bodies[body];
-    if (setup.conveys) return {setup.centre, {}};
+    if (setup.surface_velocity_only) return {setup.centre, {}};
     if (setup.keyframes.empty()) {
         return {setup.centre + time * setup.velocity, rotation_by(time * setup.angular_velocity)};
     }
@@ -79,7 +79,7 @@ Pose RigidBodies::pose_at(std::size_t body, double time) const {
 }
 
 void RigidBodies::begin(double dt) {
-    if (dt > 0) open_ledger();
+    if (dt > 0) begin_load_sums();
     step_ = dt;
     for (std::size_t b = 0; b < size(); ++b) {
         if (!moves(b) || dynamic(b)) continue;
@@ -119,12 +119,12 @@ void RigidBodies::push(std::span<const double> loads, double dt) {
             given_[k] += impulses[k];
         }
     }
-    strike(impulses);
+    apply_impulses(impulses);
     hold(dt);
 }
 
 // Each body by itself.
-void RigidBodies::strike(std::span<const double> impulses) {
+void RigidBodies::apply_impulses(std::span<const double> impulses) {
     for (std::size_t b = 0; b < size(); ++b) {
         if (!dynamic(b)) continue;
         const auto& setup = setup_.bodies[b];

@@ -14,12 +14,12 @@ struct Contact;
 
 // A surface at one of its points.
 struct SurfacePoint {
-    Vec3 edge{0, 0, 0};    // unit tangent, where two faces meet; zero elsewhere and in the plane
+    Vec3 edge{0, 0, 0};    // unit tangent, where two faces meet; zero elsewhere and in 2D
     Vec3 inwards{0, 0, 0}; // unit
 };
 
 // A ball about a point of a body's surface, of radius 0, or the body itself when it is a ball.
-struct Probe {
+struct ContactSample {
     Vec3 point{0, 0, 0}; // [m] at the start
     double radius = 0;   // [m]
     SurfacePoint surface{}; // that RigidBodies finds
@@ -29,7 +29,7 @@ struct Probe {
 struct BodySetup {
     std::string name;
     scene::BodyKind kind = scene::BodyKind::fixed;
-    double mass = 0;                // [kg], [kg/m] in the plane; dynamic
+    double mass = 0;                // [kg], [kg/m] in 2D; dynamic
     Matrix3 inertia{};              // about the centre, in the axes of space [kg m2]; dynamic
     Vec3 centre{0, 0, 0};           // [m] centre of mass; of a kinematic body what it turns about
     Vec3 velocity{0, 0, 0};         // [m/s] dynamic: at the start; kinematic: all the time
@@ -38,11 +38,11 @@ struct BodySetup {
     std::array<bool, 6> locked{};
     // Kinematic: its surface moves with the velocity while the body stays in its place, as that of a conveyor. It touches no
     // other body, and is there from `from` until `until` only.
-    bool conveys = false;
+    bool surface_velocity_only = false;
     double from = 0, until = std::numeric_limits<double>::infinity(); // [s]
     double restitution = 0, friction = 0;
     std::vector<scene::SolidRegion> region; // one: the solid at the start
-    std::vector<Probe> probes;              // that touch other bodies and walls
+    std::vector<ContactSample> probes;              // that touch other bodies and walls
     double reach = 0;                       // [m] from the centre to the farthest point of the surface
 };
 
@@ -83,7 +83,7 @@ public:
     // True when a body is there now, as all are but those that convey out of their time.
     bool present(std::size_t body) const {
         const auto& setup = setup_.bodies[body];
-        return !setup.conveys || (time_ >= setup.from && time_ < setup.until);
+        return !setup.surface_velocity_only || (time_ >= setup.from && time_ < setup.until);
     }
     bool any_dynamic() const { return any_dynamic_; }
 
@@ -115,7 +115,7 @@ public:
     // About the centre, in the axes of space, where it is [kg m2]; of dynamic bodies.
     Matrix3 inertia(std::size_t body) const { return inertia(body, states_[body].pose.turn); }
     // Response of the bodies to impulses where they are, joints and locked degrees of freedom included.
-    Mobility mobility() const;
+    ConstrainedInverseMass mobility() const;
     // Bound of the speed of any point of a body that moves [m/s].
     double max_speed() const;
     int contacts() const { return contacts_; } // of the last step
@@ -124,7 +124,7 @@ public:
     std::span<const double> contact_loads() const { return contact_loads_; }
     std::span<const double> joint_loads() const { return joint_loads_; }
     // The largest gap of the joints where the bodies are [m].
-    double joint_gap() const;
+    double constraint_error() const;
 
     // Linear momentum [kg m/s] and angular momentum about the origin [kg m2/s] of the dynamic bodies, by end_velocity().
     std::array<double, 6> momentum() const;
@@ -167,9 +167,9 @@ private:
     Pose pose_at(std::size_t body, double time) const;
     Pose next_pose(std::size_t body, double dt) const;
     Quaternion next_turn(std::size_t body, double dt) const;
-    std::vector<JointRow> joint_rows() const;
+    std::vector<ConstraintRow> joint_rows() const;
     std::vector<double> gaps(const std::vector<Pose>& poses) const;
-    void strike(std::span<const double> impulses);
+    void apply_impulses(std::span<const double> impulses);
     double approach(const Contact& contact) const;
     double gravity_along(const Contact& contact) const;
     enum class Meeting { touches, hits, later };
@@ -180,7 +180,7 @@ private:
     void advance(double dt);
     void hold(double dt);
     std::array<double, 6> own_momentum(std::size_t body) const;
-    void open_ledger();
+    void begin_load_sums();
     void close_ledger(double dt);
 
     BodiesSetup setup_;

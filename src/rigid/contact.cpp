@@ -35,7 +35,7 @@ public:
             for (const auto& wall : setup_.walls) meet_wall(a, wall);
             std::vector<std::size_t> near;
             for (std::size_t b = 0; b < bodies_.size(); ++b) {
-                if (b != a && !setup_.joined(a, b) && !setup_.bodies[b].conveys && close(a, b)) near.push_back(b);
+                if (b != a && !setup_.joined(a, b) && !setup_.bodies[b].surface_velocity_only && close(a, b)) near.push_back(b);
             }
             if (near.empty()) continue;
             place(a, near);

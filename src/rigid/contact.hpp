@@ -20,7 +20,7 @@ struct Contact {
 std::vector<Contact> find_contacts(const RigidBodies& bodies, double dt);
 
 // A body while contacts are solved.
-struct Movable {
+struct SolverBody {
     Vec3 velocity{0, 0, 0}, spin{0, 0, 0}; // after the impulses so far [m/s], [rad/s]
     Response response;                     // by itself
     Vec3 impulse{0, 0, 0};                 // of contacts, received [kg m/s]
@@ -33,7 +33,7 @@ struct Movable {
 // shifts that take back a share of each overlap. They change neither momentum nor, but for the lever arms that a shift
 // changes, angular momentum. `together` gives the response of bodies linked by joints. `speed` [m/s] is the scale of
 // velocities, `spacing` [m] that of shifts.
-void solve_contacts(const std::vector<Contact>& contacts, std::vector<Movable>& bodies, const Mobility& together,
+void solve_contacts(const std::vector<Contact>& contacts, std::vector<SolverBody>& bodies, const ConstrainedInverseMass& together,
                     double speed, double spacing);
 
 } // namespace treacle::rigid

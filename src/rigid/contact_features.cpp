@@ -14,7 +14,7 @@ constexpr double patch = 0.75;        // [spacings] about a sample that it stand
 constexpr double patch_margin = 0.25; // [spacings] by how much a point of it may be nearer to another solid, off edges
 constexpr double still = 1e-7;        // [spacings]
 constexpr int settlings = 16;
-constexpr int halvings = 24;
+constexpr int bisections = 24;
 constexpr double straight = 1e-4; // [spacings] that an edge may be off its tangent
 } // namespace
 
@@ -86,7 +86,7 @@ std::optional<Vec3> NearestFeatures::settle(const Vec3& first, double size) cons
         const Vec3 foot = x - touch.gap * touch.normal;
         double radius = 4 * size;
         if (!other_.flat(foot, 0.05 * spacing_)) {
-            for (int h = 0; h < halvings && other_.distance(foot - radius * touch.normal) > -(1 - 1e-6) * radius; ++h) radius /= 2;
+            for (int h = 0; h < bisections && other_.distance(foot - radius * touch.normal) > -(1 - 1e-6) * radius; ++h) radius /= 2;
         }
         const Vec3 centre = foot - radius * touch.normal, n = probed_.normal(x);
         Vec3 next = centre - dot(centre - x, n) * n;
@@ -109,7 +109,7 @@ std::optional<Touch> NearestFeatures::along_edge(const Vec3& x, const Vec3& edge
     const auto slope = [&](double s) { return dot(edge, other_.normal(x + s * edge)); };
     double low = -patch * spacing_, high = -low;
     if (slope(low) >= 0 || slope(high) <= 0) return {};
-    for (int k = 0; k < halvings; ++k) {
+    for (int k = 0; k < bisections; ++k) {
         const double middle = 0.5 * (low + high);
         (slope(middle) < 0 ? low : high) = middle;
     }

@@ -18,7 +18,7 @@ using Eigen::Index;
 
 class Solver {
 public:
-    Solver(const std::vector<Contact>& contacts, std::vector<Movable>& bodies, const Mobility& together,
+    Solver(const std::vector<Contact>& contacts, std::vector<SolverBody>& bodies, const ConstrainedInverseMass& together,
            double spacing)
         : contacts_(contacts), bodies_(bodies), columns_(together.columns()), spacing_(spacing) {
         const auto n = static_cast<Index>(contacts.size());
@@ -87,7 +87,7 @@ private:
     void give(std::size_t i, const Eigen::Vector3d& sizes) {
         Vec3 impulse{0, 0, 0};
         for (std::size_t k = 0; k < 3; ++k) impulse = impulse + sizes[static_cast<Index>(k)] * directions_[i][k];
-        const auto receive = [&](Movable& body, const Vec3& arm, const Vec3& received) {
+        const auto receive = [&](SolverBody& body, const Vec3& arm, const Vec3& received) {
             body.impulse = body.impulse + received;
             body.angular_impulse = body.angular_impulse + cross(arm, received);
         };
@@ -121,7 +121,7 @@ private:
     }
 
     const std::vector<Contact>& contacts_;
-    std::vector<Movable>& bodies_;
+    std::vector<SolverBody>& bodies_;
     std::vector<std::vector<double>> columns_;
     double spacing_;
     std::vector<std::array<Vec3, 3>> directions_; // normal and tangents
@@ -129,7 +129,7 @@ private:
 };
 } // namespace
 
-void solve_contacts(const std::vector<Contact>& contacts, std::vector<Movable>& bodies, const Mobility& together,
+void solve_contacts(const std::vector<Contact>& contacts, std::vector<SolverBody>& bodies, const ConstrainedInverseMass& together,
                     double speed, double spacing) {
     Solver(contacts, bodies, together, spacing).solve(speed);
 }

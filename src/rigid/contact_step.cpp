@@ -52,7 +52,7 @@ RigidBodies::Meeting RigidBodies::expect(Contact& contact, double dt) const {
 void RigidBodies::solve(const std::vector<Contact>& contacts, double dt) {
     if (contacts.empty()) return;
     const auto together = mobility();
-    std::vector<Movable> bodies(size());
+    std::vector<SolverBody> bodies(size());
     for (std::size_t b = 0; b < size(); ++b) bodies[b] = {states_[b].velocity, spin(b), response(b)};
     solve_contacts(contacts, bodies, together, dt * length(setup_.gravity), setup_.spacing);
     std::vector<double> impulses(6 * size());
@@ -72,7 +72,7 @@ void RigidBodies::solve(const std::vector<Contact>& contacts, double dt) {
         joint_loads_[k] += answer[k];
         impulses[k] += answer[k];
     }
-    strike(impulses);
+    apply_impulses(impulses);
 }
 
 // Impulses of contacts where the bodies are; returns for how long they move without an impact, at most to the end of the step [s].

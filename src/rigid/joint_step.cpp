@@ -32,10 +32,10 @@ bool BodiesSetup::joined(std::size_t a, std::size_t b) const {
     });
 }
 
-std::vector<JointRow> RigidBodies::joint_rows() const {
+std::vector<ConstraintRow> RigidBodies::joint_rows() const {
     std::vector<Pose> poses;
     for (const auto& state : states_) poses.push_back(state.pose);
-    std::vector<JointRow> rows;
+    std::vector<ConstraintRow> rows;
     for (const auto& joint : setup_.joints) {
         append_rows(joint, placed(setup_, poses, static_cast<int>(joint.body)),
                     placed(setup_, poses, joint.other), rows);
@@ -52,13 +52,13 @@ std::vector<double> RigidBodies::gaps(const std::vector<Pose>& poses) const {
     return out;
 }
 
-double RigidBodies::joint_gap() const {
+double RigidBodies::constraint_error() const {
     std::vector<Pose> poses;
     for (const auto& state : states_) poses.push_back(state.pose);
     return largest(gaps(poses));
 }
 
-Mobility RigidBodies::mobility() const {
+ConstrainedInverseMass RigidBodies::mobility() const {
     std::vector<Response> responses;
     for (std::size_t b = 0; b < size(); ++b) responses.push_back(response(b));
     return {std::move(responses), joint_rows()};
@@ -80,7 +80,7 @@ void RigidBodies::hold(double dt) {
         for (double& change : changes) change /= -dt;
         const auto impulses = together.impulses_for(changes);
         for (std::size_t i = 0; i < impulses.size(); ++i) joint_loads_[i] += impulses[i];
-        strike(impulses);
+        apply_impulses(impulses);
     }
     if (gap <= open * setup_.spacing) return;
     const auto names = [&] {
@@ -100,7 +100,7 @@ std::array<double, 6> RigidBodies::own_momentum(std::size_t body) const {
     return {p[0], p[1], p[2], l[0], l[1], l[2]};
 }
 
-void RigidBodies::open_ledger() {
+void RigidBodies::begin_load_sums() {
     given_.assign(6 * size(), 0.0);
     contact_loads_.assign(6 * size(), 0.0);
     joint_loads_.assign(6 * size(), 0.0);

@@ -44,7 +44,7 @@ Vec3 wrong_turn(const JointSetup& joint, const Placed& body, const Placed& other
 } // namespace
 
 void append_rows(const JointSetup& joint, const Placed& body, const Placed& other,
-                 std::vector<JointRow>& rows) {
+                 std::vector<ConstraintRow>& rows) {
     // Both impulses act at the one point, so that they add up to nothing about any other.
     const Vec3 point = body.place(joint.point);
     const Vec3 arm = point - body.pose.centre, other_arm = point - other.pose.centre;
@@ -52,7 +52,7 @@ void append_rows(const JointSetup& joint, const Placed& body, const Placed& othe
         rows.push_back({joint.body, joint.other, e, cross(arm, e), cross(other_arm, e)});
     }
     for (const auto& e : held_turns(joint, other)) {
-        rows.push_back({joint.body, joint.other, {0, 0, 0}, joint.lever * e, joint.lever * e});
+        rows.push_back({joint.body, joint.other, {0, 0, 0}, joint.length_scale * e, joint.length_scale * e});
     }
 }
 
@@ -63,7 +63,7 @@ void append_gaps(const JointSetup& joint, const Placed& body, const Placed& othe
     const auto turns = held_turns(joint, other);
     if (turns.empty()) return;
     const Vec3 turn = wrong_turn(joint, body, other);
-    for (const auto& e : turns) gaps.push_back(joint.lever * dot(turn, e));
+    for (const auto& e : turns) gaps.push_back(joint.length_scale * dot(turn, e));
 }
 
 } // namespace treacle::rigid

@@ -1,6 +1,6 @@
 #pragma once
 #include "rigid/keyframes.hpp"
-#include "rigid/mobility.hpp"
+#include "rigid/constrained_inverse_mass.hpp"
 
 #include <string>
 
@@ -14,7 +14,7 @@ struct JointSetup {
     int other = -1;      // -1: the world
     Vec3 point{0, 0, 0}; // [m]
     Vec3 axis{0, 0, 1};  // of a hinge or a slider; unit vector
-    double lever = 1;    // [m] how much a rotation counts beside a shift
+    double length_scale = 1;    // [m] how much a rotation counts beside a shift
 };
 
 // Pose of a body, and its centre at the start; none for the world.
@@ -30,7 +30,7 @@ struct Placed {
 // first one carries, no relative rotation but about a hinge's axis; of a slider no relative motion but along
 // its axis.
 void append_rows(const JointSetup& joint, const Placed& body, const Placed& other,
-                 std::vector<JointRow>& rows);
+                 std::vector<ConstraintRow>& rows);
 
 // Distance of each of them from being met [m]; the rows hold their rates.
 void append_gaps(const JointSetup& joint, const Placed& body, const Placed& other, std::vector<double>& gaps);

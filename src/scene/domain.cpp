@@ -23,8 +23,8 @@ void declare_boundaries(Declaration& d, Domain& domain) {
     for (std::size_t i = 0; i < face_names.size(); i += 2) {
         const auto& low = domain.faces[i];
         const auto& high = domain.faces[i + 1];
-        const bool one_sided = (low.kind == FaceKind::periodic) != (high.kind == FaceKind::periodic);
-        const bool low_periodic = low.kind == FaceKind::periodic;
+        const bool one_sided = (low.kind == BoundaryKind::periodic) != (high.kind == BoundaryKind::periodic);
+        const bool low_periodic = low.kind == BoundaryKind::periodic;
         d.check(!one_sided, face_names[low_periodic ? i + 1 : i],
                 {"must be periodic as " + face_names[low_periodic ? i : i + 1] + " is",
                  "what leaves one side enters at the other", "make both periodic or none"});
@@ -72,7 +72,7 @@ void halve(Declaration& d, Domain& domain, const std::vector<std::string>& axes)
         auto& low = domain.faces[2 * k];
         const auto& high = domain.faces[2 * k + 1];
         d.check(k < static_cast<std::size_t>(domain.dimensions), "symmetry", {"must not have z", "a plane scene has none", "remove it"});
-        const bool alike = low == high && low.kind != FaceKind::periodic && !low.mirror;
+        const bool alike = low == high && low.kind != BoundaryKind::periodic && !low.mirror;
         d.check(alike, "symmetry",
                 {"must not have " + name, face_names[2 * k] + " and " + face_names[2 * k + 1] + " are periodic, mirrors, or differ, and the middle between them is no plane of symmetry",
                  "make the two sides alike, or remove the axis"});
@@ -115,13 +115,13 @@ Domain Domain::with_images() const {
 
 void Face::declare(Declaration& d) {
     if (d.parsing()) where = d.place();
-    d.choice<FaceKind>("kind", kind,
-                       {{"wall", FaceKind::wall}, {"open", FaceKind::open}, {"periodic", FaceKind::periodic}},
+    d.choice<BoundaryKind>("kind", kind,
+                       {{"wall", BoundaryKind::wall}, {"open", BoundaryKind::open}, {"periodic", BoundaryKind::periodic}},
                        "Whether liquid stops here, leaves, or enters again at the opposite side.");
     d.boolean("outflow", outflow,
               "Whether liquid may leave through an open side, as through an outlet. Otherwise what leaves counts as lost "
-              "(lost_limit), but for what goes through the part of the side that a box of `outlets` reaches.");
-    d.check(kind == FaceKind::open || !outflow, "outflow",
+              "(max_lost_fraction), but for what goes through the part of the side that a box of `outlets` reaches.");
+    d.check(kind == BoundaryKind::open || !outflow, "outflow",
             {"has no effect", "the side is not open", "remove it or write kind: open"});
     d.boolean("mirror", mirror,
               "Whether the side is a plane of symmetry: a free-slip wall beyond which films, silhouettes and pictures have the mirror image of the scene. "
@@ -143,20 +143,20 @@ void Face::declare(Declaration& d) {
             {std::string("must be 0 along ") + "xyz"[axis], "a side of the domain moves along itself alone, since the domain keeps its size",
              "take a kinematic body for a piston"});
     const bool still = velocity == Vec3{0, 0, 0};
-    d.check(still || kind == FaceKind::wall, "velocity",
-            {"has no effect", std::string("the side is ") + (kind == FaceKind::open ? "open" : "periodic") + " and no wall",
+    d.check(still || kind == BoundaryKind::wall, "velocity",
+            {"has no effect", std::string("the side is ") + (kind == BoundaryKind::open ? "open" : "periodic") + " and no wall",
              "remove it or write kind: wall"});
-    d.check(still || kind != FaceKind::wall || slip != Slip::free_slip || skin_friction > 0, "velocity",
+    d.check(still || kind != BoundaryKind::wall || slip != Slip::free_slip || skin_friction > 0, "velocity",
             {"has no effect", "a free-slip wall takes nothing along", "write slip: no_slip, or give a slip length"});
-    d.check(kind == FaceKind::wall || skin_friction == 0, "skin_friction",
+    d.check(kind == BoundaryKind::wall || skin_friction == 0, "skin_friction",
             {"has no effect", "the side is not a wall", "remove it or write kind: wall"});
     d.check(slip != Slip::slip_length || slip_length > 0, "slip_length",
             {"must be > 0 with slip: slip_length", "0 is no_slip", "give a length or write slip: no_slip"});
     d.check(slip == Slip::slip_length || slip_length == 0, "slip_length",
             {"has no effect", "slip is not slip_length", "add slip: slip_length or remove it"});
-    d.check(!mirror || (kind == FaceKind::wall && slip == Slip::free_slip && skin_friction == 0 && velocity == Vec3{0, 0, 0}), "mirror",
+    d.check(!mirror || (kind == BoundaryKind::wall && slip == Slip::free_slip && skin_friction == 0 && velocity == Vec3{0, 0, 0}), "mirror",
             {"must be false", "a plane of symmetry is a free-slip wall that stays", "remove what else the side has"});
-    d.check(kind == FaceKind::wall || slip == Slip::free_slip, "slip",
+    d.check(kind == BoundaryKind::wall || slip == Slip::free_slip, "slip",
             {"has no effect", "the side is not a wall", "remove it or write kind: wall"});
 }
 
@@ -167,7 +167,7 @@ bool Domain::any_side_moves() const {
 void Domain::declare(Declaration& d) {
     d.integer("dimensions", dimensions, range_between(2, 3),
               "2 for a plane scene in x and y, where vectors have two numbers; 3 for space.");
-    if (dimensions == 2) d.allow_plane_vectors();
+    if (dimensions == 2) d.allow_2d_vectors();
     if (d.parsing()) gravity = dimensions == 2 ? Vec3{0, -9.81, 0} : Vec3{0, 0, -9.81};
     d.vec3("min", min, unit::length, "Lower corner.");
     d.vec3("max", max, unit::length, "Upper corner.");

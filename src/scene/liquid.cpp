@@ -28,12 +28,12 @@ void declare_variation(Declaration& d, Liquid& liquid) {
     d.list("viscosity_regions", liquid.viscosity_regions,
            "Parts of the liquid with a viscosity of their own: of particles that start in them, which keep it wherever "
            "they go. Where regions overlap the last one counts.");
-    const bool newtonian = liquid.rheology.law == ShearLaw::newtonian;
+    const bool newtonian = liquid.rheology.law == ViscosityModelKind::newtonian;
     d.check(newtonian || liquid.viscosity > 0, "viscosity",
             {"must be > 0 with a rheology", "it is the law's viscosity at rest (carreau, cross) or at a shear rate of 1/s",
              "give the liquid's viscosity"});
-    d.check(newtonian || liquid.rheology.infinite_viscosity <= liquid.viscosity, "rheology",
-            {"infinite_viscosity must be at most viscosity", "these liquids thin with the shear rate", "swap the two"});
+    d.check(newtonian || liquid.rheology.infinite_shear_viscosity <= liquid.viscosity, "rheology",
+            {"infinite_shear_viscosity must be at most viscosity", "these liquids thin with the shear rate", "swap the two"});
     d.check(newtonian || liquid.viscosity_profile.points.empty(), "viscosity_profile",
             {"cannot go with a rheology", "both would say what the viscosity is", "make it two liquids of the same density"});
     d.check(newtonian || liquid.viscosity_regions.empty(), "viscosity_regions",
@@ -92,7 +92,7 @@ void Liquid::declare(Declaration& d) {
              range_at_least(0).because("a liquid with a negative one would fly apart", "water has 72 mN/m"),
              "Surface tension against air.");
     d.list("shapes", shapes, "Where the liquid is at the start: the union of these shapes. May be left out when an inlet pours it.");
-    d.boolean("around_bodies", around_bodies,
+    d.boolean("subtract_bodies", subtract_bodies,
               "Whether the shapes may reach into bodies, the liquid being left out there; otherwise that is an error.");
     declare_motion(d, *this);
 }

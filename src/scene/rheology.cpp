@@ -14,21 +14,21 @@ const Range not_negative = range_at_least(0).because("a Newtonian viscosity is p
 
 void Rheology::declare(Declaration& d) {
     d.choice("law", law,
-             {{"newtonian", ShearLaw::newtonian},
-              {"power_law", ShearLaw::power_law},
-              {"carreau", ShearLaw::carreau},
-              {"cross", ShearLaw::cross},
-              {"herschel_bulkley", ShearLaw::herschel_bulkley}},
+             {{"newtonian", ViscosityModelKind::newtonian},
+              {"power_law", ViscosityModelKind::power_law},
+              {"carreau", ViscosityModelKind::carreau},
+              {"cross", ViscosityModelKind::cross},
+              {"herschel_bulkley", ViscosityModelKind::herschel_bulkley}},
              "Viscosity mu at the shear rate G, K being the liquid's `viscosity`: K; K (G s)^(n-1); mu_inf + "
              "(K - mu_inf) "
              "(1 + (t G)^2)^((n-1)/2); mu_inf + (K - mu_inf) / (1 + (t G)^n); K (G s)^(n-1) + yield stress / "
              "G (1 - exp(-m G)).");
-    const bool plain = law == ShearLaw::newtonian, yields = law == ShearLaw::herschel_bulkley;
-    const bool plateaus = law == ShearLaw::carreau || law == ShearLaw::cross,
-               powers = yields || law == ShearLaw::power_law;
+    const bool plain = law == ViscosityModelKind::newtonian, yields = law == ViscosityModelKind::herschel_bulkley;
+    const bool plateaus = law == ViscosityModelKind::carreau || law == ViscosityModelKind::cross,
+               powers = yields || law == ViscosityModelKind::power_law;
     d.number("exponent", exponent, unit::none, range_above_to(0, 10),
              "n of the law; of `herschel_bulkley` 1 is a Bingham fluid.");
-    d.number("infinite_viscosity", infinite_viscosity, unit::viscosity, range_at_least(0),
+    d.number("infinite_shear_viscosity", infinite_shear_viscosity, unit::viscosity, range_at_least(0),
              "mu_inf of `carreau` and `cross`, at high shear rates.");
     d.number("relaxation_time", relaxation_time, unit::time, range_at_least(0),
              "t of `carreau` and `cross`.");
@@ -37,7 +37,7 @@ void Rheology::declare(Declaration& d) {
     d.number("regularisation_time", regularisation_time, unit::time, range_above(0),
              "m of `herschel_bulkley`: below the shear rate 1/m it creeps, with a viscosity of m times the "
              "yield stress.");
-    d.number("least_shear_rate", least_shear_rate, unit::frequency, range_above(0),
+    d.number("min_shear_rate", min_shear_rate, unit::frequency, range_above(0),
              "Of `power_law` and `herschel_bulkley`: at smaller rates the viscosity of the power law stays "
              "what it is.");
     const auto only = [&](bool read, bool given, const char* key, const char* laws) {
@@ -46,12 +46,12 @@ void Rheology::declare(Declaration& d) {
     };
     const Rheology standard;
     only(!plain, exponent != 1, "exponent", "every law but newtonian");
-    only(plateaus, infinite_viscosity != 0, "infinite_viscosity", "carreau and cross");
+    only(plateaus, infinite_shear_viscosity != 0, "infinite_shear_viscosity", "carreau and cross");
     only(plateaus, relaxation_time != 0, "relaxation_time", "carreau and cross");
     only(yields, yield_stress != 0, "yield_stress", "herschel_bulkley");
     only(yields, regularisation_time != standard.regularisation_time, "regularisation_time",
          "herschel_bulkley");
-    only(powers, least_shear_rate != standard.least_shear_rate, "least_shear_rate",
+    only(powers, min_shear_rate != standard.min_shear_rate, "min_shear_rate",
          "power_law and herschel_bulkley");
     d.check(
         !plateaus || relaxation_time > 0, "relaxation_time",

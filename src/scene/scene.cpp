@@ -177,7 +177,7 @@ void Scene::declare(Declaration& d) {
         d.check(known, "measurements", {"the liquid " + one.liquid + " of " + one.name + " is not among `liquids`",
                                         "there would be nothing to measure", "give the name of one of them"});
     }
-    d.number("lost_limit", lost_limit, unit::none, range_between(0, 1),
+    d.number("max_lost_fraction", max_lost_fraction, unit::none, range_between(0, 1),
              "Share of the particles that may be lost, through walls, open sides or as values that are not finite, before "
              "the run ends with exit code 3.");
 }

@@ -15,13 +15,13 @@ class Declaration;
 namespace treacle::scene {
 
 // Treatment of liquid at a side: it stops, leaves, or enters again at the opposite side.
-enum class FaceKind { wall, open, periodic };
+enum class BoundaryKind { wall, open, periodic };
 // Condition on the velocity u along a solid: no stress, u = u_solid, or u - u_solid = slip_length du/dn (Navier).
 enum class Slip { free_slip, no_slip, slip_length };
 
 // One of the six sides of the domain, in the order x_min, x_max, y_min, y_max, z_min, z_max.
 struct Face {
-    FaceKind kind = FaceKind::wall;
+    BoundaryKind kind = BoundaryKind::wall;
     Slip slip = Slip::free_slip;
     double slip_length = 0; // [m]
     double skin_friction = 0; // c_f
@@ -53,7 +53,7 @@ struct Domain {
     Vec3 max{1, 1, 1};         // [m]
     std::array<Face, 6> faces; // x_min, x_max, y_min, y_max, z_min, z_max
     double spacing = 0;        // particle spacing d or grid width dx [m]
-    Vec3 gravity{0, 0, -9.81}; // [m/s2]; in a plane scene {0, -9.81, 0} unless given
+    Vec3 gravity{0, 0, -9.81}; // [m/s2]; in a 2D scene {0, -9.81, 0} unless given
     std::string where;         // of the spacing
 
     void declare(Declaration& d);             // takes `tilt` into gravity, and `symmetry` into min and a mirror
@@ -62,18 +62,18 @@ struct Domain {
     Domain with_images() const;               // its corners with the mirror images
 };
 
-// Laws of viscosity by shear rate; formulas: flow/flow_curve.hpp.
-enum class ShearLaw { newtonian, power_law, carreau, cross, herschel_bulkley };
+// Laws of viscosity by shear rate; formulas: flow/viscosity_model.hpp.
+enum class ViscosityModelKind { newtonian, power_law, carreau, cross, herschel_bulkley };
 
-// Dependence of a liquid's viscosity on the shear rate; its `viscosity` is the law's own (flow/flow_curve.hpp).
+// Dependence of a liquid's viscosity on the shear rate; its `viscosity` is the law's own (flow/viscosity_model.hpp).
 struct Rheology {
-    ShearLaw law = ShearLaw::newtonian;
+    ViscosityModelKind law = ViscosityModelKind::newtonian;
     double exponent = 1;              // n in (0, 10]; not newtonian
-    double infinite_viscosity = 0;    // [Pa s] Carreau, Cross: at high rates
+    double infinite_shear_viscosity = 0;    // [Pa s] Carreau, Cross: at high rates
     double relaxation_time = 0;       // [s] Carreau, Cross
     double yield_stress = 0;          // [Pa] Herschel-Bulkley
     double regularisation_time = 100; // [s] Herschel-Bulkley
-    double least_shear_rate = 1e-3;   // [1/s] power law, Herschel-Bulkley
+    double min_shear_rate = 1e-3;   // [1/s] power law, Herschel-Bulkley
 
     void declare(Declaration& d); // refuses values of another law
 };
@@ -125,7 +125,7 @@ struct Liquid {
     std::vector<ViscosityRegion> viscosity_regions; // in the place of both; the last one that holds a particle counts
     double surface_tension = 0;                     // [N/m]
     std::vector<Shape> shapes;                      // none: it comes from inlets only
-    bool around_bodies = false;                     // where a body is, the liquid is left out
+    bool subtract_bodies = false;                     // where a body is, the liquid is left out
     Vec3 velocity{0, 0, 0};                         // [m/s] at the pivot, at the start
     Vec3 angular_velocity{0, 0, 0};                 // [rad/s] about the pivot, at the start
     VelocityGradient velocity_gradient;             // at the start, besides the angular velocity
@@ -141,7 +141,7 @@ struct Liquid {
     bool sheared() const;
     // True when its particles may differ in viscosity.
     bool varies() const {
-        return rheology.law != ShearLaw::newtonian || !viscosity_profile.points.empty() || !viscosity_regions.empty();
+        return rheology.law != ViscosityModelKind::newtonian || !viscosity_profile.points.empty() || !viscosity_regions.empty();
     }
 };
 
@@ -164,7 +164,7 @@ struct Body {
     BodyKind kind = BodyKind::fixed; // decides which of the others count
     Shape shape;                     // at the start
     double density = 0;              // [kg/m3] dynamic: this, or the mass
-    double mass = 0;                 // [kg], in the plane [kg/m]
+    double mass = 0;                 // [kg], in 2D [kg/m]
     Slip slip = Slip::free_slip;     // of the liquid along the surface
     double slip_length = 0;          // [m]
     double skin_friction = 0;        // c_f
@@ -203,7 +203,7 @@ struct Joint {
 // In 2D both are a piece of a line.
 enum class InletShape { disc, rectangle };
 
-// Liquid that flows in through a plane figure, in the plane through a piece of a line.
+// Liquid that flows in through a plane figure, in 2D through a piece of a line.
 struct Inlet {
     std::string name;
     std::string liquid; // name; empty: the only one
@@ -211,9 +211,9 @@ struct Inlet {
     Vec3 centre{0, 0, 0};      // [m]
     Vec3 direction{0, 0, -1};  // of the flow, of any length
     double radius = 0;         // [m] disc
-    double width = 0, height = 0; // [m] rectangle; in the plane only the width counts
+    double width = 0, height = 0; // [m] rectangle; in 2D only the width counts
     Vec3 along{0, 0, 0};       // rectangle: direction of its width; zero: a coordinate axis
-    double flow_rate = 0;      // [m3/s], in the plane [m2/s]: this, or the velocity
+    double flow_rate = 0;      // [m3/s], in 2D [m2/s]: this, or the velocity
     double velocity = 0;       // [m/s]
     double start = 0, end = 0; // [s]; end 0: with the run
     std::string where;
@@ -336,7 +336,7 @@ struct Scene {
     Output output;
     std::vector<Camera> cameras;
     std::vector<Measurement> measurements;
-    double lost_limit = 0; // share of the particles that may be lost before the run ends (exit code 3)
+    double max_lost_fraction = 0; // share of the particles that may be lost before the run ends (exit code 3)
 
     void declare(Declaration& d); // refuses names that stand twice, and names that no list has
 };

@@ -30,8 +30,8 @@ struct RungNoise {
 };
 
 // (RX1) value(h) = value + a (h / coarsest)^p (1 + 0.1 e) + n (h / coarsest)^1.5, with e of unit variance and the noise
-// n: each cell of a contour errs by a part of its width, and L / h of them, one after the other in the plane, by h (h /
-// L)^1/2 together; in space by less. The value and its variance are means over p of 0.5 to 2 (1.1 +- 0.3 without the
+// n: each cell of a contour errs by a part of its width, and L / h of them, one after the other in 2D, by h (h /
+// L)^1/2 together; in 3D by less. The value and its variance are means over p of 0.5 to 2 (1.1 +- 0.3 without the
 // rungs), over sizes of a from 0.3 % to 100 % and over what the noise may be by its degrees of freedom, each with the
 // probability that the rungs give it (Bayesian average of models; the value itself has an even prior). Values are
 // logarithms, so that a is relative. Throws InputError for fewer than two rungs, two of one spacing, or a spacing that

@@ -23,8 +23,8 @@ bool viscosity_by_operator(const IsphSetup& setup) {
 } // namespace
 
 IsphStep::IsphStep(const Comm& comm, const IsphSetup& setup)
-    : comm_(comm), setup_(setup), decomposition_(comm, setup.grid), load_balance_(setup.options.rebalance_above),
-      bodies_(setup.rigid, setup.solid_scale, setup.first_body, setup.bodies, setup.domain, setup.sides),
+    : comm_(comm), setup_(setup), decomposition_(comm, setup.grid), load_balance_(setup.options.max_load_imbalance),
+      bodies_(setup.rigid, setup.boundary_volume_factor, setup.first_body, setup.bodies, setup.domain, setup.sides),
       pressure_(comm, setup.options, setup.constants, setup.domain, setup.grid, setup.forces.gravity) {
     explicit_forces_ = setup.forces;
     if (viscosity_by_operator(setup)) {
@@ -40,7 +40,7 @@ IsphStep::IsphStep(const Comm& comm, const IsphSetup& setup)
     pressure_.add_fields(liquid_);
 }
 
-StepParts IsphStep::parts() {
+StepContext IsphStep::parts() {
     return {setup_.options, setup_.constants, comm_, liquid_, solid_, neighbours_, halo_, cells_, inflow_ || solid_speed() > 0};
 }
 
@@ -51,7 +51,7 @@ PressureParts IsphStep::pressure_parts() {
 void IsphStep::start(SolidVolumes volumes) {
     pressure_.start(liquid_, volumes == SolidVolumes::keep ? LastPressures::known : LastPressures::none);
     if (viscosity_ && volumes == SolidVolumes::compute) viscosity_->start(liquid_);
-    recut();
+    repartition();
     if (inflow_ && volumes == SolidVolumes::compute) {
         Kokkos::deep_copy(liquid_.inlet(), 0);
         inflow_->emit(liquid_, decomposition_);
@@ -63,7 +63,7 @@ void IsphStep::start(SolidVolumes volumes) {
     bodies_.set_velocities(solid_);
     NeighbourList list;
     list.build(solid_.store, solid_.store, setup_.grid, solid_cells_, setup_.constants.support);
-    compute_solid_volumes(setup_.options, setup_.constants, solid_, list, bodies_.load_points());
+    compute_solid_volumes(setup_.options, setup_.constants, solid_, list, bodies_.moment_reference_points());
     solid_halo_.gather(solid_.store, {solid_.volume_field()});
 }
 
@@ -77,7 +77,7 @@ void IsphStep::restore(std::span<const std::int64_t> state) {
 
 std::vector<std::int64_t> IsphStep::decomposition_state() const { return load_balance_.state(decomposition_); }
 
-void IsphStep::recut() {
+void IsphStep::repartition() {
     if (comm_.size() > 1) {
         load_balance_.add(liquid_.store, setup_.grid);
         load_balance_.add(solid_.store, setup_.grid, solid_weight);
@@ -90,7 +90,7 @@ void IsphStep::recut() {
 // With the particles at their owners, so that a cut does not depend on whether a frame was written before.
 void IsphStep::rebalance() {
     if (!load_balance_.is_due(comm_, liquid_.store.owned())) return;
-    recut();
+    repartition();
     place_liquid();
     place_solids();
     load_balance_.note_cut(comm_, liquid_.store.owned());
@@ -121,7 +121,7 @@ void IsphStep::find_neighbours() {
 void IsphStep::update_density(StepReport& report) {
     compute_density(setup_.options, setup_.constants, liquid_, solid_, neighbours_);
     halo_.gather(liquid_.store, {liquid_.volume_field(), liquid_.velocity_field()});
-    if (setup_.constants.mixture.several()) halo_.gather(liquid_.store, {liquid_.liquid_field()});
+    if (setup_.constants.immiscible.several()) halo_.gather(liquid_.store, {liquid_.liquid_field()});
     if (inflow_) halo_.gather(liquid_.store, {liquid_.inlet_field()});
     const auto compression = measure_compression(setup_.constants, liquid_);
     report.mean_compression = compression.sum;
@@ -140,8 +140,8 @@ void IsphStep::refresh() {
 void IsphStep::accelerate(StepReport& report, double dt) {
     bodies_.rigid.begin(dt);
     bodies_.set_velocities(solid_);
-    report.viscous_loads = apply_forces(parts(), explicit_forces_, dt, bodies_.load_points());
-    apply_skin_friction(parts(), {setup_.forces.skin_friction, bodies_.load_points(), dt}, report.viscous_loads);
+    report.viscous_loads = apply_forces(parts(), explicit_forces_, dt, bodies_.moment_reference_points());
+    apply_skin_friction(parts(), {setup_.forces.skin_friction, bodies_.moment_reference_points(), dt}, report.viscous_loads);
     if (surface_tension_) surface_tension_->accelerate(parts(), dt);
     if (inflow_) inflow_->hold(liquid_);
 }
@@ -149,7 +149,7 @@ void IsphStep::accelerate(StepReport& report, double dt) {
 // (S4v)
 void IsphStep::apply_viscosity(StepReport& report, double dt) {
     const auto phase = timers_.scope("viscosity");
-    if (give_way()) {
+    if (strongly_coupled()) {
         bodies_.rigid.fall(dt);
         push_by_viscosity(report.viscous_loads, dt);
     }
@@ -160,15 +160,15 @@ void IsphStep::apply_viscosity(StepReport& report, double dt) {
                                "after " + std::to_string(result.solve.iterations) + " iterations",
                                "take a smaller time step or a larger method.viscosity.residual"});
     }
-    if (give_way()) push_by_viscosity(result.loads, dt);
+    if (strongly_coupled()) push_by_viscosity(result.loads, dt);
     for (std::size_t k = 0; k < result.loads.size(); ++k) report.viscous_loads[k] += result.loads[k];
 }
 
 // True when dynamic bodies are unknowns of the viscous solve.
-bool IsphStep::give_way() const {
+bool IsphStep::strongly_coupled() const {
     const auto& options = setup_.options.viscosity;
     return viscosity_ && bodies_.any_dynamic() && options.integration == ViscosityIntegration::implicit &&
-           options.body_coupling == BodyCoupling::implicit;
+           options.coupling == BodyCoupling::strong;
 }
 
 void IsphStep::push_by_viscosity(BodyLoads& loads, double dt) {
@@ -180,7 +180,7 @@ void IsphStep::push_by_viscosity(BodyLoads& loads, double dt) {
 // (S4), for the bodies.
 void IsphStep::accelerate_bodies(StepReport& report, double dt) {
     halo_.gather(liquid_.store, {liquid_.velocity_field(), liquid_.pressure_field()});
-    if (!bodies_.any_dynamic() || give_way()) return;
+    if (!bodies_.any_dynamic() || strongly_coupled()) return;
     bodies_.rigid.fall(dt);
     push_by_viscosity(report.viscous_loads, dt);
 }
@@ -191,7 +191,7 @@ void IsphStep::spread(int times) {
     constexpr double dt = 1e-9; // [s]; in which no velocity leads anywhere: places follow from places
     SphOptions options = setup_.options;
     options.pressure.stop = StoppingRule::density_error; // a start needs no more than that
-    const StepParts loose{options, setup_.constants, comm_, liquid_, solid_, neighbours_, halo_, cells_};
+    const StepContext loose{options, setup_.constants, comm_, liquid_, solid_, neighbours_, halo_, cells_};
     for (int k = 0; k < times; ++k) {
         StepReport report;
         place_liquid();
@@ -201,19 +201,19 @@ void IsphStep::spread(int times) {
         if (k == 0 && comm_.max(report.max_compression) <= close_compression) return;
         if (comm_.sum(report.mean_compression) <= setup_.options.pressure.density_tolerance() * count) return;
         pressure_.prepare_shift(loose);
-        pressure_.shift(loose, bodies_.load_points(), report, dt);
+        pressure_.shift(loose, bodies_.moment_reference_points(), report, dt);
         move_particles(setup_.domain, liquid_, dt, Use::yes);
     }
 }
 
 // (S8)
 void IsphStep::push_by_pressure(StepReport& report, double dt) {
-    compute_loads(setup_.constants, liquid_);
+    compute_pressure_over_density2(setup_.constants, liquid_);
     halo_.gather(liquid_.store, {liquid_.load_field()});
-    auto loads = apply_pressure(parts(), bodies_.load_points(), dt);
+    auto loads = apply_pressure(parts(), bodies_.moment_reference_points(), dt);
     for (std::size_t k = 0; k < report.loads.size(); ++k) loads[k] += report.loads[k]; // of DFSPH's other solve
     if (setup_.options.pressure.wall_contact == WallContact::stop) {
-        report.stopped = stop_at_walls(parts(), {bodies_.load_points(), dt}, loads);
+        report.stopped = stop_at_walls(parts(), {bodies_.moment_reference_points(), dt}, loads);
     }
     report.loads = std::move(loads);
     if (inflow_) inflow_->hold(liquid_);
@@ -281,7 +281,7 @@ StepReport IsphStep::advance(double dt) {
     }
     if (setup_.options.pressure.recovers_places()) {
         const auto phase = timers_.scope("solve");
-        pressure_.shift(parts(), bodies_.load_points(), report, dt); // (IS2)
+        pressure_.shift(parts(), bodies_.moment_reference_points(), report, dt); // (IS2)
     }
     {
         const auto phase = timers_.scope("move");
@@ -302,7 +302,7 @@ void IsphStep::collect(StepReport& report) {
     }
     const std::size_t n = sums.size();
     const double lost_before = double(report.lost.size()) + double(report.lost_by_cause[0]);
-    for (const auto count : {report.roles.poisson, report.roles.dirichlet, report.roles.separated, report.anchored, report.stopped}) {
+    for (const auto count : {report.roles.poisson, report.roles.dirichlet, report.roles.separated, report.pinned, report.stopped}) {
         sums.push_back(double(count));
     }
     for (const auto count : report.lost_by_cause) sums.push_back(double(count));
@@ -317,7 +317,7 @@ void IsphStep::collect(StepReport& report) {
     }
     const auto count = [&](std::size_t k) { return static_cast<std::int64_t>(std::llround(sums[n + k])); };
     report.roles = {count(0), count(1), count(2)};
-    report.anchored = count(3);
+    report.pinned = count(3);
     report.stopped = count(4);
     for (std::size_t k = 0; k < loss_causes; ++k) report.lost_by_cause[k] = count(5 + k);
     report.mean_compression = sums[n + 5 + loss_causes] / std::max(1.0, sums[n + 6 + loss_causes]);
@@ -343,7 +343,7 @@ double IsphStep::stable_step(double cfl) const {
     const double d = setup_.constants.spacing;
     double dt = viscous_step_limit(setup_.options.viscosity, setup_.constants, setup_.forces.viscosity);
     dt = std::min(dt, capillary_step_limit(setup_.options.surface_tension, setup_.constants, setup_.forces.surface_tension));
-    cfl *= setup_.constants.mixture.step_share;
+    cfl *= setup_.constants.immiscible.step_share;
     if (speed > 0) dt = std::min(dt, cfl * d / speed);
     if (pull > 0) dt = std::min(dt, cfl * std::sqrt(d / pull));
     return dt;

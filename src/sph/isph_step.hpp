@@ -24,7 +24,7 @@ struct IsphSetup {
     double reference_speed = 0; // sqrt(g H): the speed at which the weight of the liquid acts on it [m/s]
     int bodies = 1; // solids that carry loads; 0 is the domain's walls
     rigid::BodiesSetup rigid; // may be empty: then all solids rest
-    std::vector<double> solid_scale; // per body of `rigid`, or empty: factor on its particles' volumes
+    std::vector<double> boundary_volume_factor; // per body of `rigid`, or empty: factor on its particles' volumes
     flow::InflowSetup inflow;
     std::vector<Vec3> sides;  // [m/s] velocities of the domain's sides along themselves; empty: they rest
     int first_body = 0;       // number, among the solids that carry loads, of the first of these bodies
@@ -77,7 +77,7 @@ public:
     // Largest step in which no particle moves farther than `cfl` spacings at its speed or the reference speed, which
     // bounds what the pressure must hold up, no body that moves does either, and the limits of the explicit viscosity and of
     // the surface tension [s].
-    // With several liquids Mixture::step_share of the first of these.
+    // With several liquids ImmiscibleLiquids::step_share of the first of these.
     double stable_step(double cfl) const;
 
     // StepPressure::observe_matrix, for measurements.
@@ -88,20 +88,20 @@ public:
 
 private:
     void rebalance();
-    void recut();
+    void repartition();
     void place_liquid();
     void place_solids();
     void find_neighbours();
     void update_density(StepReport& report);
     void accelerate(StepReport& report, double dt);
     void apply_viscosity(StepReport& report, double dt);
-    bool give_way() const;
+    bool strongly_coupled() const;
     void push_by_viscosity(BodyLoads& loads, double dt);
     void accelerate_bodies(StepReport& report, double dt);
     void push_by_pressure(StepReport& report, double dt);
     void move(StepReport& report, double dt);
     void collect(StepReport& report);
-    StepParts parts();
+    StepContext parts();
     PressureParts pressure_parts();
     double solid_speed() const; // bound of the speeds of bodies that move and of the domain's sides [m/s]; the same on all ranks
 

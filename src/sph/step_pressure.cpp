@@ -13,7 +13,7 @@ namespace {
 bool bounded(const SphOptions& options) { return options.pressure.dirichlet == DirichletRule::complementarity; }
 
 bool implicit_bodies(const SphOptions& options, const Bodies& bodies) {
-    return bodies.any_dynamic() && options.pressure.body_coupling == BodyCoupling::implicit;
+    return bodies.any_dynamic() && options.pressure.coupling == BodyCoupling::strong;
 }
 
 // Adds the work of another solve of the same step.
@@ -30,7 +30,7 @@ void add_work(const solve::SolveReport& other, solve::SolveReport& to) {
                            "take a smaller time step, or " + instead});
 }
 
-std::int64_t particles(const StepParts& parts) { return parts.comm.sum(static_cast<std::int64_t>(parts.liquid.store.owned())); }
+std::int64_t particles(const StepContext& parts) { return parts.comm.sum(static_cast<std::int64_t>(parts.liquid.store.owned())); }
 } // namespace
 
 bool solids_unknown(const SphOptions& options) {
@@ -55,8 +55,8 @@ void StepPressure::start(LiquidParticles& liquid, LastPressures last) {
     Kokkos::deep_copy(liquid.store.get<Array<double>>(divergence_field_), 0.0);
 }
 
-ComplementarityParts StepPressure::complementarity_parts(const StepParts& parts) {
-    return {options_, constants_, comm_, parts.liquid, parts.neighbours, parts.halo, anchoring_};
+ComplementarityContext StepPressure::complementarity_parts(const StepContext& parts) {
+    return {options_, constants_, comm_, parts.liquid, parts.neighbours, parts.halo, pinning_};
 }
 
 void StepPressure::find_around_solids(const PressureParts& parts) {
@@ -73,7 +73,7 @@ void StepPressure::predict_roles(const PressureParts& parts, StepReport& report,
         response_.build(parts.step, parts.bodies);
         response_.apply_to_pressure(comm, liquid);
     }
-    report.roles = predict(parts.step, last_pressures_, dt, answering ? Answer::bodies : Answer::none);
+    report.roles = predict(parts.step, last_pressures_, dt, answering ? BodyCoupling::strong : BodyCoupling::weak);
     last_pressures_ = LastPressures::known;
     if (parts.inflow) {
         parts.inflow->close(liquid);
@@ -84,14 +84,14 @@ void StepPressure::predict_roles(const PressureParts& parts, StepReport& report,
         find_around_solids(parts);
         report.roles.poisson += solid_rows_.predict(options, constants, liquid, parts.solid, neighbours, parts.solid_halo);
     }
-    report.anchored = bounded(options) ? complementarity_.anchor(complementarity_parts(parts.step))
-                                       : anchoring_.anchor(options, constants, comm, liquid, neighbours, halo);
+    report.pinned = bounded(options) ? complementarity_.anchor(complementarity_parts(parts.step))
+                                       : pinning_.anchor(options, constants, comm, liquid, neighbours, halo);
 }
 
 void StepPressure::assemble(const PressureParts& parts) {
     const auto& step = parts.step;
     if (solids_unknown(options_)) {
-        system_.assemble_joint(options_, constants_, comm_,
+        system_.assemble_with_solids(options_, constants_, comm_,
                                {step.liquid, parts.solid, step.neighbours, solid_rows_, step.halo, parts.solid_halo});
     } else {
         system_.assemble(options_, constants_, comm_, step.liquid, step.neighbours, step.halo);
@@ -114,13 +114,13 @@ solve::ConvergenceTest StepPressure::convergence_test(const StepReport& report, 
 }
 
 // (S7)
-void StepPressure::solve_system(const StepParts& parts, solve::Matrix& matrix, const PressureSystem::HostSystem& host, StepReport& report,
+void StepPressure::solve_system(const StepContext& parts, solve::Matrix& matrix, const PressureSystem::HostSystem& host, StepReport& report,
                                 double dt) {
     const auto rows = static_cast<std::size_t>(system_.rows());
     const auto test = convergence_test(report, dt);
     if (hierarchy_) hierarchy_->refer_to(parts.liquid, parts.solid);
     if (bounded(options_)) {
-        report.pressure = complementarity_.solve(complementarity_parts(parts), matrix, host, test, report.anchored);
+        report.pressure = complementarity_.solve(complementarity_parts(parts), matrix, host, test, report.pinned);
         report.misclassified = comm_.sum(complementarity_.misclassified());
     } else {
         report.pressure = solver_.solve(matrix, {host.right_hand_side.data(), rows}, {host.solution.data(), rows}, test);
@@ -130,7 +130,7 @@ void StepPressure::solve_system(const StepParts& parts, solve::Matrix& matrix, c
 }
 
 // (S7c)
-void StepPressure::correct(const StepParts& parts, solve::Matrix& matrix, StepReport& report, double dt) {
+void StepPressure::correct(const StepContext& parts, solve::Matrix& matrix, StepReport& report, double dt) {
     const auto corrected = correction_.correct({parts, matrix, solver_}, iisph_, dt);
     add_work(corrected, report.pressure);
     report.pressure.error_measure = corrected.error_measure;
@@ -149,7 +149,7 @@ void StepPressure::find_by_system(const PressureParts& parts, StepReport& report
     }
     auto& liquid = parts.step.liquid;
     solve::Matrix matrix(comm_, system_.blocks(host));
-    if (implicit_bodies(options_, parts.bodies)) matrix.set_addition(response_.addition(comm_, liquid, system_));
+    if (implicit_bodies(options_, parts.bodies)) matrix.set_matrix_free_term(response_.addition(comm_, liquid, system_));
     if (matrix_observer_) matrix_observer_(matrix);
     const auto phase = parts.timers.scope("solve");
     solve_system(parts.step, matrix, host, report, dt);
@@ -166,9 +166,9 @@ void StepPressure::find_by_iisph(const PressureParts& parts, StepReport& report,
     const auto first = report.pressure; // of DFSPH
     const bool answering = implicit_bodies(options_, parts.bodies);
     if (answering) response_.build(step, parts.bodies);
-    iisph_.give_way(answering ? &response_ : nullptr);
+    iisph_.set_coupling_term(answering ? &response_ : nullptr);
     report.pressure = iisph_.solve(step, dt, report.roles);
-    iisph_.give_way(nullptr); // a shift of places does not move them
+    iisph_.set_coupling_term(nullptr); // a shift of places does not move them
     add_work(first, report.pressure);
     last_pressures_ = LastPressures::known;
     if (!report.pressure.converged()) fail(report.pressure, particles(step), "method.pressure.solver: isph");
@@ -182,10 +182,10 @@ void StepPressure::solve(const PressureParts& parts, StepReport& report, double 
     }
 }
 
-void StepPressure::shift(const StepParts& parts, const LoadPoints& load_points, StepReport& report, double dt) {
+void StepPressure::shift(const StepContext& parts, const MomentReferencePoints& moment_reference_points, StepReport& report, double dt) {
     parts.halo.gather(parts.liquid.store, {parts.liquid.velocity_field()});
     const auto shifted = iisph_.shift(parts, dt);
-    if (options_.pressure.wall_contact == WallContact::stop) stop_shift_at_walls(parts, {load_points, dt}, parts.liquid.acceleration());
+    if (options_.pressure.wall_contact == WallContact::stop) stop_shift_at_walls(parts, {moment_reference_points, dt}, parts.liquid.acceleration());
     add_work(shifted, report.pressure);
     if (!shifted.converged()) fail(shifted, particles(parts), "method.pressure.recovery: velocities");
 }
@@ -196,7 +196,7 @@ void StepPressure::remove_divergence(const PressureParts& parts, StepReport& rep
     const auto& step = parts.step;
     report.pressure = iisph_.solve_divergence(step, dt, step.liquid.store.get<Array<double>>(divergence_field_));
     if (!report.pressure.converged()) fail(report.pressure, particles(step), "method.pressure.solver: isph");
-    report.loads = apply_pressure(step, parts.bodies.load_points(), dt);
+    report.loads = apply_pressure(step, parts.bodies.moment_reference_points(), dt);
     step.halo.gather(step.liquid.store, {step.liquid.velocity_field()});
 }
 

@@ -1,10 +1,10 @@
 #pragma once
 #include "base/timers.hpp"
 #include "sph/forces/inflow.hpp"
-#include "sph/iisph/density_correction.hpp"
+#include "sph/iisph/orthomin_correction.hpp"
 #include "sph/iisph/iisph.hpp"
-#include "sph/model/step_parts.hpp"
-#include "sph/pressure/body_response.hpp"
+#include "sph/model/step_context.hpp"
+#include "sph/pressure/rigid_coupling_term.hpp"
 #include "sph/pressure/complementarity.hpp"
 #include "sph/pressure/pressure_hierarchy.hpp"
 #include "sph/pressure/pressure_system.hpp"
@@ -18,7 +18,7 @@ namespace treacle::sph {
 
 // Parts of a step that its pressures read and write.
 struct PressureParts {
-    StepParts step;
+    StepContext step;
     SolidParticles& solid; // as unknowns
     Halo& solid_halo;
     const CellGrid& grid;
@@ -47,9 +47,9 @@ public:
     void remove_divergence(const PressureParts& parts, StepReport& report, double dt);
     // (IS2) Particles where the velocities leave liquid that is compressed move on by more than their velocities: writes the
     // difference to the acceleration field [m/s]. Collective.
-    void shift(const StepParts& parts, const LoadPoints& load_points, StepReport& report, double dt);
+    void shift(const StepContext& parts, const MomentReferencePoints& moment_reference_points, StepReport& report, double dt);
     // For a shift() without a solve() before it.
-    void prepare_shift(const StepParts& parts) { iisph_.prepare_pairs(parts); }
+    void prepare_shift(const StepContext& parts) { iisph_.prepare_pairs(parts); }
 
     // Called with the pressure matrix of every step before its solve, outside of all phases. IISPH has none.
     using MatrixObserver = std::function<void(solve::Matrix&)>;
@@ -64,19 +64,19 @@ private:
     void find_around_solids(const PressureParts& parts);
     void assemble(const PressureParts& parts);
     solve::ConvergenceTest convergence_test(const StepReport& report, double dt) const;
-    void solve_system(const StepParts& parts, solve::Matrix& matrix, const PressureSystem::HostSystem& host, StepReport& report, double dt);
-    void correct(const StepParts& parts, solve::Matrix& matrix, StepReport& report, double dt);
-    ComplementarityParts complementarity_parts(const StepParts& parts);
+    void solve_system(const StepContext& parts, solve::Matrix& matrix, const PressureSystem::HostSystem& host, StepReport& report, double dt);
+    void correct(const StepContext& parts, solve::Matrix& matrix, StepReport& report, double dt);
+    ComplementarityContext complementarity_parts(const StepContext& parts);
 
     Comm comm_;
     SphOptions options_;
     Constants constants_;
-    Anchoring anchoring_;
+    PressurePinning pinning_;
     PressureSystem system_;
     SolidRows solid_rows_; // of solids as unknowns
     Iisph iisph_;          // or the operator of the corrections
-    DensityCorrection correction_;
-    BodyResponse response_;
+    OrthominCorrection correction_;
+    RigidCouplingTerm response_;
     std::unique_ptr<PressureHierarchy> hierarchy_; // of the multilevel preconditioners
     solve::KrylovSolver solver_;
     Complementarity complementarity_; // with `dirichlet: complementarity` in its place

@@ -17,7 +17,7 @@ struct StepReport {
     solve::SolveReport viscosity;      // of the implicit one
     RoleCounts roles;                  // over all ranks
     std::int64_t stopped = 0;          // particles stopped at the surface of a solid, over all ranks
-    std::int64_t anchored = 0;         // Poisson particles made Dirichlet for solvability
+    std::int64_t pinned = 0;         // Poisson particles made Dirichlet for solvability
     std::int64_t misclassified = 0;    // that (S6) gave another role than the exact solution, over all ranks
     double mean_compression = 0;       // of the density at the start of the step, share of rho0
     double max_compression = 0;        // the largest, over all ranks

@@ -83,7 +83,7 @@ class Continue(Workplace):
 
     def test_rows_of_lost_particles_stand_once(self):
         """A run that went on past its newest checkpoint before it was cut off."""
-        fast = {**TIGHT, "liquids.water.velocity": "[1000, 0, 0]", "lost_limit": "1", "time.end": "0.02",
+        fast = {**TIGHT, "liquids.water.velocity": "[1000, 0, 0]", "max_lost_fraction": "1", "time.end": "0.02",
                 "output.checkpoint_interval": "0.01"}
         self.run_scene(DAM, "run", 1, fast)
         straight = self.text("run", "lost_particles.csv")

@@ -25,20 +25,20 @@ class Failure(Workplace):
 
     def test_too_many_lost_particles_are_counted_and_listed(self):
         # 1 km/s makes 2 m a step: every particle leaves through the wall at once.
-        self.fail_with("particles are lost", "640 went through a wall", "lost_limit", "lost_particles.csv",
-                       values={"liquids.water.velocity": "[1000, 0, 0]", "lost_limit": "0.5"})
+        self.fail_with("particles are lost", "640 went through a wall", "max_lost_fraction", "lost_particles.csv",
+                       values={"liquids.water.velocity": "[1000, 0, 0]", "max_lost_fraction": "0.5"})
         with open(self.path("run", "lost_particles.csv")) as file:
             rows = list(csv.DictReader(file))
         self.assertEqual(len({row["id"] for row in rows}), 640)
         self.assertTrue(all(float(row["x [m]"]) > 0.4 for row in rows))
 
     def test_losses_below_the_limit_are_counted_and_the_run_goes_on(self):
-        done = self.run_scene(DAM, "run", RANKS, {"liquids.water.velocity": "[1000, 0, 0]", "lost_limit": "1"})
+        done = self.run_scene(DAM, "run", RANKS, {"liquids.water.velocity": "[1000, 0, 0]", "max_lost_fraction": "1"})
         self.assertIn("lost 640", done.stdout)
         self.assertEqual(self.steps("run")["lost by leak"][-1], 640)
 
     def test_what_leaves_through_an_open_side_is_lost(self):
-        leaving = {"liquids.water.velocity": "[4, 0, 0]", "domain.boundaries.x_max": "open", "lost_limit": "0.1", "time.end": "0.1"}
+        leaving = {"liquids.water.velocity": "[4, 0, 0]", "domain.boundaries.x_max": "open", "max_lost_fraction": "0.1", "time.end": "0.1"}
         for kind in ["sph", "grid"]:
             with self.subTest(kind):
                 self.fail_with("particles are lost", "left through an open side", "outflow: true",
@@ -47,7 +47,7 @@ class Failure(Workplace):
                     self.assertEqual({row["cause"] for row in csv.DictReader(file)}, {"4"})
 
     def test_what_may_leave_or_meets_an_outlet_is_not_lost(self):
-        leaving = {"liquids.water.velocity": "[4, 0, 0]", "time.end": "0.1", "lost_limit": "0"}
+        leaving = {"liquids.water.velocity": "[4, 0, 0]", "time.end": "0.1", "max_lost_fraction": "0"}
         # The box ends at the open side: what flies beyond it within a step is the outlet's.
         outlet = {"domain.boundaries.x_max": "open", "outlets": "[{box: {min: [0.39, 0, 0], max: [0.4, 0.16, 0.24]}}]"}
         for kind in ["sph", "grid"]:
@@ -103,7 +103,7 @@ class DiskFull(Workplace):
         # A checkpoint has 170 kB, and two stand while one is written; frames of 46 kB fill the rest in 10 intervals.
         done = self.run_scene(DAM, "disk/run", RANKS, {
             "time.end": "0.4", "output.interval": "0.01", "output.checkpoint_interval": "0.01",
-            "output.checkpoints_kept": "1", "lost_limit": "0.1"}, code=3)
+            "output.checkpoints_kept": "1", "max_lost_fraction": "0.1"}, code=3)
         self.assertIn("No space left", done.stderr)
         kept = self.checkpoints("disk/run")
         self.assertTrue(kept, "no checkpoint")

@@ -50,7 +50,7 @@ domain:
   spacing: 2.5 mm
   boundaries: {x_min: {slip: no_slip}, x_max: {slip: no_slip}, y_min: {slip: no_slip}, y_max: {slip: no_slip}}
 liquids:
-  - {name: oil, density: 970, viscosity: 1 Pa.s, around_bodies: true, shapes: [{box: {min: [0, 0], max: [0.04, 0.06]}}]}
+  - {name: oil, density: 970, viscosity: 1 Pa.s, subtract_bodies: true, shapes: [{box: {min: [0, 0], max: [0.04, 0.06]}}]}
 bodies:
   - {name: rod, kind: dynamic, density: 1555, slip: no_slip, shape: {sphere: {centre: [0.02, 0.045], radius: 0.006}}}
 method: {kind: grid}

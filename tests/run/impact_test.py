@@ -99,7 +99,7 @@ output: {interval: 0.5 s}
 
 CUP = """schema_version: 1
 domain: {dimensions: 2, min: [-0.25, -0.25], max: [0.25, 0.25], spacing: 1 cm, gravity: [0, 0]}
-liquids: [{name: oil, density: 1000, viscosity: 100, shapes: [{box: {min: [-0.2, -0.2], max: [0.2, 0.2]}}], around_bodies: true}]
+liquids: [{name: oil, density: 1000, viscosity: 100, shapes: [{box: {min: [-0.2, -0.2], max: [0.2, 0.2]}}], subtract_bodies: true}]
 bodies:
   - {name: cup, slip: no_slip, shape: {sphere: {centre: [0, 0], radius: 0.2, inverted: true}}}
   - {name: rotor, slip: no_slip, kind: kinematic, angular_velocity: [0, 0, 1], shape: {sphere: {centre: [0, 0], radius: 0.1}}}
@@ -108,7 +108,7 @@ output: {interval: 0.4}
 """
 PLATES = """schema_version: 1
 domain: {dimensions: 2, min: [0, -0.05], max: [0.1, 0.16], spacing: 5 mm, gravity: [10, 0], boundaries: {x_min: periodic, x_max: periodic}}
-liquids: [{name: oil, density: 1000, viscosity: 100, around_bodies: true, shapes: [{box: {min: [0, -0.04], max: [0.1, 0.15]}}]}]
+liquids: [{name: oil, density: 1000, viscosity: 100, subtract_bodies: true, shapes: [{box: {min: [0, -0.04], max: [0.1, 0.15]}}]}]
 bodies:
   - {name: low, slip: no_slip, shape: {plane: {point: [0, LOW], normal: [0, 1]}}}
   - {name: high, slip: no_slip, shape: {plane: {point: [0, HIGH], normal: [0, -1]}}}

@@ -16,7 +16,7 @@ KILLS = int(os.environ.get("TREACLE_KILLS", 5))
 STEPS = 20 * KILLS
 CHECKPOINT = 10  # steps between two
 LONG = {**TIGHT, "time.end": f"{0.001 * STEPS}", "time.step": "0.001", "output.interval": "0.02", "output.checkpoint_interval": "0.01",
-        "output.checkpoints_kept": "2", "lost_limit": "0.1"}
+        "output.checkpoints_kept": "2", "max_lost_fraction": "0.1"}
 # Particles that collide part on other numbers of ranks (resume_test.py); the liquid as a whole does not.
 SAME_MEAN = 0.02 * 0.02  # [m]
 

@@ -1,4 +1,4 @@
-#include "app/study/end_together.hpp"
+#include "app/study/run_collectively.hpp"
 
 // Rank 1 throws outside of any guard while the others block.
 int main(int argc, char** argv) {
@@ -10,5 +10,5 @@ int main(int argc, char** argv) {
         comm.barrier();
         return ExitCode::ok;
     };
-    return static_cast<int>(app::end_together(comm, command, std::chrono::seconds(2)));
+    return static_cast<int>(app::run_collectively(comm, command, std::chrono::seconds(2)));
 }

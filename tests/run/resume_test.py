@@ -34,7 +34,7 @@ WEDGE_SCENE = """schema_version: 1
 title: A wedge falls on a pool
 domain: {max: [0.4, 0.4, 0.4], spacing: 2 cm}
 liquids:
-  - {name: water, density: 1000, around_bodies: true, shapes: [{box: {min: [0, 0, 0], max: [0.4, 0.4, 0.14]}}]}
+  - {name: water, density: 1000, subtract_bodies: true, shapes: [{box: {min: [0, 0, 0], max: [0.4, 0.4, 0.14]}}]}
 bodies:
   - name: wedge
     kind: dynamic
@@ -42,7 +42,7 @@ bodies:
     shape: {mesh: {file: wedge.obj, fallback: {sphere: {centre: [0.2, 0.2, 0.22], radius: 0.06}}}}
 time: {end: 80 ms, rule: fixed, step: 2 ms}
 output: {interval: 20 ms, checkpoint_interval: 40 ms, checkpoints_kept: 4}
-lost_limit: 0.01
+max_lost_fraction: 0.01
 """
 SPACING = 0.02
 # On the same ranks nothing but the checkpoint lies between the two; on others sums are in another order.

@@ -17,7 +17,7 @@ RANKS = 1
 SAME_RANKS = 1e-12  # as in resume_test.py
 # A run of 200 steps takes a second or more: time to stop it. Frames every 10 steps show that it is under way.
 LONG = {**TIGHT, "time.end": "0.2", "time.step": "0.001", "output.interval": "0.01",
-        "output.checkpoint_interval": "0", "lost_limit": "0.1"}
+        "output.checkpoint_interval": "0", "max_lost_fraction": "0.1"}
 
 
 class Stop(Workplace):

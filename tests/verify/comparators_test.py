@@ -59,7 +59,7 @@ class Comparators(Workplace):
 
     def test_what_does_not_go_together_is_refused(self):
         scene = os.path.join(SCENES, "column.yaml")
-        for key, value in (("preconditioner", "multilevel_grids"), ("dirichlet", "ghosts")):
+        for key, value in (("preconditioner", "multilevel_rediscretised"), ("dirichlet", "ghosts")):
             with self.subTest(key):
                 done = self.treacle("check", scene, *harness.overrides(ISPH), "--set", "method.pressure.solid_term=unknowns",
                                     "--set", f"method.pressure.{key}={value}", code=2)

@@ -72,7 +72,7 @@ class ViscousFlows(Workplace):
         for exponent, consistency in ((0.5, 2000), (1.5, 1e5)):
             y, u = self.velocities(f"power_{exponent}", thick_film(
                 liquids__0__viscosity=consistency, liquids__0__rheology__law="power_law",
-                liquids__0__rheology__exponent=exponent, liquids__0__rheology__least_shear_rate=1e-5))
+                liquids__0__rheology__exponent=exponent, liquids__0__rheology__min_shear_rate=1e-5))
             power = 1 + 1 / exponent
             steady = (1000 * PULL / consistency) ** (1 / exponent) / power * (HEIGHT ** power - (HEIGHT - y) ** power)
             self.assert_follows(u, steady, 0.02)  # seen 0.3 and 0.1 %

@@ -51,7 +51,7 @@ liquids:
 bodies:
   - {{name: left, slip: no_slip, shape: {{box: {{min: [0, 0.048], max: [0.052, 0.06]}}}}}}
   - {{name: right, slip: no_slip, shape: {{box: {{min: [0.068, 0.048], max: [0.12, 0.06]}}}}}}
-lost_limit: 1
+max_lost_fraction: 1
 method: grid
 measurements:
   - {{name: level, kind: height, position: [0.02, 0.06], axis: y}}

@@ -25,7 +25,7 @@ liquids:
   - name: syrup
     density: {density}
     viscosity: {viscosity}
-    around_bodies: true
+    subtract_bodies: true
     shapes: [{{box: {{min: [0, 0, 0], max: [{length}, {length}, {length}]}}}}]
 bodies:
   - {{name: ball, shape: {{sphere: {{centre: [{centre}, {centre}, {centre}], radius: {radius}}}}}, slip: no_slip}}

@@ -51,7 +51,7 @@ def no_inverse_crime(context, viscosities):
     return Figure("; ".join(texts), worst <= 0.05 and outside == 0)
 
 
-@TABLE.row("no inverse crime, in the plane", claim="1, 10, 100 Pa s, film at 2.8 times the search's resolution, other steps, half a frame off",
+@TABLE.row("no inverse crime, in 2D", claim="1, 10, 100 Pa s, film at 2.8 times the search's resolution, other steps, half a frame off",
            asked="error <= 5 %, truth inside the 90 % interval")
 def plane(context):
     return no_inverse_crime(context, [10] if context.quick else [1, 10, 100])

@@ -18,7 +18,7 @@ domain:
   spacing: {spacing}
   boundaries: {{{sides}: {{slip: no_slip}}}}
 liquids:
-  - {{name: liquid, density: {density:g}, viscosity: 10 Pa.s, around_bodies: true, shapes: [{liquid}]}}
+  - {{name: liquid, density: {density:g}, viscosity: 10 Pa.s, subtract_bodies: true, shapes: [{liquid}]}}
 bodies:
   - name: container
     slip: no_slip

@@ -175,7 +175,7 @@ def figure(found, asked):
 
 
 def add_rows(table):
-    @table.row("interval honest, in the plane", claim="20 viscosities of 0.3 to 30 Pa s, 10 films each at 2 times the finest rung's resolution",
+    @table.row("interval honest, in 2D", claim="20 viscosities of 0.3 to 30 Pa s, 10 films each at 2 times the finest rung's resolution",
                asked="90 % holds the truth in 165 to 192 of 200, 50 % in 80 to 120; z: s.d. 0.75 to 1.3, mean within 0.3; half-width <= 6 % (median); no viscosity missed in more "
                "than 5 of its 10; pixels as independent fail")
     def plane(context):
@@ -183,7 +183,7 @@ def add_rows(table):
         setting = Setting(PLANE, (0.13, 0.05, 0.6), (0.13, 0.05, 0), (0, 1, 0), 28, 0.56, 1.75, (7, 5, 3.5))
         return figure(trials(context, setting, "plane", count, films, 17), Asked(200, (165 / 200, 192 / 200), (0.4, 0.6), (0.75, 1.3), 0.3, 0.5))
 
-    @table.row("interval honest, in space", claim="block of 7 x 7 x 4 cm, 20 viscosities of 0.3 to 30 Pa s, 5 films each at 2 mm, search to 3 mm",
+    @table.row("interval honest, in 3D", claim="block of 7 x 7 x 4 cm, 20 viscosities of 0.3 to 30 Pa s, 5 films each at 2 mm, search to 3 mm",
                asked="90 % holds the truth in 80 to 97 of 100; half-width <= 6 % (median); pixels as independent fail")
     def space(context):
         count, films = (3, 1) if context.quick else (20, 5)

@@ -14,7 +14,7 @@ domain:
   spacing: {spacing}
   boundaries: {{x_min: {{slip: no_slip}}, x_max: {{slip: no_slip}}, y_min: {{slip: no_slip}}, y_max: {{slip: no_slip}}, z_min: {{slip: no_slip}}, z_max: {{slip: no_slip}}}}
 liquids:
-  - {{name: oil, density: 970.79, viscosity: 1.03 Pa.s, around_bodies: true, shapes: [{{box: {{min: [0, 0, 0], max: [{width}, {width}, {height}]}}}}]}}
+  - {{name: oil, density: 970.79, viscosity: 1.03 Pa.s, subtract_bodies: true, shapes: [{{box: {{min: [0, 0, 0], max: [{width}, {width}, {height}]}}}}]}}
 bodies:
   - {{name: ball, {motion}, slip: no_slip, shape: {{sphere: {{centre: [{middle}, {middle}, {start}], radius: {radius}}}}}}}
 method: {{kind: grid, grid: {{stokes: {{solve: together}}}}}}

@@ -27,7 +27,7 @@ domain:
   gravity: [0, -9.81, 0]
   boundaries: {{x_min: {{slip: no_slip}}, y_min: {{slip: no_slip}}, x_max: open, y_max: open, z_min: open, z_max: open}}
 liquids:
-  - {{name: liquid, density: 1000, viscosity: 5 Pa.s, around_bodies: true, shapes: [{{box: {{min: [0, 0, 0], max: [{width}, {height}, {depth}]}}}}]}}
+  - {{name: liquid, density: 1000, viscosity: 5 Pa.s, subtract_bodies: true, shapes: [{{box: {{min: [0, 0, 0], max: [{width}, {height}, {depth}]}}}}]}}
 bodies:
   - {{name: right, slip: no_slip, shape: {{box: {{min: [-0.01, -0.01, {behind}], max: [{width}, 0.2, 0]}}}}}}
   - {{name: left, slip: no_slip, shape: {{box: {{min: [-0.01, -0.01, {depth}], max: [{width}, 0.2, {before}]}}}}}}

@@ -26,7 +26,7 @@ def overrides(context, **more):
         "output.fields": "[velocity, pressure, role]",
         "output.interval": STEPS * STEP,
         "output.checkpoint_interval": 0,
-        "lost_limit": 0,
+        "max_lost_fraction": 0,
         **more,
     }
 

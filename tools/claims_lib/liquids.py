@@ -32,7 +32,7 @@ def stability(context):
 
 def momentum(context):
     """On 1, 2, 3 and 4 ranks, with solids: the tests hold the sums to 1e-12 and the matrix to its transpose."""
-    return gtest_on_ranks(context, "sph_ranks_test", "Mixture.*", at_least=9)
+    return gtest_on_ranks(context, "sph_ranks_test", "ImmiscibleLiquids.*", at_least=9)
 
 
 def add_rows(table):

@@ -7,7 +7,7 @@ from .table import Figure, Table
 
 TABLE = Table("pressure")
 RANKS = 2
-DEFAULT, GRIDS, PLAIN = "multilevel", "multilevel_grids", "none"
+DEFAULT, GRIDS, PLAIN = "multilevel", "multilevel_rediscretised", "none"
 SIZES, QUICK_SIZES = (124_000, 1_000_000, 3_400_000), (15_000, 60_000, 124_000)
 # Reference for the dissertation's variant: 62,000 irregular particles, weight 2/3, lambda 1.2.
 GRIDS_PARTICLES, GRIDS_ITERATIONS = 62_000, {1e-4: 16, 1e-6: 23}

@@ -61,7 +61,7 @@ def lost_liquid(context):
                     scene = folder / "scene.yaml"
                     scene.write_text(FLYING.format(kind=kind, side=side, outlets=outlets))
                     run = run_scene(context, scene, folder / "run", ranks=ranks, expect=None)
-                    ok = ok and run.finished.code == wanted and (wanted == 0) == ("lost_limit" not in run.finished.output)
+                    ok = ok and run.finished.code == wanted and (wanted == 0) == ("max_lost_fraction" not in run.finished.output)
                     found.append(f"{kind} {name} {run.finished.code}")
     return Figure("exit codes, on 1 to 3 ranks: " + ", ".join(dict.fromkeys(found)), ok)
 

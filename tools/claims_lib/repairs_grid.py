@@ -14,7 +14,7 @@ schema_version: 1
 title: Water seeded off the walls
 domain: {{min: [0, 0, 0], max: [0.36, 0.36, 0.4], spacing: 2 cm}}
 liquids:
-  - {{name: water, density: 1000, viscosity: 1 mPa.s, around_bodies: true, shapes: [{{box: {{min: {low}, max: {high}}}}}]}}
+  - {{name: water, density: 1000, viscosity: 1 mPa.s, subtract_bodies: true, shapes: [{{box: {{min: {low}, max: {high}}}}}]}}
 method: {{kind: grid}}
 time: {{end: {end}}}
 output: {{interval: 0}}
@@ -46,7 +46,7 @@ schema_version: 1
 title: A free-slip drum turns around liquid at rest
 domain: {{dimensions: 2, min: [-0.25, -0.25], max: [0.25, 0.25], spacing: {spacing}, gravity: [0, 0]}}
 liquids:
-  - {{name: syrup, density: 1000, viscosity: {viscosity}, around_bodies: true, shapes: [{{sphere: {{centre: {centre}, radius: 0.2}}}}]}}
+  - {{name: syrup, density: 1000, viscosity: {viscosity}, subtract_bodies: true, shapes: [{{sphere: {{centre: {centre}, radius: 0.2}}}}]}}
 bodies:
   - name: drum
     kind: kinematic

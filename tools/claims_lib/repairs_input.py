@@ -14,7 +14,7 @@ RANKS = (1, 2, 3)
 
 PLANE = """schema_version: 1
 domain: {{dimensions: 2, min: [-0.25, -0.25], max: [0.25, 0.25], spacing: 1 cm, gravity: [0, 0]}}
-liquids: [{{name: w, density: 1000, viscosity: 100, around_bodies: true, shapes: [{{sphere: {{centre: [0, 0], radius: 0.2}}}}]{liquid}}}]
+liquids: [{{name: w, density: 1000, viscosity: 100, subtract_bodies: true, shapes: [{{sphere: {{centre: [0, 0], radius: 0.2}}}}]{liquid}}}]
 bodies: [{{name: drum, kind: kinematic, slip: no_slip, shape: {{sphere: {{centre: [0, 0], radius: 0.2, inverted: true}}}}, {body}}}]
 {more}
 method: {{kind: {method}}}

@@ -58,7 +58,7 @@ OFF_LATTICE = """
 schema_version: 1
 title: Oil between plates off the lattice
 domain: {{dimensions: 2, min: [0, -0.05], max: [0.4, 0.16], spacing: 5 mm, gravity: [10, 0], boundaries: {{x_min: periodic, x_max: periodic}}}}
-liquids: [{{name: oil, density: 1000, viscosity: 100, around_bodies: true, shapes: [{{box: {{min: [0, -0.04], max: [0.4, 0.15]}}}}]}}]
+liquids: [{{name: oil, density: 1000, viscosity: 100, subtract_bodies: true, shapes: [{{box: {{min: [0, -0.04], max: [0.4, 0.15]}}}}]}}]
 bodies:
   - {{name: low, slip: no_slip, shape: {{plane: {{point: [0, {low}], normal: [0, 1]}}}}}}
   - {{name: high, slip: no_slip, shape: {{plane: {{point: [0, {high}], normal: [0, -1]}}}}}}
@@ -71,7 +71,7 @@ schema_version: 1
 title: A rotor turns in a cup
 method: {{kind: sph}}
 domain: {{dimensions: {dimensions}, min: {low}, max: {high}, spacing: {spacing}, gravity: {gravity}}}
-liquids: [{{name: oil, density: 1000, viscosity: 100, shapes: [{{box: {{min: {low}, max: {high}}}}}], around_bodies: true}}]
+liquids: [{{name: oil, density: 1000, viscosity: 100, shapes: [{{box: {{min: {low}, max: {high}}}}}], subtract_bodies: true}}]
 bodies:
   - {{name: cup, slip: no_slip, shape: {{sphere: {{centre: {centre}, radius: 0.2, inverted: true}}}}}}
   - {{name: rotor, slip: no_slip, kind: kinematic, angular_velocity: [0, 0, 1], shape: {{sphere: {{centre: {centre}, radius: 0.1}}}}}}

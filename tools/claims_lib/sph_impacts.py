@@ -38,7 +38,7 @@ bodies:
   - {{name: c, kind: dynamic, density: 2000, velocity: [0, 0, -2], shape: {{box: {{min: [0.4, 0.4, 0.06], max: [0.6, 0.6, 0.26]}}}}}}
 time: {{end: 0.3}}
 output: {{interval: 0.05}}
-lost_limit: 1
+max_lost_fraction: 1
 """
 
 RANGE = """
@@ -51,7 +51,7 @@ liquids:
 method: {{kind: sph}}
 time: {{end: {end}}}
 output: {{interval: {end}}}
-lost_limit: 1
+max_lost_fraction: 1
 """
 
 WHATS = ("the floor", "the floor flat", "a pool", "a falling block", "a static body", "a plate that rises", "a dynamic body")

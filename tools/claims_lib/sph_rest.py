@@ -73,7 +73,7 @@ LIGHT = """
 schema_version: 1
 title: A light disc is let go under water
 domain: {{dimensions: 2, min: [-0.4, -0.4], max: [0.4, 0.45], spacing: {spacing}}}
-liquids: [{{name: water, density: 1000, viscosity: 1 mPa.s, around_bodies: true, shapes: [{{box: {{min: [-0.4, -0.4], max: [0.4, 0.4]}}}}]}}]
+liquids: [{{name: water, density: 1000, viscosity: 1 mPa.s, subtract_bodies: true, shapes: [{{box: {{min: [-0.4, -0.4], max: [0.4, 0.4]}}}}]}}]
 bodies: [{{name: b, kind: dynamic, density: {density}, shape: {{sphere: {{centre: [0, 0], radius: 0.05}}}}}}]
 method: {{kind: sph}}
 time: {{end: 0.04}}

@@ -52,7 +52,7 @@ liquids:
 time: {end: 0.6, rule: fixed, step: $step}
 output: {interval: $interval}
 method: {pressure: {wall_contact: none}} # to count what pressures alone do not hold
-lost_limit: 0.001
+max_lost_fraction: 0.001
 """
 DROP_EDGE = 0.525  # [m]
 

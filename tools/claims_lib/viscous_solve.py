@@ -135,7 +135,7 @@ def stability(context):
         for viscosity, step in ((1000, 1.3e-3), (50000, EXPLICIT_STEP)):
             run = drop(context, folder, f"explicit_{viscosity}",
                        {"liquids.bunny.viscosity": viscosity, "time.rule": "fixed", "time.step": step,
-                        "method.viscosity.integration": "explicit", "method.viscosity.form": "printed"}, expect=2)
+                        "method.viscosity.integration": "explicit", "method.viscosity.form": "as_published"}, expect=2)
             named = "above the limit of the explicit viscosity" in run.finished.output
             ok = ok and named
             parts.append(f"explicit {viscosity} Pa s, {1e3 * step:g} ms: {'refused' if named else 'NOT REFUSED'}")
@@ -146,7 +146,7 @@ def against_explicit(context):
     """Both from rest above the floor to the same time; quick: the explicit one's steps are counted on."""
     end = 0.2
     explicit = {"time.rule": "fixed", "time.step": EXPLICIT_STEP, "method.viscosity.integration": "explicit",
-                "method.viscosity.form": "printed", "time.end": 0.002 if context.quick else end}
+                "method.viscosity.form": "as_published", "time.end": 0.002 if context.quick else end}
     with scratch(context, "explicit") as folder:
         seconds = float(seconds_of(drop(context, folder, "ours", {"time.end": end}).steps()).sum())
         theirs = float(seconds_of(drop(context, folder, "explicit", explicit).steps()).mean()) * end / EXPLICIT_STEP

@@ -88,7 +88,7 @@ def thinning(context):
         for exponent, consistency in ((0.5, 2000), (1.5, 1e5)):
             y, u = flow(context, folder / f"{exponent:g}", time__end=0.4, liquids__0__viscosity=consistency,
                         liquids__0__rheology__law="power_law", liquids__0__rheology__exponent=exponent,
-                        liquids__0__rheology__least_shear_rate=1e-5)
+                        liquids__0__rheology__min_shear_rate=1e-5)
             power = 1 + 1 / exponent
             exact = (DENSITY * 0.2 / consistency) ** (1 / exponent) / power * (1 - (1 - y) ** power)
             parts.append(f"n = {exponent:g}: {100 * off(u, exact):.2f} %")

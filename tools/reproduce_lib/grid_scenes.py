@@ -73,7 +73,7 @@ PILE_UP = {
 def figure_5_6(context, results):
     from .costs import FRAME
 
-    settings = {"output.interval": 0.1, CORRECTION + "slack": 0, "domain.spacing": context.pick(0.01, 0.025, 0.05)}
+    settings = {"output.interval": 0.1, CORRECTION + "dead_band": 0, "domain.spacing": context.pick(0.01, 0.025, 0.05)}
     if context.smallest:
         settings["time.end"] = 0.02
     rows, curves = [], []

@@ -28,7 +28,7 @@ liquids:
   viscosity: {{artificial: 0.3}}
 time: {{end: {end}, rule: fixed, step: {step}}}
 output: {{interval: 0}}
-lost_limit: 0.005
+max_lost_fraction: 0.005
 """
 CUBE = """  - name: cube_{number}
     kind: dynamic
@@ -65,7 +65,7 @@ def figure_3_8(context, results):
     for scene, path in scenes.items():
         for share in SHARES:
             _, found = iterations(context, results, path, f"{scene.replace(' ', '_')}-{share}",
-                                  {KEY + "solver": "isph", KEY + "preconditioner": "multilevel_grids", FACTOR: share * BEST_FACTOR,
+                                  {KEY + "solver": "isph", KEY + "preconditioner": "multilevel_rediscretised", FACTOR: share * BEST_FACTOR,
                                    KEY + "density_error": DENSITY_ERROR, "time.end": end, "output.interval": 0,
                                    "domain.spacing": spacing[scene]})
             means[scene, share] = mean(found) if found else "failed"
@@ -98,7 +98,7 @@ STOP = {KEY + "stop": "residual", KEY + "residual": 1e-4}
 @entry("figure-3.12", "Iterations over a double dam break, with cubes that the water carries and without", quick=180)
 def figure_3_12(context, results):
     spacing, end = context.pick((0.0075, 2.0), (0.02, 0.8), (0.04, 0.02))
-    solvers, scenes = ("multilevel", "multilevel_grids"), {"with cubes": cubes(), "without": ""}
+    solvers, scenes = ("multilevel", "multilevel_rediscretised"), {"with cubes": cubes(), "without": ""}
     rows, lines = [], []
     for name, bodies in scenes.items():
         scene = results.folder / "runs" / f"{name.replace(' ', '_')}.yaml"

@@ -11,7 +11,7 @@ from .iterations import BEST_FACTOR, FACTOR, KEY
 ISPH = {KEY + "solver": "isph"}
 PROFILE = {
     "multilevel": SOLVERS["multilevel"],
-    "multilevel_grids": {**ISPH, KEY + "preconditioner": "multilevel_grids"},
+    "multilevel_rediscretised": {**ISPH, KEY + "preconditioner": "multilevel_rediscretised"},
     "CG": {**ISPH, KEY + "preconditioner": "none"},
     "ICCG": {**ISPH, KEY + "preconditioner": "incomplete_cholesky"},
     "SORCG": {**ISPH, KEY + "preconditioner": "sor_jacobi", KEY + "relaxation": 1.2},
@@ -20,7 +20,7 @@ PROFILE = {
     "DFSPH": SOLVERS["dfsph"],
 }
 # Times over those of the dissertation's own solver, to a density error of 0.01 %; 3.4 million particles, 24 cores.
-DISSERTATION_TIMES = {"multilevel_grids": 1.0, "CG": 4.0, "IISPH": 12.0}
+DISSERTATION_TIMES = {"multilevel_rediscretised": 1.0, "CG": 4.0, "IISPH": 12.0}
 OVER_A_RUN = {"IISPH": 7.5, "CG": 2.3, "multilevel": 1.0}  # likewise, in a run of a million particles
 # The dissertation's sizes, and ours with --quick.
 SIZES, QUICK_SIZES, SMALLEST_SIZES = (123_500, 1_000_000, 3_400_000), (15_000, 60_000, 124_000), (1_000, 2_000)
@@ -59,7 +59,7 @@ def over_time(context, results):
 def residuals(context, results):
     rows = []
     for size in context.pick(SIZES, QUICK_SIZES, SMALLEST_SIZES):
-        report = pressure_bench(context, size, ["multilevel", "multilevel_grids", "none"], [1e-6], ranks=results.ranks)
+        report = pressure_bench(context, size, ["multilevel", "multilevel_rediscretised", "none"], [1e-6], ranks=results.ranks)
         for solve in report["solves"]:
             name = {"none": "CG"}.get(solve["preconditioner"], solve["preconditioner"])
             rows += [[name, report["rows"], k, residual, seconds] for k, (residual, seconds) in
@@ -73,9 +73,9 @@ def figure_3_9(context, results):
     costs = time_to_error(context, results)
     at = {name: row for row in costs for name in [row[0]] if row[2] == DENSITY_ERROR}
     results.table("to-an-error", ["solver", "particles", "density error", "iterations", "pressure [s/step]"], costs)
-    results.table("figure-3.9", ["solver", "iterations to 0.01 %", "time over multilevel", "over multilevel_grids",
+    results.table("figure-3.9", ["solver", "iterations to 0.01 %", "time over multilevel", "over multilevel_rediscretised",
                                  "theirs: over their grids"],
-                  [[name, row[3], row[4] / at["multilevel"][4], row[4] / at["multilevel_grids"][4],
+                  [[name, row[3], row[4] / at["multilevel"][4], row[4] / at["multilevel_rediscretised"][4],
                     DISSERTATION_TIMES.get(name)] for name, row in at.items()])
     spent = over_time(context, results)
     results.curves("over-time", ["solver", "time [s]", "pressure [s]", "solve [s]"], spent)
@@ -88,14 +88,14 @@ def figure_3_9(context, results):
     sizes = sorted({row[1] for row in histories})
     results.table("iterations", ["solver", *(f"{size} unknowns" for size in sizes)],
                   [[name, *(max(row[2] for row in histories if row[:2] == [name, size]) for size in sizes)]
-                   for name in ("multilevel", "multilevel_grids", "CG")])
+                   for name in ("multilevel", "multilevel_rediscretised", "CG")])
     with results.figure("figure-3.9", columns=3, rows=2) as panels:
         draw_errors(panels[0][0], panels[0][1], costs, at)
         draw_times(panels[1][0], spent)
         draw_residuals(panels[1][1], histories)
-        names = ("multilevel_grids", "CG", "IISPH")
-        bars(panels[0][2], names, [at[name][4] / at["multilevel_grids"][4] for name in names],
-             [DISSERTATION_TIMES[name] for name in names], "time to 0.01 % over that of multilevel_grids")
+        names = ("multilevel_rediscretised", "CG", "IISPH")
+        bars(panels[0][2], names, [at[name][4] / at["multilevel_rediscretised"][4] for name in names],
+             [DISSERTATION_TIMES[name] for name in names], "time to 0.01 % over that of multilevel_rediscretised")
         bars(panels[1][2], list(OVER_A_RUN), [sums[name][0] / sums["multilevel"][0] for name in OVER_A_RUN],
              list(OVER_A_RUN.values()), "pressure solve over a run, over multilevel (theirs: their grids)")
 
@@ -139,7 +139,7 @@ DIVERGED = 1e3                                    # residuals beyond are not dra
 def figure_3_6(context, results):
     size, sweeps, rows = context.pick(300_000, 15_000, 1_000), 40, []
     for share in context.pick(*2 * [(0.125, 0.25, 0.5, 1.0, 2.0, 4.0)], (0.125, 1.0)):
-        report = pressure_bench(context, size, ["multilevel_grids"], [1e-6], ranks=results.ranks, sweeps=sweeps,
+        report = pressure_bench(context, size, ["multilevel_rediscretised"], [1e-6], ranks=results.ranks, sweeps=sweeps,
                                 overrides={FACTOR: share * BEST_FACTOR})
         for kind, history in (("V-cycle", report["preconditioners"][0]["sweeps"]), ("MGCG", report["solves"][0]["history"])):
             rows += [[kind, share, k, residual] for k, residual in enumerate(history["residuals"])]

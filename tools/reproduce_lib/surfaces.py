@@ -24,7 +24,7 @@ liquids:
 {bodies}time: {{end: 0.6, rule: fixed, step: $step}}
 output: {{interval: $interval}}
 method: {{pressure: {{wall_contact: none}}}} # to count what pressures alone do not hold
-lost_limit: 0.001
+max_lost_fraction: 0.001
 """
 BODY = "bodies:\n  - name: solid\n    shape:\n      {shape}\n"
 

@@ -1,6 +1,6 @@
 #include "app/bench/bench.hpp"
 
-#include "app/bench/bench_figures.hpp"
+#include "app/bench/bench_results.hpp"
 #include "app/bench/bench_scene.hpp"
 #include "app/run/time_loop.hpp"
 #include "app/setup/build_scene.hpp"
@@ -149,7 +149,7 @@ ExitCode run_bench(const Comm& comm, const BenchRequest& request) {
     const double before = peak_memory();
     fill_solver(input, geometry, *solver);
 
-    BenchFigures figures;
+    BenchResults figures;
     figures.kind = kind_word(request.kind);
     figures.ranks = comm.size();
     figures.threads = Execution().concurrency();

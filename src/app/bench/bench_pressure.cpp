@@ -1,6 +1,6 @@
 #include "app/bench/bench_pressure.hpp"
 
-#include "app/bench/bench_figures.hpp"
+#include "app/bench/bench_results.hpp"
 #include "app/bench/bench_scene.hpp"
 #include "app/setup/build_scene.hpp"
 #include "base/text/clock.hpp"
@@ -196,7 +196,7 @@ void PressureBench::measure(solve::Matrix& matrix) {
     entries_ = comm_.sum(matrix.entries());
     particles_ = comm_.sum(std::int64_t{step_.liquid().store.owned()});
     auto names = request_.preconditioners;
-    if (names.empty()) names = {"multilevel", "multilevel_grids", "jacobi"};
+    if (names.empty()) names = {"multilevel", "multilevel_rediscretised", "jacobi"};
     auto residuals = request_.residuals;
     if (residuals.empty()) residuals = {1e-3, 1e-4, 1e-6};
     const auto& setup = step_.setup();

@@ -101,7 +101,7 @@ private:
             grid.centre(c, x.data());
             if (scene.liquid(x) < 0) cells.insert(cells.end(), c, c + 3);
         }
-        decomposition.recut(cells, std::vector<double>(cells.size() / 3, 1.0));
+        decomposition.repartition(cells, std::vector<double>(cells.size() / 3, 1.0));
     }
     void build_fractions(const Scene& scene) {
         const grid::FineNodes nodes(grid, halo.window());

@@ -52,7 +52,7 @@ ExitCode check_scene(const Comm& comm, const CheckRequest& request) {
     Geometry geometry;
     comm.guard([&] { geometry = look_at(comm, request, input); });
     comm.guard_root([&] {
-        Log log(Voice::speaks);
+        Log log(LogOutput::enabled);
         const auto preview = make_preview(input, geometry);
         for (const auto& line : check_report({input, geometry, request.source.scene, comm.size(), preview})) {
             log.line(line);

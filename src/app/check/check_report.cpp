@@ -69,8 +69,8 @@ std::string edges(const Vec3& min, const Vec3& max, int dimensions) {
 }
 
 std::string side_text(const scene::Face& face) {
-    if (face.kind == scene::FaceKind::open) return face.outflow ? "open, liquid may leave" : "open";
-    if (face.kind == scene::FaceKind::periodic) return "periodic";
+    if (face.kind == scene::BoundaryKind::open) return face.outflow ? "open, liquid may leave" : "open";
+    if (face.kind == scene::BoundaryKind::periodic) return "periodic";
     std::string out = face.slip == scene::Slip::no_slip ? "no-slip wall" : "free-slip wall";
     if (face.slip == scene::Slip::slip_length) out = "wall with a slip length of " + short_number(face.slip_length) + " m";
     const auto& v = face.velocity;
@@ -93,7 +93,7 @@ void Report::domain() {
         row(names[k], side_text(domain.faces[k]));
     }
     for (std::size_t k = 0; k < static_cast<std::size_t>(domain.dimensions); ++k) {
-        const auto is_wall = [&](std::size_t side) { return domain.faces[side].kind == scene::FaceKind::wall; };
+        const auto is_wall = [&](std::size_t side) { return domain.faces[side].kind == scene::BoundaryKind::wall; };
         if (is_wall(2 * k) && is_wall(2 * k + 1) &&
             !at_.geometry.lattice.fits(static_cast<int>(k))) {
             warn(
@@ -111,8 +111,8 @@ void Report::meshes(const scene::SolidRegion& region, const std::string& owner) 
                     " triangles, " + edges(report.bounds.min, report.bounds.max, 3) + ", volume " +
                     volume_text(report.volume, 3));
         for (const auto& note : report.notes()) row("", note);
-        if (report.thinnest < scene().domain.spacing) {
-            const auto [given, spacing] = tell_apart(report.thinnest, scene().domain.spacing);
+        if (report.thickness_p01 < scene().domain.spacing) {
+            const auto [given, spacing] = tell_apart(report.thickness_p01, scene().domain.spacing);
             warn(owner + ": its mesh is in places thinner than the spacing (" + given + " m, " + spacing +
                  " m): refine domain.spacing or thicken it");
         }
@@ -174,7 +174,7 @@ void Report::inflow() {
                             short_number(inlet.speed) + " m/s, " + std::to_string(inlet.points.size()) + " particles across");
         row("", "from " + short_number(inlet.start) + " s to " +
                     (inlet.end > 0 ? short_number(inlet.end) + " s" : std::string("the end")) + ", " +
-                    grouped(poured_particles(at_.input, inlet)) + " particles by the end");
+                    grouped(inflow_particles(at_.input, inlet)) + " particles by the end");
     }
 }
 
@@ -263,7 +263,7 @@ void Report::warnings() {
              " % of it is thinner than three spacings: refine domain.spacing");
     }
     for (const auto& note : at_.geometry.notes) warn(note);
-    for (const auto& note : body_notes(at_.input, at_.geometry)) warn(note);
+    for (const auto& note : body_warnings(at_.input, at_.geometry)) warn(note);
     for (const auto& note : method_notes(at_.input)) warn(note);
     for (const auto& note : inflow_notes(at_.input)) warn(note);
     for (const auto& text : warnings_) lines_.push_back("warning: " + text);

@@ -18,11 +18,11 @@ double shear_rate(const std::array<Vec3, 3>& gradient) {
 }
 
 // Viscosity of a liquid at a shear rate [Pa s].
-double viscosity_at(const Input& input, const std::vector<flow::FlowCurve>& curves, std::size_t liquid, double rate) {
+double viscosity_at(const Input& input, const std::vector<flow::ViscosityModel>& curves, std::size_t liquid, double rate) {
     return curves.empty() ? input.scene.liquids[liquid].viscosity : curves[liquid](rate);
 }
 
-void add_frame(const Input& input, const std::vector<flow::FlowCurve>& curves, const io::Frame& frame, identify::ShearRates& out) {
+void add_frame(const Input& input, const std::vector<flow::ViscosityModel>& curves, const io::Frame& frame, identify::ShearRates& out) {
     constexpr std::int64_t sampled = 2000;
     const auto* velocity = frame.find("velocity");
     if (!velocity || frame.size() == 0) return;
@@ -44,7 +44,7 @@ RunShearRates run_shear_rates(const Comm& comm, const RunView& run) {
     constexpr std::size_t size = identify::ShearRates::bins + 1; // numbers of a frame: its place, its weights
     std::vector<double> mine;
     comm.guard([&] {
-        const auto curves = flow_curves(run.input);
+        const auto curves = viscosity_models(run.input);
         for (std::size_t k = 1 + std::size_t(comm.rank()); k < run.frames.size(); k += std::size_t(comm.size())) {
             identify::ShearRates frame;
             add_frame(run.input, curves, io::read_frame(run.frame(k)), frame);

@@ -45,7 +45,7 @@ ExitCode export_frames(const Comm& comm, const ExportRequest& request) {
             io::export_particles(job.out / name, io::read_frame(job.frames[i]), format);
         }
     });
-    Log log(comm.is_root() ? Voice::speaks : Voice::silent);
+    Log log(comm.is_root() ? LogOutput::enabled : LogOutput::disabled);
     log.line(std::to_string(job.frames.size()) + (job.frames.size() == 1 ? " frame" : " frames") + " to " +
              (job.out.empty() ? "." : job.out.string()) + " as " + request.format);
     return ExitCode::ok;

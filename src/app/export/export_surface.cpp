@@ -116,7 +116,7 @@ ExitCode export_surface(const Comm& comm, const SurfaceRequest& request) {
     choice.options.min_volume = request.min_volume;
     if (!request.box.empty()) choice.box = read_box(request.box);
     comm.guard_root([&] { make_output_folder(out); });
-    Log log(comm.is_root() ? Voice::speaks : Voice::silent);
+    Log log(comm.is_root() ? LogOutput::enabled : LogOutput::disabled);
     bool sound = true;
     std::int64_t done = 0;
     const auto all = frames.size() * liquids.size();

@@ -90,7 +90,7 @@ void show_piv(const std::filesystem::path& path, Log& log) {
 } // namespace
 
 ExitCode show_info(const Comm& comm, const std::filesystem::path& path) {
-    Log log(comm.is_root() ? Voice::speaks : Voice::silent);
+    Log log(comm.is_root() ? LogOutput::enabled : LogOutput::disabled);
     std::string kind;
     comm.guard_root([&] {
         if (!std::filesystem::exists(path)) {

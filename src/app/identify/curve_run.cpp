@@ -76,10 +76,10 @@ MeasuredCurve read_measured_curve(const std::string& argument, const identify::S
 }
 
 std::vector<std::string> keys_of_law(const identify::CurveFit& law, const std::string& liquid, const scene::Rheology& rheology) {
-    const bool yields = rheology.law == scene::ShearLaw::herschel_bulkley, powers = yields || rheology.law == scene::ShearLaw::power_law;
+    const bool yields = rheology.law == scene::ViscosityModelKind::herschel_bulkley, powers = yields || rheology.law == scene::ViscosityModelKind::power_law;
     std::string block = "law: herschel_bulkley, exponent: " + digits(law.exponent, 6) + ", yield_stress: " + digits(law.yield_stress, 6) + " Pa";
     if (yields) block += ", regularisation_time: " + format_number(rheology.regularisation_time) + " s";
-    if (powers) block += ", least_shear_rate: " + format_number(rheology.least_shear_rate) + " 1/s";
+    if (powers) block += ", min_shear_rate: " + format_number(rheology.min_shear_rate) + " 1/s";
     return {"liquids." + liquid + ".viscosity=" + digits(law.consistency, 6) + " Pa.s", "liquids." + liquid + ".rheology={" + block + "}"};
 }
 

@@ -1,7 +1,7 @@
 #include "app/identify/flow_curve_bands.hpp"
 
 #include "app/identify/identified_liquids.hpp"
-#include "flow/flow_curve.hpp"
+#include "flow/viscosity_model.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -13,13 +13,13 @@ constexpr double least_rate = 0.01, most_rate = 1000; // [1/s]
 constexpr int points = 31;
 
 // The curve of a liquid at given values of the searched parameters; nothing where no scene has the liquid.
-std::optional<flow::FlowCurve> curve_at(const identify::StudyFile& file, const std::string& liquid, const std::vector<double>& searched) {
+std::optional<flow::ViscosityModel> curve_at(const identify::StudyFile& file, const std::string& liquid, const std::vector<double>& searched) {
     const auto found = liquid_at(file, liquid, searched);
     if (!found) return {};
-    return flow::make_flow_curve(*found);
+    return flow::make_viscosity_model(*found);
 }
 
-identify::FlowCurveBand band_of(const identify::StudyFile& file, const identify::Identification& found, const std::string& liquid, const flow::FlowCurve& curve) {
+identify::FlowCurveBand band_of(const identify::StudyFile& file, const identify::Identification& found, const std::string& liquid, const flow::ViscosityModel& curve) {
     constexpr double ninety = 1.6449;
     identify::FlowCurveBand out;
     out.liquid = liquid;

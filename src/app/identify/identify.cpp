@@ -31,7 +31,7 @@ IdentifiedStudy identified_study(const IdentifyRequest& request) {
     identify::check_searched(file, scenes.reader());
     const auto priors = experiment_priors(file);
     out.folder = study_folder(file.study.path, request.out);
-    Log log(Voice::speaks);
+    Log log(LogOutput::enabled);
     study::check_launcher(file.study);
     study::StudyRuns runs(file.study, {out.folder, this_program(), {}}, log);
     out.answer = identify::identify(file, priors, runs, scenes.reader(), log);
@@ -50,7 +50,7 @@ IdentifiedStudy identified_study(const IdentifyRequest& request) {
 ExitCode identify_study(const IdentifyRequest& request) {
     const auto [file, found, measured, compared, folder, folder_of] = identified_study(request);
     if (found.end == study::StudyEnd::stopped) return ExitCode::stopped;
-    Log log(Voice::speaks);
+    Log log(LogOutput::enabled);
     const auto curves = flow_curve_bands(file, found, folder_of, measured);
     identify::ReportParts parts{curves, identified_materials(file, found, curves), {}, compared};
     if (request.hidden) parts.hidden = draw_hidden_fields(folder / "report", file, found, folder_of, log);

@@ -159,7 +159,7 @@ ExitCode propose_next(const NextRequest& request) {
     const double burden = told_by_films.ldlt().solve(found.answer.covariance).trace() / double(file.searched);
     const double variance = std::max(1.0, burden) * identify::segment_variance(*found.answer.estimate, kinds);
     const double now = identify::band_half_width(found.answer.covariance, slopes);
-    Log log(Voice::speaks);
+    Log log(LogOutput::enabled);
     for (const auto& line : identify::trade_lines(file, found.answer)) log.line(line);
     std::vector<Row> rows;
     for (const auto& set_up : file.candidates) {

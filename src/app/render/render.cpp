@@ -294,7 +294,7 @@ ExitCode render_run(const Comm& comm, const RenderRequest& request) {
     Painter painter(comm, request, job);
     const auto out = request.out.empty() ? job.run.folder.root / "pictures" : request.out;
     comm.guard_root([&] { make_output_folder(out); });
-    Log log(comm.is_root() ? Voice::speaks : Voice::silent);
+    Log log(comm.is_root() ? LogOutput::enabled : LogOutput::disabled);
 
     std::optional<MovieMaker> movie;
     const bool wanted =

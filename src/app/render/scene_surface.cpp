@@ -14,8 +14,8 @@ surface::Domain surface_domain(const Input& input) {
     out.max = domain.max;
     for (std::size_t k = 0; k < 6; ++k) {
         const auto kind = domain.faces[k].kind;
-        out.sides[k] = kind == scene::FaceKind::wall       ? surface::Side::wall
-                       : kind == scene::FaceKind::periodic ? surface::Side::periodic
+        out.sides[k] = kind == scene::BoundaryKind::wall       ? surface::Side::wall
+                       : kind == scene::BoundaryKind::periodic ? surface::Side::periodic
                                                            : surface::Side::open;
     }
     return out;

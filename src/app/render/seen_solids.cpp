@@ -57,7 +57,7 @@ void add_image(scene::Bounds& bounds, const scene::MirrorPlane& mirror) {
 
 video::SeenSolid seen_liquid(const Input& input, const Geometry& geometry, std::size_t liquid) {
     const auto& domain = input.scene.domain;
-    const bool without_bodies = input.scene.liquids[liquid].around_bodies;
+    const bool without_bodies = input.scene.liquids[liquid].subtract_bodies;
     video::SeenSolid out;
     out.name = "liquids." + input.scene.liquids[liquid].name;
     out.distance = [regions = geometry.liquids[liquid], bodies = without_bodies ? geometry.bodies : scene::Regions{}, min = domain.min,

@@ -14,7 +14,7 @@ bool begins(const std::string& path, const std::string& block) {
 // Why a key stays as it is while a run goes on; empty when it may change.
 std::string reason_against(const std::string& path) {
     if (path == "output.name") return "the frames of a run go by one name";
-    if (path == "time.end" || path == "lost_limit" || begins(path, "output") || begins(path, "cameras")) return "";
+    if (path == "time.end" || path == "max_lost_fraction" || begins(path, "output") || begins(path, "cameras")) return "";
     if (begins(path, "measurements")) return "they are the columns of measurements.csv";
     if (begins(path, "time")) return "the steps of a run follow one rule";
     return "the state of the checkpoint follows from it";
@@ -27,7 +27,7 @@ std::string state_hash(Input input) {
     input.scene.output.name = name;
     input.scene.time.end = scene::Time{}.end;
     input.scene.cameras.clear();
-    input.scene.lost_limit = scene::Scene{}.lost_limit;
+    input.scene.max_lost_fraction = scene::Scene{}.max_lost_fraction;
     return io::text_hash(effective(input));
 }
 
@@ -40,7 +40,7 @@ Input continued_input(const std::string& text, const std::string& name, const st
     std::vector<Diagnostic> refused;
     const auto refuse = [&](const Change& change, const std::string& reason) {
         refused.push_back({change.origin, "cannot change when a run goes on", reason,
-                           "change time.end, output, cameras or lost_limit, or start anew with treacle run"});
+                           "change time.end, output, cameras or max_lost_fraction, or start anew with treacle run"});
     };
     for (const auto& change : changes) {
         const auto reason = reason_against(change.assignment.substr(0, change.assignment.find('=')));

@@ -6,7 +6,7 @@
 
 namespace treacle::app {
 
-// Hash of an input without what may change when a run goes on: time.end, output but its name, cameras, lost_limit. A
+// Hash of an input without what may change when a run goes on: time.end, output but its name, cameras, max_lost_fraction. A
 // checkpoint belongs to all inputs of one hash.
 std::string state_hash(Input input);
 

@@ -26,14 +26,14 @@ grid::GridSetup make_setup(const Input& input, const Geometry& geometry) {
         out.viscosity = std::max(out.viscosity, largest_viscosity(liquid));
         out.viscosity_varies = out.viscosity_varies || liquid.varies() || liquid.viscosity != scene.liquids.front().viscosity;
     }
-    out.rheology = flow_curves(input);
+    out.rheology = viscosity_models(input);
     out.rigid = make_bodies(input, geometry);
     for (const auto& body : scene.bodies) {
         out.slip.slip.push_back(body.slip);
         out.slip.slip_length.push_back(body.slip_length);
     }
     out.inflow = make_inflow(input);
-    for (auto& plug : grid::make_plugs(out.inflow, grid::make_mac_grid(scene.domain))) {
+    for (auto& plug : grid::make_inlet_bodies(out.inflow, grid::make_mac_grid(scene.domain))) {
         out.rigid.bodies.push_back(std::move(plug));
         out.slip.slip.push_back(scene::Slip::no_slip);
         out.slip.slip_length.push_back(0);
@@ -41,7 +41,7 @@ grid::GridSetup make_setup(const Input& input, const Geometry& geometry) {
     return out;
 }
 
-// Volume that a particle stands for [m3], in the plane [m2].
+// Volume that a particle stands for [m3], in 2D [m2].
 double volume_of_particle(const grid::MacGrid& grid) {
     return grid.dimensions == 2 ? grid::particle_volume(grid) / grid.dx : grid::particle_volume(grid);
 }
@@ -73,7 +73,7 @@ std::vector<std::string> GridSimulation::fill(const Geometry& geometry) {
     });
     solver_.start();
     auto notes = geometry.notes;
-    for (auto& note : body_notes(input_, geometry)) notes.push_back(std::move(note));
+    for (auto& note : body_warnings(input_, geometry)) notes.push_back(std::move(note));
     for (auto& note : inflow_notes(input_)) notes.push_back(std::move(note));
     return notes;
 }
@@ -92,7 +92,7 @@ RestartState GridSimulation::state() const { return {solver_.decomposition_state
 
 // A solve that ends above its residual lets the step go on (method.grid.stokes.max_iterations). The log has one line for each
 // time that it doubles.
-void GridSimulation::look_at_solve(const grid::StokesReport& stokes, StepFigures& out) {
+void GridSimulation::look_at_solve(const grid::StokesReport& stokes, StepDiagnostics& out) {
     if (stokes.unknowns == 0 || stokes.solve.converged() || stokes.solve.relative_residual < 2 * warned_) return;
     warned_ = stokes.solve.relative_residual;
     out.warnings.push_back("pressure and viscosity together have been solved to a residual of " + short_number(warned_) + " alone in " +
@@ -100,9 +100,9 @@ void GridSimulation::look_at_solve(const grid::StokesReport& stokes, StepFigures
                            " iterations; take a smaller time step, or method.grid.stokes.solve: split");
 }
 
-StepFigures GridSimulation::advance(double dt) {
+StepDiagnostics GridSimulation::advance(double dt) {
     auto report = solver_.advance(dt);
-    StepFigures out;
+    StepDiagnostics out;
     out.dt = report.dt;
     out.pressure_iterations = report.pressure.solve.iterations;
     const auto& pressure = report.pressure;
@@ -111,7 +111,7 @@ StepFigures GridSimulation::advance(double dt) {
                   double(pressure.closed), double(viscosity.solve.iterations), viscosity.solve.relative_residual,
                   double(viscosity.unknowns), double(report.stokes.solve.iterations), report.stokes.solve.relative_residual,
                   double(report.correction.iterations), report.correction.density_before,
-                  report.correction.density_after, report.correction.energy, double(report.pushed), report.imbalance};
+                  report.correction.density_after, report.correction.energy, double(report.projected_out), report.imbalance};
     out.loads = of_all(report.resting_loads, report.loads);
     out.viscous_loads = of_all(report.resting_viscous_loads, report.viscous_loads);
     look_at_solve(report.stokes, out);

@@ -17,7 +17,7 @@ public:
     std::vector<std::string> fill(const Geometry& geometry) override;
     void restore(const RestartState& state) override;
     RestartState state() const override;
-    StepFigures advance(double dt) override;
+    StepDiagnostics advance(double dt) override;
     double stable_step(double cfl) const override { return solver_.stable_step(cfl); }
     void refresh() override { solver_.refresh(); }
     LiquidTotals totals() const override { return solver_.totals(); }
@@ -37,7 +37,7 @@ public:
 
 private:
     std::vector<double> of_all(const std::vector<double>& resting, const std::vector<double>& moving) const;
-    void look_at_solve(const grid::StokesReport& stokes, StepFigures& out);
+    void look_at_solve(const grid::StokesReport& stokes, StepDiagnostics& out);
 
     const Input& input_;
     grid::GridStep solver_;

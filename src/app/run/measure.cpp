@@ -58,12 +58,12 @@ double hat_below(double t, double radius) {
 }
 
 // The part of space around a vertical line whose liquid is sampled, level by level.
-struct Plumb {
+struct HeightGauge {
     double at[3], radius;
     int up, dimensions;
     double way, floor, step; // level k is at way * floor + k * step along `way` [m]
     int levels;
-    double area; // of the weights inside the domain, [m] in the plane, [m2] in space
+    double area; // of the weights inside the domain, [m] in 2D, [m2] in 3D
 
     KOKKOS_INLINE_FUNCTION double weight(const Array3& x, int i) const {
         double w = 1;
@@ -74,10 +74,10 @@ struct Plumb {
     }
 };
 
-Plumb drop_plumb(const Vec3& position, const scene::Domain& domain, const LiquidView& view) {
+HeightGauge make_height_gauge(const Vec3& position, const scene::Domain& domain, const LiquidView& view) {
     const auto [axis, sign] = upwards(domain);
     const auto u = static_cast<std::size_t>(axis);
-    Plumb out{{position[0], position[1], position[2]}, view.reach, axis, domain.dimensions, sign, 0, 0, 0, 1};
+    HeightGauge out{{position[0], position[1], position[2]}, view.reach, axis, domain.dimensions, sign, 0, 0, 0, 1};
     out.floor = sign > 0 ? domain.min[u] : -domain.max[u];
     out.step = 0.5 * view.spacing;
     // A level below and two above: the profile starts and ends with what liquid pressed to a side has beyond it.
@@ -92,19 +92,19 @@ Plumb drop_plumb(const Vec3& position, const scene::Domain& domain, const Liquid
 
 // Share of each level that is liquid, over all ranks: particles are spread over a spacing up and down. Counted in
 // integers, so that no order of the particles changes it.
-std::vector<double> wet_levels(const Plumb& plumb, const Chosen& chosen, const Simulation& solver) {
+std::vector<double> wet_levels(const HeightGauge& gauge, const Chosen& chosen, const Simulation& solver) {
     const auto view = solver.view();
     const auto x = view.position;
-    const double d = view.spacing, unit = 1e-9 * plumb.area * d / view.volume;
-    const Array<std::int64_t> counts("treacle::wet_levels", static_cast<std::size_t>(plumb.levels));
+    const double d = view.spacing, unit = 1e-9 * gauge.area * d / view.volume;
+    const Array<std::int64_t> counts("treacle::wet_levels", static_cast<std::size_t>(gauge.levels));
     Kokkos::parallel_for("treacle::height", view.owned, KOKKOS_LAMBDA(int i) {
-        const double weight = chosen(i) ? plumb.weight(x, i) : 0;
+        const double weight = chosen(i) ? gauge.weight(x, i) : 0;
         if (weight == 0) return;
-        const double y = (plumb.way * x(i, plumb.up) - plumb.floor) / plumb.step;
+        const double y = (gauge.way * x(i, gauge.up) - gauge.floor) / gauge.step;
         const int nearest = static_cast<int>(math::floor(y));
         for (int k = nearest - 2; k <= nearest + 3; ++k) {
-            const double share = weight * (1 - math::fabs(y - k) * plumb.step / d) / unit;
-            if (share <= 0 || k < 0 || k >= plumb.levels) continue;
+            const double share = weight * (1 - math::fabs(y - k) * gauge.step / d) / unit;
+            if (share <= 0 || k < 0 || k >= gauge.levels) continue;
             Kokkos::atomic_add(&counts(k), static_cast<std::int64_t>(share));
         }
     });
@@ -120,11 +120,11 @@ std::vector<double> wet_levels(const Plumb& plumb, const Chosen& chosen, const S
 // surroundings, a support radius wide, is liquid [m].
 double measure_height(const Vec3& position, const scene::Domain& domain, const Chosen& chosen,
                       const Simulation& solver) {
-    const auto plumb = drop_plumb(position, domain, solver.view());
-    const auto wet = wet_levels(plumb, chosen, solver);
+    const auto gauge = make_height_gauge(position, domain, solver.view());
+    const auto wet = wet_levels(gauge, chosen, solver);
     for (std::size_t k = wet.size() - 1; k > 0; --k) {
         if (wet[k] >= 0.5 || wet[k - 1] < 0.5) continue;
-        return plumb.step * (double(k - 1) + (wet[k - 1] - 0.5) / (wet[k - 1] - wet[k]));
+        return gauge.step * (double(k - 1) + (wet[k - 1] - 0.5) / (wet[k - 1] - wet[k]));
     }
     return 0;
 }

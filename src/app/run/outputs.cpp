@@ -158,7 +158,7 @@ void Outputs::write_solids(const Progress& progress) {
     solid_frames_.write(progress.step, progress.time, make_block(positions, fields));
 }
 
-void Outputs::write_step(const Progress& progress, const StepFigures& report, const LiquidTotals& totals) {
+void Outputs::write_step(const Progress& progress, const StepDiagnostics& report, const LiquidTotals& totals) {
     if (!steps_) return;
     std::vector<double> row{double(progress.step), progress.time, report.dt};
     row.insert(row.end(), report.values.begin(), report.values.end());
@@ -190,7 +190,7 @@ void Outputs::write_measurements(const Progress& progress) {
     measurements_->append(row);
 }
 
-void Outputs::write_bodies(const Progress& progress, const StepFigures& report) {
+void Outputs::write_bodies(const Progress& progress, const StepDiagnostics& report) {
     if (!bodies_) return;
     const auto& bodies = simulation_.bodies();
     std::vector<double> row{double(progress.step), progress.time};
@@ -212,7 +212,7 @@ void Outputs::write_bodies(const Progress& progress, const StepFigures& report) 
     bodies_->append(row);
 }
 
-void Outputs::write_lost(const Progress& progress, const StepFigures& report) {
+void Outputs::write_lost(const Progress& progress, const StepDiagnostics& report) {
     std::vector<double> rows;
     for (const auto& particle : report.lost) {
         rows.insert(rows.end(), {double(progress.step), progress.time, double(particle.id),

@@ -23,12 +23,12 @@ public:
     void write_frame(const Progress& progress);
     // Once for a run where nothing solid moves, otherwise with every frame.
     void write_solids(const Progress& progress);
-    void write_step(const Progress& progress, const StepFigures& report, const LiquidTotals& totals);
+    void write_step(const Progress& progress, const StepDiagnostics& report, const LiquidTotals& totals);
     void write_measurements(const Progress& progress);
     // Loads of all solids, and where the bodies that move are.
-    void write_bodies(const Progress& progress, const StepFigures& report);
+    void write_bodies(const Progress& progress, const StepDiagnostics& report);
     // Appends the culprits to lost_particles.csv.
-    void write_lost(const Progress& progress, const StepFigures& report);
+    void write_lost(const Progress& progress, const StepDiagnostics& report);
     void flush();
     // Blocks until the disk has all rows.
     void sync();

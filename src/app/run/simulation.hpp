@@ -11,7 +11,7 @@
 namespace treacle::app {
 
 // Figures of a step that every method gives.
-struct StepFigures {
+struct StepDiagnostics {
     double dt = 0; // [s]
     int pressure_iterations = 0;
     std::vector<double> values; // as Simulation::columns() names them
@@ -29,7 +29,7 @@ struct LiquidView {
     int owned = 0;
     double spacing = 0; // [m]
     double reach = 0;   // over which a particle's surroundings are sampled [m]
-    double volume = 0;  // of a particle at rest [m3], [m2] in the plane
+    double volume = 0;  // of a particle at rest [m3], [m2] in 2D
     Array<int> waiting; // not 0 of liquid behind an inlet's opening; without rows where there is none
 };
 
@@ -54,7 +54,7 @@ public:
     virtual RestartState state() const = 0;
 
     // One step of dt [s]. Throws SimulationError on every rank.
-    virtual StepFigures advance(double dt) = 0;
+    virtual StepDiagnostics advance(double dt) = 0;
     virtual double stable_step(double cfl) const = 0; // [s]
     // Brings what frames show up to date with the places of the particles.
     virtual void refresh() = 0;
@@ -73,7 +73,7 @@ public:
     virtual const PhaseTimers& timers() const = 0;
     virtual std::size_t bytes() const = 0; // that this rank's data take
 
-    // Names of what carries loads, in the order of StepFigures::loads.
+    // Names of what carries loads, in the order of StepDiagnostics::loads.
     virtual std::vector<std::string> load_names() const = 0;
     // Names with units of the method's own figures of a step, and of the phases in the order in which a step goes
     // through them: columns of steps.csv.

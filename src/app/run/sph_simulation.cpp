@@ -23,15 +23,15 @@ RestartState SphSimulation::state() const {
     return {solver_->decomposition_state(), solver_->bodies().state(), solver_->inflow_state()};
 }
 
-StepFigures SphSimulation::advance(double dt) {
+StepDiagnostics SphSimulation::advance(double dt) {
     auto report = solver_->advance(dt);
-    StepFigures out;
+    StepDiagnostics out;
     out.dt = report.dt;
     out.pressure_iterations = report.pressure.iterations;
     out.values = {double(report.pressure.iterations), report.pressure.relative_residual, report.pressure.error_measure,
                   double(report.viscosity.iterations), report.viscosity.relative_residual, report.mean_compression,
                   report.max_compression, double(report.roles.poisson), double(report.roles.dirichlet),
-                  double(report.roles.separated), double(report.anchored), double(report.stopped), report.imbalance};
+                  double(report.roles.separated), double(report.pinned), double(report.stopped), report.imbalance};
     out.loads = std::move(report.loads);
     out.viscous_loads = std::move(report.viscous_loads);
     out.lost = std::move(report.lost);

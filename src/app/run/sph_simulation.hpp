@@ -14,7 +14,7 @@ public:
     std::vector<std::string> fill(const Geometry& geometry) override;
     void restore(const RestartState& state) override;
     RestartState state() const override;
-    StepFigures advance(double dt) override;
+    StepDiagnostics advance(double dt) override;
     double stable_step(double cfl) const override { return solver_->stable_step(cfl); }
     void refresh() override { solver_->refresh(); }
     LiquidTotals totals() const override;

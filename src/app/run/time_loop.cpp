@@ -52,7 +52,7 @@ void check_time_step(const Input& input) {
 TimeLoop::TimeLoop(LoopSetup setup, std::unique_ptr<Simulation> solver, const Progress& progress)
     : setup_(std::move(setup)), solver_(std::move(solver)), progress_(progress),
       stop_(setup_.comm, setup_.folder.stop(), setup_.wall_limit),
-      log_(setup_.comm.is_root() ? setup_.company.voice : Voice::silent), next_line_(progress.time),
+      log_(setup_.comm.is_root() ? setup_.company.log_output : LogOutput::disabled), next_line_(progress.time),
       start_time_(progress.time), next_wall_save_(setup_.input.scene.output.checkpoint_wall_interval),
       start_step_(progress.step) {}
 
@@ -80,7 +80,7 @@ double TimeLoop::choose_step() const {
     return way / std::max(1.0, std::ceil(way / dt * (1 - same_time)));
 }
 
-void TimeLoop::check_losses(const StepFigures& report, Outputs& outputs) {
+void TimeLoop::check_losses(const StepDiagnostics& report, Outputs& outputs) {
     std::int64_t gone = 0;
     for (std::size_t k = 0; k < loss_causes; ++k) {
         progress_.lost[k] += report.lost_by_cause[k];
@@ -89,7 +89,7 @@ void TimeLoop::check_losses(const StepFigures& report, Outputs& outputs) {
     stale_ = gone > 0;
     if (gone == report.lost_by_cause[static_cast<std::size_t>(LossCause::outflow) - 1]) return;
     outputs.write_lost(progress_, report);
-    const double limit = setup_.input.scene.lost_limit * double(progress_.initial_particles + solver_->emitted());
+    const double limit = setup_.input.scene.max_lost_fraction * double(progress_.initial_particles + solver_->emitted());
     if (double(lost_against_limit(progress_)) <= limit) return;
     const auto through_sides = progress_.lost[static_cast<std::size_t>(LossCause::open_side) - 1];
     std::string causes;
@@ -99,11 +99,11 @@ void TimeLoop::check_losses(const StepFigures& report, Outputs& outputs) {
     }
     throw SimulationError({"step " + std::to_string(progress_.step),
                            std::to_string(lost_against_limit(progress_)) + " particles are lost: " + causes,
-                           "lost_limit allows " + format_number(limit) + "; the culprits are in " +
+                           "max_lost_fraction allows " + format_number(limit) + "; the culprits are in " +
                                setup_.folder.lost_particles().string(),
                            through_sides > 0 ? "where liquid may leave, write for the side {kind: open, outflow: true}; else take a "
-                                               "smaller time step, or raise lost_limit"
-                                             : "take a smaller time step, or raise lost_limit"});
+                                               "smaller time step, or raise max_lost_fraction"
+                                             : "take a smaller time step, or raise max_lost_fraction"});
 }
 
 // Tables first: after a crash the checkpoint's step and all before it stand in them.
@@ -131,7 +131,7 @@ void TimeLoop::count_due() {
 }
 
 // The end of the run has a frame, and a checkpoint to go on from when there are any, whatever their intervals.
-void TimeLoop::write_due(Outputs& outputs, const StepFigures& report) {
+void TimeLoop::write_due(Outputs& outputs, const StepDiagnostics& report) {
     const auto& output = setup_.input.scene.output;
     const double now = with_tolerance(progress_.time);
     bool line = finished();
@@ -161,7 +161,7 @@ void TimeLoop::write_due(Outputs& outputs, const StepFigures& report) {
     if (due) save(outputs);
 }
 
-void TimeLoop::report_progress(const StepFigures& report) {
+void TimeLoop::report_progress(const StepDiagnostics& report) {
     const double end = setup_.input.scene.time.end;
     const double done = progress_.time / end;
     const double rate = (progress_.time - start_time_) / std::max(1e-9, stop_.wall_seconds());

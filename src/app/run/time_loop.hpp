@@ -29,12 +29,12 @@ public:
 private:
     double choose_step() const;
     void take_step(Outputs& outputs);
-    void check_losses(const StepFigures& report, Outputs& outputs);
-    void write_due(Outputs& outputs, const StepFigures& report);
+    void check_losses(const StepDiagnostics& report, Outputs& outputs);
+    void write_due(Outputs& outputs, const StepDiagnostics& report);
     void save(Outputs& outputs);
     void count_due();
     bool keeps_checkpoints() const;
-    void report_progress(const StepFigures& report);
+    void report_progress(const StepDiagnostics& report);
     void write_summary(const std::string& how_it_ended);
     bool finished() const;
 

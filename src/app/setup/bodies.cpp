@@ -2,7 +2,7 @@
 
 #include "app/input/table_text.hpp"
 #include "base/text/text.hpp"
-#include "sph/solids/solid_scale.hpp"
+#include "sph/solids/boundary_volume_factor.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -12,18 +12,18 @@ namespace treacle::app {
 namespace {
 double distance(const Vec3& a, const Vec3& b) { return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]); }
 
-std::vector<rigid::Probe> probes_of(const scene::Body& body, const scene::SolidRegion& region,
+std::vector<rigid::ContactSample> probes_of(const scene::Body& body, const scene::SolidRegion& region,
                                     const Geometry& geometry) {
     const auto& shape = body.shape;
     if (shape.kind == scene::ShapeKind::sphere && !shape.clip && !region.inverted()) {
-        const auto bounds = region.bounds(); // in the plane of the cut
-        rigid::Probe ball;
+        const auto bounds = region.bounds(); // of the cut, in its plane
+        rigid::ContactSample ball;
         for (std::size_t k = 0; k < 3; ++k) ball.point[k] = (bounds.min[k] + bounds.max[k]) / 2;
         if (region.dimensions() == 2) ball.point[2] = 0;
         ball.radius = (bounds.max[0] - bounds.min[0]) / 2;
         return {ball};
     }
-    std::vector<rigid::Probe> probes;
+    std::vector<rigid::ContactSample> probes;
     for (const auto& x : scene::sample_surface(region, on_surface(geometry, region)).positions) probes.push_back({x, 0});
     return probes;
 }
@@ -119,7 +119,7 @@ std::vector<rigid::JointSetup> make_joints(const Input& input, const std::vector
         if (!joint.to.empty()) setup.other = static_cast<int>(number_of(input, joint.to));
         setup.point = joint.point;
         for (std::size_t k = 0; k < 3; ++k) setup.axis[k] = joint.axis[k] / distance(joint.axis, {0, 0, 0});
-        setup.lever = bodies[setup.body].reach;
+        setup.length_scale = bodies[setup.body].reach;
         out.push_back(setup);
     }
     return out;
@@ -141,8 +141,8 @@ rigid::BodiesSetup make_bodies(const Input& input, const Geometry& geometry) {
     for (std::size_t k = 0; k < static_cast<std::size_t>(domain.dimensions); ++k) {
         out.period[k] = box.period[k];
         const int axis = static_cast<int>(k);
-        if (domain.faces[2 * k].kind == scene::FaceKind::wall) out.walls.push_back({axis, domain.min[k], 1});
-        if (domain.faces[2 * k + 1].kind == scene::FaceKind::wall) out.walls.push_back({axis, domain.max[k], -1});
+        if (domain.faces[2 * k].kind == scene::BoundaryKind::wall) out.walls.push_back({axis, domain.min[k], 1});
+        if (domain.faces[2 * k + 1].kind == scene::BoundaryKind::wall) out.walls.push_back({axis, domain.max[k], -1});
     }
     return out;
 }
@@ -154,7 +154,7 @@ std::string describe(const scene::Joint& joint) {
     return out + ") m";
 }
 
-std::vector<double> solid_scales(const Input& input, const Geometry& geometry) {
+std::vector<double> boundary_volume_factors(const Input& input, const Geometry& geometry) {
     std::vector<double> out;
     const auto wall = wall_setup(input);
     const sph::ScaleSetup setup{wall, geometry.offset + wall.spacing / 2};
@@ -162,7 +162,7 @@ std::vector<double> solid_scales(const Input& input, const Geometry& geometry) {
         const auto& region = geometry.bodies[b];
         auto sampling = body_sampling(geometry, b);
         if (moves(input.scene.bodies[b])) sampling.clip = {}; // with its images, where it is as long as a period
-        out.push_back(moves(input.scene.bodies[b]) ? sph::solid_scale(setup, region, scene::sample_surface(region, sampling).positions) : 1.0);
+        out.push_back(moves(input.scene.bodies[b]) ? sph::boundary_volume_factor(setup, region, scene::sample_surface(region, sampling).positions) : 1.0);
     }
     return out;
 }

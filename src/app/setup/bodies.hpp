@@ -25,7 +25,7 @@ rigid::BodySetup make_body(const scene::Body& body, std::size_t number, const Ge
 rigid::BodiesSetup make_bodies(const Input& input, const Geometry& geometry);
 
 // Factors on the volumes of the particles of each body: of those that move such that liquid rests at their surface.
-std::vector<double> solid_scales(const Input& input, const Geometry& geometry);
+std::vector<double> boundary_volume_factors(const Input& input, const Geometry& geometry);
 
 // "hinge of wheel to the world, at (0, 1, 0) m".
 std::string describe(const scene::Joint& joint);

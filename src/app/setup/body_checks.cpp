@@ -20,7 +20,7 @@ constexpr double touching = 1e-3;
 // sample.
 bool surely_reaches(double depth, const scene::SolidRegion& region) {
     constexpr int points = 8; // along each axis
-    const auto box = region.surface_bounds(); // of a plane scene without end in z
+    const auto box = region.surface_bounds(); // of a 2D scene without end in z
     for (int n = 0; n < points * points * points; ++n) {
         const std::array<int, 3> place{n % points, n / points % points, n / (points * points)};
         Vec3 x{0, 0, 0};
@@ -88,9 +88,9 @@ public:
             const auto bounds = geometry_.bodies[b].bounds();
             for (std::size_t k = 0; k < static_cast<std::size_t>(domain.dimensions); ++k) {
                 const double reach = touching * domain.spacing;
-                const bool below = domain.faces[2 * k].kind == scene::FaceKind::wall && bounds.min[k] < domain.min[k] - reach;
+                const bool below = domain.faces[2 * k].kind == scene::BoundaryKind::wall && bounds.min[k] < domain.min[k] - reach;
                 const bool above =
-                    domain.faces[2 * k + 1].kind == scene::FaceKind::wall && bounds.max[k] > domain.max[k] + reach;
+                    domain.faces[2 * k + 1].kind == scene::BoundaryKind::wall && bounds.max[k] > domain.max[k] + reach;
                 if (!below && !above) continue;
                 problems.push_back({body(b).where,
                                     "bodies." + body(b).name + " reaches through the wall " + "xyz"[k] +
@@ -139,7 +139,7 @@ private:
                                 "write kind: kinematic, or leave the corrections out"});
         }
         for (std::size_t k = 0; k < static_cast<std::size_t>(domain.dimensions); ++k) {
-            const bool periodic = domain.faces[2 * k].kind == scene::FaceKind::periodic;
+            const bool periodic = domain.faces[2 * k].kind == scene::BoundaryKind::periodic;
             if (periodic && !geometry_.spans[b][k]) fits_period(b, k, problems);
         }
     }
@@ -220,7 +220,7 @@ void check_bodies(const Input& input, const Geometry& geometry, std::vector<Diag
     if (problems.empty()) check_freedom(input, geometry, problems);
 }
 
-std::vector<std::string> body_notes(const Input& input, const Geometry& geometry) {
+std::vector<std::string> body_warnings(const Input& input, const Geometry& geometry) {
     std::vector<std::string> notes;
     if (!any_moves(input)) return notes;
     Checker(input, geometry).overlaps([&](const scene::Body& a, const scene::Body& b, double depth) {

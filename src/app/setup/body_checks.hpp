@@ -9,6 +9,6 @@ namespace treacle::app {
 void check_bodies(const Input& input, const Geometry& geometry, std::vector<Diagnostic>& problems);
 
 // Warnings, one sentence each: overlaps of bodies that no force moves, extreme densities.
-std::vector<std::string> body_notes(const Input& input, const Geometry& geometry);
+std::vector<std::string> body_warnings(const Input& input, const Geometry& geometry);
 
 } // namespace treacle::app

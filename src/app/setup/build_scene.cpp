@@ -63,22 +63,22 @@ std::unique_ptr<sph::IsphStep> make_solver(const Comm& comm, const Input& input,
     setup.forces.surface_tension = input.scene.liquids.front().surface_tension;
     const auto materials = liquid_materials(input);
     if (sph::differ(materials)) {
-        setup.constants.mixture = sph::make_mixture(materials, input.method.pressure.solver == sph::PressureSolver::isph ? sph::Loads::conducted : sph::Loads::adjoint);
-        if (reference_speed > 0) setup.constants.mixture.recovery = recovery_cfl * domain.spacing / reference_speed;
+        setup.constants.immiscible = sph::make_immiscible_liquids(materials, input.method.pressure.solver == sph::PressureSolver::isph ? sph::Loads::conducted : sph::Loads::adjoint);
+        if (reference_speed > 0) setup.constants.immiscible.relaxation_time = recovery_cfl * domain.spacing / reference_speed;
     }
     for (const auto& face : domain.faces) setup.forces.friction.push_back(friction_of(face.slip));
     for (const auto& body : input.scene.bodies) setup.forces.friction.push_back(friction_of(body.slip));
     for (const auto& face : domain.faces) setup.forces.slip_length.push_back(face.slip_length);
     for (const auto& body : input.scene.bodies) setup.forces.slip_length.push_back(body.slip_length);
     setup.forces.by_particle = viscosities_vary(input);
-    setup.forces.rheology = flow_curves(input);
+    setup.forces.rheology = viscosity_models(input);
     for (const auto& face : domain.faces) setup.forces.skin_friction.push_back(face.skin_friction);
     for (const auto& body : input.scene.bodies) setup.forces.skin_friction.push_back(body.skin_friction);
     setup.reference_speed = reference_speed;
     setup.bodies = domain_sides + static_cast<int>(input.scene.bodies.size());
     if (any_moves(input)) {
         setup.rigid = make_bodies(input, geometry);
-        setup.solid_scale = solid_scales(input, geometry);
+        setup.boundary_volume_factor = boundary_volume_factors(input, geometry);
     }
     setup.first_body = domain_sides;
     if (domain.any_side_moves()) {
@@ -239,7 +239,7 @@ std::vector<std::string> fill_solver(const Input& input, const Geometry& geometr
     solver.start();
     if (input.method.pressure.recovers_places() && !geometry.bodies.empty()) solver.spread(spreads);
     auto notes = geometry.notes;
-    for (auto& note : body_notes(input, geometry)) notes.push_back(std::move(note));
+    for (auto& note : body_warnings(input, geometry)) notes.push_back(std::move(note));
     for (auto& note : method_notes(input)) notes.push_back(std::move(note));
     for (auto& note : inflow_notes(input)) notes.push_back(std::move(note));
     thin = solver.comm().max(thin);

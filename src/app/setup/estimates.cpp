@@ -83,8 +83,8 @@ Estimates estimate_run(const Input& input, const Geometry& geometry, std::uint64
     out.gravity_step = pull > 0 ? cfl * std::sqrt(d / pull) : infinite;
     const bool limited = !input.on_grid() && limiting_viscosity(input) > 0 && viscosity_integration(input) != sph::ViscosityIntegration::implicit;
     out.viscous_step = limited ? viscous_step_limit(input) : infinite;
-    const bool tense = input.method.surface_tension.model != sph::SurfaceTensionModel::none;
-    out.capillary_step = tense ? capillary_step_limit(input) : infinite;
+    const bool has_surface_tension = input.method.surface_tension.model != sph::SurfaceTensionModel::none;
+    out.capillary_step = has_surface_tension ? capillary_step_limit(input) : infinite;
     if (scene.time.rule == scene::StepRule::fixed) {
         out.step = scene.time.step;
     } else {
@@ -92,7 +92,7 @@ Estimates estimate_run(const Input& input, const Geometry& geometry, std::uint64
                              scene.time.step > 0 ? scene.time.step : infinite});
     }
     out.steps = std::ceil(scene.time.end / out.step);
-    out.poured = static_cast<double>(poured_particles(input));
+    out.poured = static_cast<double>(inflow_particles(input));
     out.bytes = bytes_per_particle(input) * (static_cast<double>(liquid) + out.poured) + 200.0 * static_cast<double>(solid);
     return out;
 }

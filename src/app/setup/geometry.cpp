@@ -25,9 +25,9 @@ namespace treacle::app {
 namespace {
 scene::Side side_of(const scene::Face& face) {
     switch (face.kind) {
-    case scene::FaceKind::wall: return scene::Side::wall;
-    case scene::FaceKind::open: return scene::Side::open;
-    case scene::FaceKind::periodic: return scene::Side::periodic;
+    case scene::BoundaryKind::wall: return scene::Side::wall;
+    case scene::BoundaryKind::open: return scene::Side::open;
+    case scene::BoundaryKind::periodic: return scene::Side::periodic;
     }
     return scene::Side::wall;
 }
@@ -92,7 +92,7 @@ sph::WallSetup wall_setup(const Input& input) {
 }
 
 double solid_offset(const Input& input) {
-    return sph::rest_gap(wall_setup(input), input.method.density) - input.scene.domain.spacing / 2;
+    return sph::equilibrium_wall_distance(wall_setup(input), input.method.density) - input.scene.domain.spacing / 2;
 }
 
 double particle_spacing(const Input& input) {
@@ -194,7 +194,7 @@ double bytes_per_particle(const Input& input) {
     // the state.
     if (input.on_grid()) return 300 + 6000 * std::pow(grid::particles_per_axis, -input.scene.domain.dimensions);
     const auto& domain = input.scene.domain;
-    const auto lattice = sph::measure_lattice(input.method.kernel, domain.dimensions,
+    const auto lattice = sph::compute_lattice_sums(input.method.kernel, domain.dimensions,
                                               input.method.support_ratio * domain.spacing, domain.spacing);
     // State, work arrays and solver vectors; per neighbour the list, the matrix and half of it factorised.
     return 500 + 22.0 * (lattice.neighbours + 1);
@@ -231,7 +231,7 @@ void check_overlaps(const Input& input, const Geometry& geometry, std::vector<Di
                                     " particles would start there",
                                 "move or shrink its shapes, or enlarge domain.min and domain.max"});
         }
-        for (std::size_t b = 0; b < geometry.bodies.size() && !liquid.around_bodies; ++b) {
+        for (std::size_t b = 0; b < geometry.bodies.size() && !liquid.subtract_bodies; ++b) {
             const auto overlap =
                 scene::find_overlap(geometry.liquids[k], scene::Regions{geometry.bodies[b]}, geometry.lattice);
             if (overlap.count == 0) continue;
@@ -241,7 +241,7 @@ void check_overlaps(const Input& input, const Geometry& geometry, std::vector<Di
                                 std::to_string(overlap.count) + " of its " + std::to_string(overlap.total) +
                                     " particles would start inside the solid",
                                 "move one of the two, make the liquid of shapes around the body, or set its "
-                                "around_bodies to true"});
+                                "subtract_bodies to true"});
         }
     }
 }
@@ -264,7 +264,7 @@ void validate_geometry(const Input& input, const Geometry& geometry, const Comm&
     check_inflow(input, geometry, problems);
     check_symmetry(input, problems);
     auto counts = estimate_particles(input, geometry);
-    counts.liquid += poured_particles(input);
+    counts.liquid += inflow_particles(input);
     if (counts.liquid == 0) {
         problems.push_back({input.scene.liquids.front().where, "the scene has no liquid particle", "no point of the particle lattice lies in its liquids",
                             "enlarge the liquid's shapes, or refine domain.spacing"});
@@ -285,8 +285,8 @@ void validate_geometry(const Input& input, const Geometry& geometry, const Comm&
 }
 
 double largest_viscosity(const scene::Liquid& liquid) {
-    if (liquid.rheology.law != scene::ShearLaw::newtonian) {
-        const auto curve = flow::make_flow_curve(liquid);
+    if (liquid.rheology.law != scene::ViscosityModelKind::newtonian) {
+        const auto curve = flow::make_viscosity_model(liquid);
         constexpr double fast = 1e6; // [1/s] beyond what any scene has, for liquids that thicken
         return std::max(curve(0), curve(fast));
     }
@@ -297,26 +297,26 @@ double largest_viscosity(const scene::Liquid& liquid) {
     return most;
 }
 
-double poured_viscosity(const scene::Liquid& liquid, const Vec3& x) {
-    if (liquid.rheology.law != scene::ShearLaw::newtonian) return flow::make_flow_curve(liquid)(0);
+double inflow_viscosity(const scene::Liquid& liquid, const Vec3& x) {
+    if (liquid.rheology.law != scene::ViscosityModelKind::newtonian) return flow::make_viscosity_model(liquid)(0);
     const auto& profile = liquid.viscosity_profile;
     return profile.points.empty() ? liquid.viscosity : profile.at(x[static_cast<std::size_t>(profile.axis)]);
 }
 
 double initial_viscosity(const Input& input, const Geometry& geometry, std::size_t which, const Vec3& x) {
     const auto& liquid = input.scene.liquids[which];
-    double viscosity = poured_viscosity(liquid, x);
+    double viscosity = inflow_viscosity(liquid, x);
     for (std::size_t k = 0; k < liquid.viscosity_regions.size(); ++k) {
         if (geometry.viscosity_regions[which][k].distance(x) <= 0) viscosity = liquid.viscosity_regions[k].viscosity;
     }
     return viscosity;
 }
 
-std::vector<flow::FlowCurve> flow_curves(const Input& input) {
-    const auto thins = [](const scene::Liquid& liquid) { return liquid.rheology.law != scene::ShearLaw::newtonian; };
-    std::vector<flow::FlowCurve> out;
+std::vector<flow::ViscosityModel> viscosity_models(const Input& input) {
+    const auto thins = [](const scene::Liquid& liquid) { return liquid.rheology.law != scene::ViscosityModelKind::newtonian; };
+    std::vector<flow::ViscosityModel> out;
     if (std::ranges::none_of(input.scene.liquids, thins)) return out;
-    for (const auto& liquid : input.scene.liquids) out.push_back(flow::make_flow_curve(liquid));
+    for (const auto& liquid : input.scene.liquids) out.push_back(flow::make_viscosity_model(liquid));
     return out;
 }
 
@@ -363,7 +363,7 @@ double viscous_step_limit(const Input& input) {
 
 double capillary_step_limit(const Input& input) {
     auto constants = make_constants(input);
-    constants.mixture.step_share = sph::step_share(liquid_materials(input));
+    constants.immiscible.step_share = sph::step_share(liquid_materials(input));
     return sph::capillary_step_limit(input.method.surface_tension, constants, input.scene.liquids.front().surface_tension);
 }
 
@@ -373,7 +373,7 @@ sph::Constants make_constants(const Input& input) {
     out.dimensions = domain.dimensions;
     out.spacing = domain.spacing;
     out.support = input.method.support_ratio * domain.spacing;
-    const auto lattice = sph::measure_lattice(input.method.kernel, domain.dimensions, out.support, domain.spacing);
+    const auto lattice = sph::compute_lattice_sums(input.method.kernel, domain.dimensions, out.support, domain.spacing);
     out.rest_density = input.scene.liquids.front().density;
     out.rest_volume = lattice.volume;
     out.mass = out.rest_density * lattice.volume;
@@ -382,13 +382,13 @@ sph::Constants make_constants(const Input& input) {
     const sph::WallSetup wall{input.method.kernel, domain.dimensions, out.support, domain.spacing, domain.spacing};
     const double viscous = sph::viscous_support(input.method, domain.spacing);
     out.wall_packing = sph::wall_packing(input.method.pressure, domain.dimensions);
-    if (limiting_viscosity(input) > 0) out.wall_grip = sph::wall_grip(wall, input.method.density, viscous) / out.wall_packing;
+    if (limiting_viscosity(input) > 0) out.wall_viscous_factor = sph::wall_viscous_factor(wall, input.method.density, viscous) / out.wall_packing;
     if (any_slip_length(input)) sph::measure_slip(wall, input.method.density, viscous, out);
     if (input.method.pressure.dirichlet == sph::DirichletRule::ghosts) {
-        out.wall_cover = sph::wall_cover(wall, input.method.density);
+        out.wall_laplacian_factor = sph::wall_laplacian_factor(wall, input.method.density);
     }
     if (input.method.pressure.wall_force == sph::WallForce::balanced) {
-        out.wall_push = sph::wall_push(wall, input.method.density);
+        out.wall_pressure_factor = sph::wall_pressure_factor(wall, input.method.density);
     }
     return out;
 }

@@ -1,7 +1,7 @@
 #pragma once
 #include "app/input/input.hpp"
 #include "app/setup/spanning.hpp"
-#include "flow/flow_curve.hpp"
+#include "flow/viscosity_model.hpp"
 #include "mpi/comm.hpp"
 #include "scene/sampling/sampling.hpp"
 #include "sph/model/domain.hpp"
@@ -74,13 +74,13 @@ double bytes_per_particle(const Input& input);
 double largest_viscosity(const scene::Liquid& liquid);
 
 // Viscosity of what an inlet at x pours: a liquid's regions apply to its initial particles only [Pa s].
-double poured_viscosity(const scene::Liquid& liquid, const Vec3& x);
+double inflow_viscosity(const scene::Liquid& liquid, const Vec3& x);
 
 // Viscosity of a particle of liquid `which` of the scene that starts at x [Pa s].
 double initial_viscosity(const Input& input, const Geometry& geometry, std::size_t which, const Vec3& x);
 
 // Dependence of each liquid's viscosity on the shear rate; none where that of no liquid depends on it.
-std::vector<flow::FlowCurve> flow_curves(const Input& input);
+std::vector<flow::ViscosityModel> viscosity_models(const Input& input);
 
 // True when any liquid's particles differ in viscosity, or any viscosity depends on the shear rate.
 bool viscosities_vary(const Input& input);

@@ -34,7 +34,7 @@ Vec3 across(const Vec3& v, const Vec3& direction) {
     return {v[0] - along * direction[0], v[1] - along * direction[1], v[2] - along * direction[2]};
 }
 
-// The coordinate axis that is least along the direction; in the plane what is across it in the plane.
+// The coordinate axis that is least along the direction; in 2D what is across it and not z.
 Vec3 width_of(const scene::Inlet& inlet, const Vec3& direction, int dimensions) {
     if (dimensions == 2) return {direction[1], -direction[0], 0};
     if (dot(inlet.along, inlet.along) > 0) return unit(across(inlet.along, direction));
@@ -64,7 +64,7 @@ std::vector<std::array<double, 2>> rectangle(const scene::Inlet& inlet, double s
     return out;
 }
 
-// Area of the opening [m2], width in the plane [m].
+// Area of the opening [m2], width in 2D [m].
 double opening_of(const scene::Inlet& inlet, int dimensions) {
     const bool round = inlet.shape == scene::InletShape::disc;
     if (dimensions == 2) return round ? 2 * inlet.radius : inlet.width;
@@ -97,7 +97,7 @@ std::vector<std::array<double, 2>> disc(double radius, double spacing) {
 // Layers of an inlet and what they are made of.
 struct Pouring {
     flow::Layers layers;
-    double volume = 0;    // of a particle [m3], in the plane [m2]
+    double volume = 0;    // of a particle [m3], in 2D [m2]
     double clearance = 0; // least distance of particles from solids [m]
     std::int64_t first_id = 0;
     std::string behind; // what is behind the opening
@@ -110,7 +110,7 @@ Pouring pouring_of(const Input& input) {
         const auto grid = grid::make_mac_grid(domain);
         const auto particles = grid::seeded_ids(grid);
         out.layers = grid::layers_of(grid);
-        out.layers.held = grid::plug_layers;
+        out.layers.held = grid::inlet_body_layers;
         out.volume = std::pow(out.layers.spacing, domain.dimensions);
         out.first_id = static_cast<std::int64_t>(input.scene.liquids.size()) * particles;
         out.behind = "a plug that pushes its liquid stands in " + std::to_string(out.layers.held) + " particle spacings behind the opening";
@@ -132,7 +132,7 @@ flow::InletSetup make_inlet(const Input& input, const scene::Inlet& inlet, const
     flow::InletSetup out;
     const auto liquid = std::ranges::find(input.scene.liquids, inlet.liquid, &scene::Liquid::name);
     out.liquid = static_cast<int>(liquid - input.scene.liquids.begin());
-    out.viscosity = poured_viscosity(*liquid, inlet.centre);
+    out.viscosity = inflow_viscosity(*liquid, inlet.centre);
     out.centre = inlet.centre;
     out.direction = unit(inlet.direction);
     out.round = inlet.shape == scene::InletShape::disc && domain.dimensions == 3;
@@ -164,7 +164,7 @@ flow::OutletSetup make_outlet(const scene::Outlet& outlet, const scene::Domain& 
     flow::OutletSetup out{outlet.shape == scene::OutletShape::box, outlet.min, outlet.max, outlet.point, unit(outlet.normal)};
     constexpr double far = std::numeric_limits<double>::max();
     for (std::size_t k = 0; k < 3; ++k) {
-        const auto is_open = [&](std::size_t side) { return domain.faces[side].kind == scene::FaceKind::open; };
+        const auto is_open = [&](std::size_t side) { return domain.faces[side].kind == scene::BoundaryKind::open; };
         if (is_open(2 * k) && out.min[k] <= domain.min[k]) out.min[k] = -far;
         if (is_open(2 * k + 1) && out.max[k] >= domain.max[k]) out.max[k] = far;
     }
@@ -201,7 +201,7 @@ std::vector<Vec3> held_places(const flow::InletSetup& inlet, const flow::Layers&
 bool in_domain(const scene::Domain& domain, double clearance, const Vec3& x) {
     for (std::size_t k = 0; k < static_cast<std::size_t>(domain.dimensions); ++k) {
         const auto gap = [&](std::size_t side) {
-            return domain.faces[side].kind == scene::FaceKind::wall ? clearance : 0;
+            return domain.faces[side].kind == scene::BoundaryKind::wall ? clearance : 0;
         };
         if (x[k] < domain.min[k] + gap(2 * k) || x[k] > domain.max[k] - gap(2 * k + 1)) return false;
     }
@@ -349,15 +349,15 @@ double flow_of(const Input& input, const flow::InletSetup& inlet) {
     return inlet.speed * double(inlet.points.size()) * pouring.volume / flow::step_of(inlet, pouring.layers);
 }
 
-std::uint64_t poured_particles(const Input& input, const flow::InletSetup& inlet) {
+std::uint64_t inflow_particles(const Input& input, const flow::InletSetup& inlet) {
     auto layers = pouring_of(input).layers;
     if (input.on_grid()) layers.held = 0; // behind the opening there are none
     return static_cast<std::uint64_t>(flow::layers_until(inlet, layers, input.scene.time.end)) * inlet.points.size();
 }
 
-std::uint64_t poured_particles(const Input& input) {
+std::uint64_t inflow_particles(const Input& input) {
     std::uint64_t sum = 0;
-    for (const auto& inlet : make_inflow(input).inlets) sum += poured_particles(input, inlet);
+    for (const auto& inlet : make_inflow(input).inlets) sum += inflow_particles(input, inlet);
     return sum;
 }
 

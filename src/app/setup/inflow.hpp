@@ -16,8 +16,8 @@ void check_inflow(const Input& input, const Geometry& geometry, std::vector<Diag
 std::vector<std::string> inflow_notes(const Input& input);
 
 // Particles that an inlet makes in the whole run, and volume that it lets in in a second [m3/s].
-std::uint64_t poured_particles(const Input& input, const flow::InletSetup& inlet);
+std::uint64_t inflow_particles(const Input& input, const flow::InletSetup& inlet);
 double flow_of(const Input& input, const flow::InletSetup& inlet);
-std::uint64_t poured_particles(const Input& input); // of all inlets
+std::uint64_t inflow_particles(const Input& input); // of all inlets
 
 } // namespace treacle::app

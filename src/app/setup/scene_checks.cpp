@@ -78,7 +78,7 @@ void check_viscosity(const Input& input, std::vector<Diagnostic>& problems) {
             problems.push_back({liquid.where, name + ": a viscosity that varies needs the implicit viscosity",
                                 "the explicit one knows one viscosity per liquid", "leave out method.viscosity.integration"});
         }
-        const bool by_rate = liquid.rheology.law != scene::ShearLaw::newtonian;
+        const bool by_rate = liquid.rheology.law != scene::ViscosityModelKind::newtonian;
         if (by_rate && options.form != sph::ViscosityForm::corrected && options.form != sph::ViscosityForm::adjoint) {
             problems.push_back({liquid.where, name + ".rheology needs method.viscosity.form: corrected or adjoint",
                                 "the other forms have no shear rate", "leave out method.viscosity.form"});
@@ -102,12 +102,12 @@ void check_viscosity(const Input& input, std::vector<Diagnostic>& problems) {
         problems.push_back({input.scene.inlets.front().where, "inlets cannot go with method.viscosity.assembled",
                             "the matrix does not know what waits behind an opening", "leave assembled out"});
     }
-    const bool coupled = implicit && options.body_coupling == sph::BodyCoupling::implicit;
+    const bool coupled = implicit && options.coupling == sph::BodyCoupling::strong;
     for (const auto& body : input.scene.bodies) {
         if (body.kind != scene::BodyKind::dynamic || !coupled) continue;
         const auto refuse = [&](const std::string& key, const std::string& why) {
             problems.push_back({body.where, "bodies." + body.name + " is dynamic, with method.viscosity." + key, why,
-                                "leave " + key + " out, or write method.viscosity.body_coupling: explicit"});
+                                "leave " + key + " out, or write method.viscosity.coupling: weak"});
         };
         if (options.assembled) refuse("assembled", "the matrix has no bodies as unknowns");
         if (options.guess == sph::ViscosityGuess::last_change) refuse("guess", "it knows the liquid's velocities alone");

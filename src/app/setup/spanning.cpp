@@ -38,7 +38,7 @@ Axes spanned_axes(const scene::Body& body, const scene::SolidRegion& region, con
     const auto bounds = region.bounds();
     for (std::size_t k = 0; k < static_cast<std::size_t>(domain.dimensions); ++k) {
         const double period = domain.max[k] - domain.min[k], length = bounds.max[k] - bounds.min[k];
-        out[k] = domain.faces[2 * k].kind == scene::FaceKind::periodic && std::fabs(length - period) <= touching * domain.spacing &&
+        out[k] = domain.faces[2 * k].kind == scene::BoundaryKind::periodic && std::fabs(length - period) <= touching * domain.spacing &&
                  is_straight(body.shape, k) && !may_turn(body, k, domain.dimensions);
     }
     return out;

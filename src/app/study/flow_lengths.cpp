@@ -42,7 +42,7 @@ double fallen_radius(double radius, double speed, double fall) {
 // Width [m] of a channel along x: between walls at both ends of y, in two dimensions 1. None where the liquid spreads all round.
 std::optional<double> channel_width(const scene::Domain& domain) {
     if (domain.dimensions == 2) return 1;
-    const bool walls = domain.faces[2].kind == scene::FaceKind::wall && domain.faces[3].kind == scene::FaceKind::wall;
+    const bool walls = domain.faces[2].kind == scene::BoundaryKind::wall && domain.faces[3].kind == scene::BoundaryKind::wall;
     return walls ? std::optional(domain.max[1] - domain.min[1]) : std::nullopt;
 }
 
@@ -55,7 +55,7 @@ double spread_thickness(const Input& input, const Geometry& geometry) {
         for (const auto& region : regions) volume += region.volume();
     }
     const double nu = liquid.viscosity / liquid.density;
-    const bool closed = scene.domain.faces[1].kind == scene::FaceKind::wall; // towards x
+    const bool closed = scene.domain.faces[1].kind == scene::BoundaryKind::wall; // towards x
     if (closed || !std::isfinite(volume) || !(volume > 0) || !(nu > 0)) return 0;
     if (const auto width = channel_width(scene.domain)) {
         const double area = volume / *width;

@@ -64,7 +64,7 @@ std::filesystem::path write_dakota_request(const DakotaRequest& request) {
 ExitCode ask_runs(const SweepRequest& request, int count, const std::filesystem::path& folder) {
     const HandedStudy handed(request);
     const auto given = study::hand_out(handed.study, *handed.journal, handed.numbers, count, std::filesystem::absolute(folder).lexically_normal(), request.retry_failed);
-    Log log(Voice::speaks);
+    Log log(LogOutput::enabled);
     if (given.empty()) {
         log.line("no run is left to hand out");
         return ExitCode::ok;
@@ -78,7 +78,7 @@ ExitCode ask_runs(const SweepRequest& request, int count, const std::filesystem:
 ExitCode tell_runs(const SweepRequest& request, const std::filesystem::path& folder) {
     const HandedStudy handed(request);
     const auto taken = study::take_in(handed.study, *handed.journal, folder);
-    Log log(Voice::speaks);
+    Log log(LogOutput::enabled);
     for (const auto& one : taken.left) log.warn(one);
     log.line(std::to_string(taken.done) + " runs done, " + std::to_string(taken.failed) + " failed, " + std::to_string(taken.known) + " known before, " +
              std::to_string(taken.open) + " still out, " + std::to_string(taken.left.size()) + " folders left alone");

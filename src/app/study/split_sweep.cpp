@@ -1,6 +1,6 @@
 #include "app/study/split_sweep.hpp"
 
-#include "app/study/end_together.hpp"
+#include "app/study/run_collectively.hpp"
 #include "app/study/forward.hpp"
 #include "base/text/log.hpp"
 #include "mpi/mailbox.hpp"
@@ -103,8 +103,8 @@ public:
             const auto serve = [&] {
                 if (hand_out) answer(*hand_out);
             };
-            const auto code = end_together(group_, [&] {
-                return forward_run(group_, folder / "runs" / study::request_folder(number), {Voice::silent, serve});
+            const auto code = run_collectively(group_, [&] {
+                return forward_run(group_, folder / "runs" / study::request_folder(number), {LogOutput::disabled, serve});
             });
             last.number = number;
             last.code = static_cast<int>(code);
@@ -145,7 +145,7 @@ struct Desk {
           numbers(ask_once(runs, candidates)), hand_out(runs, numbers, request.retry_failed, groups, log) {
         log.line(std::to_string(numbers.size()) + " runs on " + std::to_string(groups) + " groups of ranks in " + folder.string());
     }
-    Log log{Voice::speaks};
+    Log log{LogOutput::enabled};
     study::StudyRuns runs;
     std::vector<std::int64_t> numbers;
     HandOut hand_out;

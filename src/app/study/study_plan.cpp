@@ -45,7 +45,7 @@ identify::StudyFile coarse_study(const study::Study& study, const study::Candida
 MeasuredRun measure(const identify::StudyFile& file, const std::filesystem::path& folder) {
     const auto& study = file.study;
     const auto candidate = sweep_candidates(file).front();
-    Log log(Voice::silent);
+    Log log(LogOutput::disabled);
     study::StudyRuns runs(study, {folder, this_program(), {}}, log);
     const auto number = runs.ask(candidate);
     const auto end = runs.run(std::span(&number, 1), true);

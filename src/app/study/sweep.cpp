@@ -101,7 +101,7 @@ ExitCode sweep_study(const SweepRequest& request) {
     check_memory(study, candidates);
     const auto folder = study_folder(study.path, request.out);
 
-    Log log(Voice::speaks);
+    Log log(LogOutput::enabled);
     std::vector<std::int64_t> numbers;
     const study::StudyRuns* under_way = nullptr;
     const auto tell_table = [&] { write_tables(folder, table_of(study, under_way->journal(), numbers)); };

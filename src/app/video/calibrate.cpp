@@ -146,7 +146,7 @@ void calibrate_alone(const CalibrateRequest& request) {
                           "the lens comes from one of them", "give 10 to 20 pictures of the board, or a folder with them, or --camera FILE"});
     if (!request.camera.empty() && !asks_for_pose(request))
         throw InputError({"treacle calibrate --camera", "nothing is asked for", "the lens is known", "add --points, --pose-picture, --contour, --level, --plumb or --overlay"});
-    Log log(Voice::speaks);
+    Log log(LogOutput::enabled);
     const fs::path out = request.out;
     video::CameraRecord camera;
     std::optional<video::Calibration> calibration;

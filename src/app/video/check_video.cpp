@@ -94,7 +94,7 @@ double scale_of(const CheckVideoRequest& request, const video::ClipInfo& info, v
 
 bool work(const CheckVideoRequest& request) {
     keep_memory();
-    Log log(Voice::speaks);
+    Log log(LogOutput::enabled);
     auto source_request = request.source;
     source_request.allow_damage = true; // the check names it
     const auto source = video::open_any_frames(source_request);

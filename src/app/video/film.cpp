@@ -196,7 +196,7 @@ ExitCode film_run(const Comm& comm, const FilmRequest& request) {
     comm.guard_root([&] { folder.emplace(request, out, model); });
     std::optional<Camera> camera;
     comm.guard([&] { camera.emplace(request, run, model); });
-    Log log(comm.is_root() ? Voice::speaks : Voice::silent);
+    Log log(comm.is_root() ? LogOutput::enabled : LogOutput::disabled);
     Progress progress(log, "film", "frames");
     const auto ranks = static_cast<std::size_t>(comm.size());
     for (std::size_t begin = 0; begin < frames.size(); begin += ranks) {

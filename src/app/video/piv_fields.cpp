@@ -132,7 +132,7 @@ void make(const PivRequest& request, const RunView& run, RunFlow& flow) {
     }
     times.sync();
     if (!request.track.empty()) write_track(request, run, draw);
-    Log(Voice::speaks).line(std::to_string(fields.size()) + " fields of " + std::to_string(grid.size()) + " vectors, " + std::to_string(valid) + " measured, largest speed " +
+    Log(LogOutput::enabled).line(std::to_string(fields.size()) + " fields of " + std::to_string(grid.size()) + " vectors, " + std::to_string(valid) + " measured, largest speed " +
                             format_number(speed) + " m/s, noise " + format_number(request.noise * speed) + " m/s, in " + request.out.string());
 }
 } // namespace

@@ -133,7 +133,7 @@ nlohmann::ordered_json summary_of(const video::ClipInfo& info, const Totals& tot
 
 void work(const SilhouettesRequest& request) {
     keep_memory();
-    Log log(Voice::speaks);
+    Log log(LogOutput::enabled);
     const auto settings = video::read_silhouette_settings(request.settings, request.changes);
     const auto source = video::open_frames(request.source);
     const auto& info = source->info();

@@ -39,7 +39,7 @@ Range range_at_least(double min);
 Range range_between(double min, double max);  // both included
 Range range_above_to(double min, double max); // the lower bound excluded
 
-// In plane scenes two numbers are enough for a vector. A third one must be 0 (`in_plane`) or is kept, as for
+// In 2D scenes two numbers are enough for a vector. A third one must be 0 (`in_plane`) or is kept, as for
 // the place of a camera (`in_space`). What turns (`turning`) turns about z there: one number is enough, and the first two
 // of three must be 0.
 enum class VectorKind { in_plane, in_space, turning };
@@ -81,7 +81,7 @@ public:
     virtual void numbers(const std::string& key, std::vector<double>& value, const Unit& unit, const Range& range, const std::string& doc) = 0;
     virtual void vec3(const std::string& key, Vec3& value, const Unit& unit, const std::string& doc,
                       VectorKind kind = VectorKind::in_plane) = 0;
-    // An axis or normal: not zero, no unit, of any length. `in_plane`: in plane scenes without a third number.
+    // An axis or normal: not zero, no unit, of any length. `in_plane`: in 2D scenes without a third number.
     void direction(const std::string& key, Vec3& value, const std::string& doc, VectorKind kind = VectorKind::in_space);
 
     // One of the names of `choices`. A value that is none of them becomes the first.
@@ -125,8 +125,8 @@ public:
     virtual std::string place() const { return ""; }
     // Place of this key's value, or of the block that lacks it; empty when not parsing.
     virtual std::string place_of(const std::string&) const { return ""; }
-    // Plane scenes: vectors declared from here on may be read, and are emitted, with two numbers.
-    virtual void allow_plane_vectors() {}
+    // 2D scenes: vectors declared from here on may be read, and are emitted, with two numbers.
+    virtual void allow_2d_vectors() {}
     // True in a block that has the keys of one further up, and may hold itself, when the visitor writes a manual, which
     // does not repeat them.
     virtual bool told_elsewhere() { return false; }

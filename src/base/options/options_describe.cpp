@@ -48,7 +48,7 @@ std::string facts_of(const OptionEntry& entry) {
     if (!range.empty()) out += ", " + range;
     if (entry.presence == Presence::required) return out + ", required";
     if (entry.presence == Presence::one_of) return out + ", one of these is given";
-    return has_members(entry) ? out : out + ", default " + entry.standard;
+    return has_members(entry) ? out : out + ", default " + entry.default_text;
 }
 
 void write_summary(const OptionEntry& entry, std::size_t depth, std::string& out) {

@@ -100,7 +100,7 @@ public:
         }
     }
     void required(const std::string&) override {}
-    void allow_plane_vectors() override { sheet_.plane_vectors = true; }
+    void allow_2d_vectors() override { sheet_.plane_vectors = true; }
     bool plane_vectors() const override { return sheet_.plane_vectors; }
 
 protected:

@@ -196,7 +196,7 @@ public:
         const Node* node = node_.find(key);
         return node ? node->place : node_.place;
     }
-    void allow_plane_vectors() override { session_.plane_vectors = true; }
+    void allow_2d_vectors() override { session_.plane_vectors = true; }
     bool plane_vectors() const override { return session_.plane_vectors; }
 
     // After the declaration: keys of the block that are not declared.

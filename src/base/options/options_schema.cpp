@@ -96,11 +96,11 @@ Json schema_of(const OptionEntry& entry) {
     std::string text = entry.doc;
     if (!entry.unit.si.empty()) text += " [" + std::string(entry.unit.si) + "]";
     if (!text.empty()) out["description"] = text;
-    const bool shown = !entry.standard.empty() && entry.presence == Presence::optional;
+    const bool shown = !entry.default_text.empty() && entry.presence == Presence::optional;
     if (shown && entry.kind != Kind::texts) {
         // A default with its unit is a text, as one would write it.
-        const auto value = Json::parse(entry.standard, nullptr, false);
-        out["default"] = value.is_discarded() ? Json(entry.standard) : value;
+        const auto value = Json::parse(entry.default_text, nullptr, false);
+        out["default"] = value.is_discarded() ? Json(entry.default_text) : value;
     }
     return out;
 }

@@ -22,29 +22,29 @@ public:
     void number(const std::string& key, double& value, const Unit& unit, const Range& range,
                 const std::string& doc) override {
         auto& entry = add(key, Kind::number, doc);
-        entry.standard = with_unit(format_number(value), unit);
+        entry.default_text = with_unit(format_number(value), unit);
         entry.unit = unit;
         entry.range = range;
     }
 
     void integer(const std::string& key, int& value, const Range& range, const std::string& doc) override {
         auto& entry = add(key, Kind::integer, doc);
-        entry.standard = std::to_string(value);
+        entry.default_text = std::to_string(value);
         entry.range = range;
     }
 
     void boolean(const std::string& key, bool& value, const std::string& doc) override {
-        add(key, Kind::boolean, doc).standard = value ? "true" : "false";
+        add(key, Kind::boolean, doc).default_text = value ? "true" : "false";
     }
 
     void text(const std::string& key, std::string& value, const std::string& doc) override {
-        add(key, Kind::text, doc).standard = "\"" + value + "\"";
+        add(key, Kind::text, doc).default_text = "\"" + value + "\"";
     }
 
     void texts(const std::string& key, std::vector<std::string>& value, const std::string& doc,
                const std::vector<std::string>& allowed) override {
         auto& entry = add(key, Kind::texts, doc);
-        entry.standard = "[" + join(value, ", ") + "]";
+        entry.default_text = "[" + join(value, ", ") + "]";
         entry.words = allowed;
     }
 
@@ -52,7 +52,7 @@ public:
         auto& entry = add(key, Kind::numbers, doc);
         std::vector<std::string> parts;
         for (const double x : value) parts.push_back(with_unit(format_number(x), unit));
-        entry.standard = "[" + join(parts, ", ") + "]";
+        entry.default_text = "[" + join(parts, ", ") + "]";
         entry.unit = unit;
         entry.range = range;
     }
@@ -61,7 +61,7 @@ public:
               VectorKind kind) override {
         auto& entry = add(key, Kind::vec3, doc);
         entry.vector = kind;
-        entry.standard = format_vector(value);
+        entry.default_text = format_vector(value);
         entry.unit = unit;
     }
 
@@ -92,7 +92,7 @@ protected:
     void choose(const std::string& key, std::size_t& index, const std::vector<std::string>& names,
                 const std::string& doc) override {
         auto& entry = add(key, Kind::choice, doc);
-        entry.standard = names[index];
+        entry.default_text = names[index];
         entry.words = names;
     }
 

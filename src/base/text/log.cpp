@@ -6,13 +6,13 @@
 
 namespace treacle {
 
-Log::Log(Voice voice, std::FILE* stream)
-    : voice_(voice), stream_(stream), is_terminal_(::isatty(::fileno(stream)) == 1) {}
+Log::Log(LogOutput output, std::FILE* stream)
+    : output_(output), stream_(stream), is_terminal_(::isatty(::fileno(stream)) == 1) {}
 
 Log::~Log() { clear_progress(); }
 
 void Log::line(const std::string& text) {
-    if (voice_ == Voice::silent) return;
+    if (output_ == LogOutput::disabled) return;
     clear_progress();
     std::fprintf(stream_, "%s\n", text.c_str());
     std::fflush(stream_);
@@ -21,7 +21,7 @@ void Log::line(const std::string& text) {
 void Log::warn(const std::string& text) { line("warning: " + text); }
 
 void Log::progress(double share, const std::string& text) {
-    if (voice_ == Voice::silent || !is_terminal_) return;
+    if (output_ == LogOutput::disabled || !is_terminal_) return;
     std::fprintf(stream_, "\r\033[K%s", progress_bar(share, text).c_str());
     std::fflush(stream_);
     bar_shown_ = true;

@@ -5,13 +5,13 @@
 namespace treacle {
 
 // Output on rank 0, none on the others.
-enum class Voice { speaks, silent };
+enum class LogOutput { enabled, disabled };
 
 // Lines on the terminal. Only rank 0 prints; the calls of the other ranks do nothing.
 // The progress bar is drawn only when the stream is a terminal.
 class Log {
 public:
-    explicit Log(Voice voice, std::FILE* stream = stdout);
+    explicit Log(LogOutput output, std::FILE* stream = stdout);
     ~Log();
     Log(const Log&) = delete;
     Log& operator=(const Log&) = delete;
@@ -27,7 +27,7 @@ public:
     bool is_terminal() const { return is_terminal_; } // of the stream, on any rank
 
 private:
-    Voice voice_;
+    LogOutput output_;
     std::FILE* stream_;
     bool is_terminal_;
     bool bar_shown_ = false;

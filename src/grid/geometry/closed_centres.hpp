@@ -4,9 +4,9 @@
 
 namespace treacle::grid {
 
-// Centres of the closed parts of faces. A motion that leads along a solid's surface takes nothing out of a cell: sum
+// Centres of the solid parts of faces. A motion that leads along a solid's surface takes nothing out of a cell: sum
 // over the faces of the closed areas times the velocity is then zero for any linear velocity, but only with that
-// velocity at the centres of the closed parts (the rest of their border is the surface).
+// velocity at the centres of the solid parts (the rest of their border is the surface).
 class ClosedCentres {
 public:
     // Local, of all faces of the window that have their parts in it. `solid`: distances at the fine nodes [m].

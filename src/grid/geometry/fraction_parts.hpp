@@ -21,7 +21,7 @@ KOKKOS_INLINE_FUNCTION CubeShares shares_of(int kind) {
 // Geometry of a window that the kernels share.
 struct Places {
     FineNodes nodes;
-    int up[3]; // 1, and 0 along the flat axis of plane scenes
+    int up[3]; // 1, and 0 along the flat axis of 2D scenes
     WallPlanes walls;
 
     // Nodes of a window and the walls among the solids there, if any.
@@ -40,7 +40,7 @@ struct Places {
         }
         return has_parts(c);
     }
-    // 1 or -1 for a node in the plane of a wall whose liquid side the part between fine nodes f and f + 1 is along an axis, 0 for one that
+    // 1 or -1 for a node on the plane of a wall whose liquid side the part between fine nodes f and f + 1 is along an axis, 0 for one that
     // is in no wall's, 2 where the part is beyond.
     KOKKOS_INLINE_FUNCTION int inward(int axis, int node, int f) const {
         const double x = nodes.lower[axis] + nodes.width * node;
@@ -51,7 +51,7 @@ struct Places {
         }
         return 0;
     }
-    // Distance at a corner of the part with lower fine node f: in the plane of a wall that of bodies, linear along the wall's normal from the two
+    // Distance at a corner of the part with lower fine node f: on the plane of a wall that of bodies, linear along the wall's normal from the two
     // nodes before. `flat`: the axis that the part is flat along, whose walls close it; -1: none.
     KOKKOS_INLINE_FUNCTION double solid_beside(const Array<double>& solid, const int corner[3], const int f[3], int flat) const {
         const double here = solid(nodes.index(corner[0], corner[1], corner[2]));

@@ -120,17 +120,17 @@ struct Writer {
     KOKKOS_INLINE_FUNCTION void cell(int i, const CubeShares& s) const {
         out.cell_fluid(i) = s.fluid;
         out.cell_liquid(i) = s.liquid;
-        out.cell_wet(i) = s.wet;
+        out.cell_liquid_clipped(i) = s.wet;
     }
     KOKKOS_INLINE_FUNCTION void face(int axis, int i, const CubeShares& s) const {
         out.face_fluid.axis[axis](i) = s.fluid;
         out.face_liquid.axis[axis](i) = s.liquid;
-        out.face_wet.axis[axis](i) = s.wet;
+        out.face_liquid_clipped.axis[axis](i) = s.wet;
     }
     KOKKOS_INLINE_FUNCTION void edge(int axis, int i, const CubeShares& s) const {
         out.edge_fluid.axis[axis](i) = s.fluid;
         out.edge_liquid.axis[axis](i) = s.liquid;
-        out.edge_wet.axis[axis](i) = s.wet;
+        out.edge_liquid_clipped.axis[axis](i) = s.wet;
     }
     KOKKOS_INLINE_FUNCTION bool has_edge(int axis) const { return dimensions == 3 || axis == 2; }
     KOKKOS_INLINE_FUNCTION void all(int i, const CubeShares& s) const {
@@ -201,11 +201,11 @@ void fill_independent(const Places& places, const Array<double>& solid, const Ar
 }
 
 void reserve_fractions(Fractions& out, int dimensions, std::size_t n) {
-    for (auto* cell : {&out.cell_fluid, &out.cell_liquid, &out.cell_wet}) reserve(*cell, n);
-    for (auto* face : {&out.face_fluid, &out.face_liquid, &out.face_wet, &out.open}) {
+    for (auto* cell : {&out.cell_fluid, &out.cell_liquid, &out.cell_liquid_clipped}) reserve(*cell, n);
+    for (auto* face : {&out.face_fluid, &out.face_liquid, &out.face_liquid_clipped, &out.open}) {
         for (int a = 0; a < dimensions; ++a) reserve(face->axis[a], n);
     }
-    for (auto* edge : {&out.edge_fluid, &out.edge_liquid, &out.edge_wet}) {
+    for (auto* edge : {&out.edge_fluid, &out.edge_liquid, &out.edge_liquid_clipped}) {
         for (int a = dimensions == 2 ? 2 : 0; a < 3; ++a) reserve(edge->axis[a], n);
     }
 }

@@ -1,7 +1,7 @@
 #include "grid/geometry/level_set.hpp"
 
-#include "grid/geometry/images.hpp"
-#include "kokkos/lanes.hpp"
+#include "grid/geometry/mirror_particles.hpp"
+#include "kokkos/simd.hpp"
 
 #include <cmath>
 #include <vector>
@@ -16,13 +16,13 @@ constexpr double image_reach = 0.6;
 // fluid reaches.
 constexpr int continued_layers = 6;
 // [dx] What the surface lies too low, because the mean of scattered particles is farther away than that of a continuum:
-// measured of pools and balls of seeded particles (jitter 0.25), in the plane and in space.
+// measured of pools and balls of seeded particles (jitter 0.25), in 2D and in 3D.
 constexpr double scatter_shift[2] = {0.04, 0.05};
 // A cell whose particles are this share of the seeded number has no surface in it if those around it are like it.
 constexpr double full_share = 0.5;
 
 // The mean of the particles of a half space is at distance g(u) from height u, both over the reach: the weight
-// (1 - s^2)^3 sums to (1 - s^2)^4 over the plane at distance s in space, to (1 - s^2)^3.5 over the line in the plane.
+// (1 - s^2)^3 sums to (1 - s^2)^4 over the plane at distance s in 3D, to (1 - s^2)^3.5 over the line in 2D.
 // Returns u at g = 0, 1/table, ..., 1.
 std::vector<double> invert_half_space(int dimensions) {
     constexpr int steps = 20000; // over [0, 1]: the midpoint rule is right to 1e-8
@@ -71,14 +71,14 @@ struct Mean {
 
 // The same of several particles at a time.
 struct LaneMean {
-    Lanes weight = 0.0, x = 0.0, y = 0.0, z = 0.0;
+    SimdDouble weight = 0.0, x = 0.0, y = 0.0, z = 0.0;
 
     KOKKOS_INLINE_FUNCTION void add(const Array<double> along[3], int first, int last, const double at[3], double inverse_square) {
         for (int k = first; k < last; k += lanes) {
-            const Lanes dx = load_lanes(&along[0](k)) - Lanes(at[0]), dy = load_lanes(&along[1](k)) - Lanes(at[1]),
-                        dz = load_lanes(&along[2](k)) - Lanes(at[2]);
-            const Lanes s = math::max(Lanes(0.0), Lanes(1.0) - (dx * dx + dy * dy + dz * dz) * Lanes(inverse_square));
-            const Lanes w = select(first_lanes(last - k), s * s * s, Lanes(0.0));
+            const SimdDouble dx = load_lanes(&along[0](k)) - SimdDouble(at[0]), dy = load_lanes(&along[1](k)) - SimdDouble(at[1]),
+                        dz = load_lanes(&along[2](k)) - SimdDouble(at[2]);
+            const SimdDouble s = math::max(SimdDouble(0.0), SimdDouble(1.0) - (dx * dx + dy * dy + dz * dz) * SimdDouble(inverse_square));
+            const SimdDouble w = select(tail_mask(last - k), s * s * s, SimdDouble(0.0));
             weight = weight + w;
             x = x + w * dx;
             y = y + w * dy;
@@ -299,7 +299,7 @@ void LevelSet::build(const MacGrid& grid, CellHalo& halo, const GridParticles& p
     reserve(distance_, nodes.size());
     Kokkos::deep_copy(distance_, grid.dx);
     // Across bodies; walls have theirs by the mirrored places of nodes.
-    Images::find(particles, solids.sampler(), solids.number(), ImagesIn::bodies, image_reach * grid.dx);
+    MirrorParticles::find(particles, solids.sampler(), solids.number(), MirroredIn::bodies, image_reach * grid.dx);
     split_axes(particles.position(), particles.store.total(), along_);
     const int seeded = grid.dimensions == 2 ? 4 : 8;
     surface_ = static_cast<std::size_t>(sum_particles({nodes, halo.owned(), cells, particles.position(), particles.image(),

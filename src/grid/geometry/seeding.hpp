@@ -31,7 +31,7 @@ struct Seeding {
     std::vector<LinearVelocity> velocities; // per liquid; the affine matrices start with their gradients
 };
 
-// Volume that a particle stands for [m3], in the plane [m2] times dx.
+// Volume that a particle stands for [m3], in 2D [m2] times dx.
 double particle_volume(const MacGrid& grid);
 
 // Bound of the ids of one liquid.

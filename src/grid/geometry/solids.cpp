@@ -221,7 +221,7 @@ Solids::Solids(const MacGrid& grid, const scene::Domain& domain, std::vector<cha
     walls_.dimensions = grid.dimensions;
     for (std::size_t side = 0; side < 6; ++side) {
         walls_.is_wall[side] =
-            static_cast<int>(side) / 2 < grid.dimensions && domain.faces[side].kind == scene::FaceKind::wall;
+            static_cast<int>(side) / 2 < grid.dimensions && domain.faces[side].kind == scene::BoundaryKind::wall;
         walls_.at[side] = side % 2 == 0 ? domain.min[side / 2] : domain.max[side / 2];
         for (std::size_t k = 0; k < 3; ++k) motion_.side[side][k] = domain.faces[side].velocity[k];
     }

@@ -2,7 +2,7 @@
 
 namespace treacle::grid {
 
-void mark_faces(const MacGrid& grid, const CellBox& window, const FaceField& field, double least, FaceMarks& known) {
+void mark_faces(const MacGrid& grid, const CellBox& window, const FaceField& field, double least, FaceValidity& known) {
     for (int a = 0; a < grid.dimensions; ++a) {
         reserve(known.axis[a], static_cast<std::size_t>(window.size()));
         const auto mark = known.axis[a];
@@ -53,7 +53,7 @@ void add_layer(const CellBox& window, const Block& block, int layer, const Array
     });
 }
 
-void gather_faces(const MacGrid& grid, CellHalo& halo, const FaceField& velocity, const FaceMarks& known) {
+void gather_faces(const MacGrid& grid, CellHalo& halo, const FaceField& velocity, const FaceValidity& known) {
     if (grid.dimensions == 2) {
         halo.gather({velocity.axis[0], velocity.axis[1]});
         halo.gather({known.axis[0], known.axis[1]});
@@ -64,7 +64,7 @@ void gather_faces(const MacGrid& grid, CellHalo& halo, const FaceField& velocity
 }
 } // namespace
 
-void extrapolate(const MacGrid& grid, CellHalo& halo, FaceField& velocity, FaceMarks& known, int layers) {
+void extrapolate(const MacGrid& grid, CellHalo& halo, FaceField& velocity, FaceValidity& known, int layers) {
     Block block{halo.active(), {0, 0, 0}, grid.dimensions};
     for (int k = 0; k < 3; ++k) block.period[k] = grid.cells.periodic(k) ? grid.cells.count[k] : 0;
     gather_faces(grid, halo, velocity, known);

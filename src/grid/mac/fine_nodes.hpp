@@ -12,7 +12,7 @@ inline bool same_cells(const CellBox& a, const CellBox& b) {
 
 // Nodes of the double-resolution grid of a window: corners of cubes of width dx/2, eight to a cell, those of a cell
 // together, so that a halo of cells carries them as blocks of `per_cell` numbers. Node (x, y, z) lies at
-// lower + dx/2 (x, y, z); node 2c is the lower corner of cell c. Plane scenes use z = 0 alone.
+// lower + dx/2 (x, y, z); node 2c is the lower corner of cell c. 2D scenes use z = 0 alone.
 struct FineNodes {
     static constexpr int per_cell = 8;
     CellBox window; // of cells

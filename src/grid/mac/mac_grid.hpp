@@ -15,7 +15,7 @@ namespace treacle::grid {
 //   face a, c lower face     as the centre, but x_c[a] along a; holds u_a
 //   edge a, c lower edge     x_c but at the middle along a; holds the shear stress of the other two axes
 //   node c    lower corner   x_c
-// Plane scenes (dimensions 2) have one layer of cells in z, its middle at z = 0, no halo there, no w, and no edge but
+// 2D scenes (dimensions 2) have one layer of cells in z, its middle at z = 0, no halo there, no w, and no edge but
 // those along z; their volumes are per metre of depth times dx, and sums are divided by dx where they are reported.
 struct MacGrid {
     CellGrid cells;
@@ -47,11 +47,11 @@ MacGrid make_mac_grid(const scene::Domain& domain);
 // To wrap places by; sides of other axes are the grid's lower one.
 PeriodicBox periodic_box(const MacGrid& grid);
 
-// One number per face of a window: u_a on the lower face of each cell across axis a. Plane scenes leave axis 2 empty.
+// One number per face of a window: u_a on the lower face of each cell across axis a. 2D scenes leave axis 2 empty.
 struct FaceField {
     Array<double> axis[3]; // [window], by the axis that the faces are across
 };
-// One per edge of a window, by the direction of the edge. Plane scenes use axis 2 alone.
+// One per edge of a window, by the direction of the edge. 2D scenes use axis 2 alone.
 struct EdgeField {
     Array<double> axis[3]; // [window], by the axis that the edges are along
 };
@@ -62,9 +62,9 @@ struct EdgeField {
 //   liquid  inside the liquid's surface, which is continued into solids   W_L
 //   wet     both at once: the clipped liquid, in the place of the product W_F W_L
 struct Fractions {
-    Array<double> cell_fluid, cell_liquid, cell_wet; // [window] [1]
-    FaceField face_fluid, face_liquid, face_wet;
-    EdgeField edge_fluid, edge_liquid, edge_wet;
+    Array<double> cell_fluid, cell_liquid, cell_liquid_clipped; // [window] [1]
+    FaceField face_fluid, face_liquid, face_liquid_clipped;
+    EdgeField edge_fluid, edge_liquid, edge_liquid_clipped;
     FaceField open; // share of the area of each face that is not solid: cut cells of the pressure
 };
 

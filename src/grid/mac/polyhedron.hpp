@@ -48,7 +48,7 @@ KOKKOS_INLINE_FUNCTION double negative_share(const double distance[4]) {
 
 // Share of a tetrahedron that is outside of the solid and inside the liquid: the tetrahedron is clipped by the
 // solid's surface into tetrahedra, and those by the liquid's.
-KOKKOS_INLINE_FUNCTION double wet_share(const double solid[4], const double liquid[4]) {
+KOKKOS_INLINE_FUNCTION double clipped_liquid_fraction(const double solid[4], const double liquid[4]) {
     int o[4];
     const int inside = order_by_sign<4>(solid, o);
     if (inside == 4) return 0;
@@ -102,7 +102,7 @@ KOKKOS_INLINE_FUNCTION CubeShares cube_shares(const double solid[8], const doubl
         const double l[4] = {liquid[v[0]], liquid[v[1]], liquid[v[2]], liquid[v[3]]};
         if (cut_solid) out.fluid += (1 - negative_share(s)) / 6;
         if (cut_liquid) out.liquid += negative_share(l) / 6;
-        if (cut_solid && cut_liquid) out.wet += wet_share(s, l) / 6;
+        if (cut_solid && cut_liquid) out.wet += clipped_liquid_fraction(s, l) / 6;
     }
     if (!cut_liquid) out.wet = all_liquid ? out.fluid : 0;
     if (!cut_solid) out.wet = all_solid ? 0 : out.liquid;

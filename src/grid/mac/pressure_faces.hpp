@@ -16,7 +16,7 @@ struct PressureFaces {
     Array<double> distance; // [m] of centres from the liquid's surface, < 0 inside
     Array<double> jump;     // [Pa] sigma kappa at centres; none without surface tension
     bool has_jump = false;
-    double least_distance = 0, least_opening = 0; // least theta [1], least share of an area [1]: PressureOptions
+    double min_theta = 0, min_face_area_fraction = 0; // least theta [1], least share of an area [1]: PressureOptions
 
     // Every opening counts but for round-off: without a small one the areas of its cells would no longer close to the solid's
     // surface, and liquid that slides along it could not do so without a strain.
@@ -28,26 +28,26 @@ struct PressureFaces {
     // True when the face's velocity is that of the liquid around: what passes a small opening may be any, and is not
     // for particles.
     KOKKOS_INLINE_FUNCTION bool carries(int axis, std::size_t face) const {
-        return open(axis, face) > 0 && area.axis[axis](face) >= least_opening;
+        return open(axis, face) > 0 && area.axis[axis](face) >= min_face_area_fraction;
     }
     KOKKOS_INLINE_FUNCTION bool is_liquid(std::size_t cell) const { return distance(cell) < 0; }
     // theta: share of the way from a liquid cell's centre to that of one outside that is liquid.
-    KOKKOS_INLINE_FUNCTION double wet_share(std::size_t liquid, std::size_t outside) const {
-        return math::max(distance(liquid) / (distance(liquid) - distance(outside)), least_distance);
+    KOKKOS_INLINE_FUNCTION double theta(std::size_t liquid, std::size_t outside) const {
+        return math::max(distance(liquid) / (distance(liquid) - distance(outside)), min_theta);
     }
     // A theta of a face beside cells with a pressure, 0 where it is closed; -1 of others.
-    KOKKOS_INLINE_FUNCTION double pushed(int axis, std::size_t above) const {
+    KOKKOS_INLINE_FUNCTION double effective_area_fraction(int axis, std::size_t above) const {
         const std::size_t below = above - static_cast<std::size_t>(stride[axis]);
         const bool wet = is_liquid(above), wet_below = is_liquid(below);
         if (!wet && !wet_below) return -1;
         const double share = open(axis, above);
         if (wet && wet_below) return share;
-        return share * (wet ? wet_share(above, below) : wet_share(below, above));
+        return share * (wet ? theta(above, below) : theta(below, above));
     }
     // The pressure at the surface between the two [Pa].
     KOKKOS_INLINE_FUNCTION double surface_pressure(std::size_t liquid, std::size_t outside) const {
         if (!has_jump) return 0;
-        const double share = wet_share(liquid, outside);
+        const double share = theta(liquid, outside);
         return (1 - share) * jump(liquid) + share * jump(outside);
     }
 };

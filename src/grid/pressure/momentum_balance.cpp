@@ -208,8 +208,8 @@ void MomentumBalance::connect(const Comm& comm, const Scene& scene, const rigid:
     comm.sum(std::span<std::int64_t>(touches));
     for (std::size_t g = 0; g < groups_.size(); ++g) {
         auto& of = groups_[g];
-        const auto conveys = [&](std::size_t b) { return bodies.setup().bodies[b].conveys; };
-        of.balanced = touches[2 * g] == 0 && touches[2 * g + 1] > 0 && !of.bodies.empty() && std::ranges::none_of(of.bodies, conveys);
+        const auto surface_velocity_only = [&](std::size_t b) { return bodies.setup().bodies[b].surface_velocity_only; };
+        of.balanced = touches[2 * g] == 0 && touches[2 * g + 1] > 0 && !of.bodies.empty() && std::ranges::none_of(of.bodies, surface_velocity_only);
         of.free = std::ranges::none_of(of.bodies, [&](std::size_t b) { return is_constrained(bodies, b); });
     }
 }
@@ -262,7 +262,7 @@ void MomentumBalance::begin(const Comm& comm, const Scene& scene, const rigid::R
     groups_.clear();
     // Liquid at an inlet is pushed by what is behind it.
     bool any = false;
-    for (std::size_t b = 0; b < bodies.size(); ++b) any = any || (bodies.moves(b) && !bodies.setup().bodies[b].conveys);
+    for (std::size_t b = 0; b < bodies.size(); ++b) any = any || (bodies.moves(b) && !bodies.setup().bodies[b].surface_velocity_only);
     if (!any) return;
     connect(comm, scene, bodies);
     for (std::size_t g = 0; g < groups_.size(); ++g) {
@@ -315,7 +315,7 @@ Matrix6 mass_of(const rigid::RigidBodies& bodies, std::size_t b) {
     return out;
 }
 
-// Motions that there are: of a plane scene x, y and the turn about z; along periodic axes no turn.
+// Motions that there are: of a 2D scene x, y and the turn about z; along periodic axes no turn.
 Eigen::Matrix<double, 6, Eigen::Dynamic> motions(const MacGrid& grid) {
     std::vector<int> kept{0, 1};
     const bool periodic = grid.cells.period[0] > 0 || grid.cells.period[1] > 0 || grid.cells.period[2] > 0;
@@ -329,7 +329,7 @@ Eigen::Matrix<double, 6, Eigen::Dynamic> motions(const MacGrid& grid) {
 
 void MomentumBalance::end(const Comm& comm, const Scene& scene, const Kick& kick, rigid::RigidBodies& bodies, std::span<double> loads) {
     const auto kept = motions(scene.grid);
-    std::vector<double> pushed(6 * bodies.size(), 0.0);
+    std::vector<double> body_loads(6 * bodies.size(), 0.0);
     bool any = false;
     for (std::size_t g = 0; g < groups_.size(); ++g) {
         const auto& group = groups_[g];
@@ -364,15 +364,15 @@ void MomentumBalance::end(const Comm& comm, const Scene& scene, const Kick& kick
             const Vector6 given = mass_of(bodies, b) * motion / kick.time;
             const Eigen::Vector3d force = given.head<3>(), torque = given.tail<3>() - vector(centre).cross(force);
             for (int k = 0; k < 3; ++k) {
-                pushed[6 * b + static_cast<std::size_t>(k)] = force[k];
-                pushed[6 * b + 3 + static_cast<std::size_t>(k)] = torque[k];
+                body_loads[6 * b + static_cast<std::size_t>(k)] = force[k];
+                body_loads[6 * b + 3 + static_cast<std::size_t>(k)] = torque[k];
                 load(b)[static_cast<std::size_t>(k)] += force[k];
                 load(b)[static_cast<std::size_t>(3 + k)] += torque[k];
             }
         }
         any = true;
     }
-    if (any) bodies.push(pushed, kick.time);
+    if (any) bodies.push(body_loads, kick.time);
 }
 
 } // namespace treacle::grid

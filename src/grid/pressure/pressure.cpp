@@ -23,7 +23,7 @@ solve::Preconditioner translate(Preconditioner kind) {
 
 Pressure::Pressure(const Comm& comm, const PressureOptions& options, Coupling coupling, int dimensions)
     : comm_(comm), options_(options), coupling_kind_(coupling),
-      multilevel_(comm, {.overcorrection = 1.75, .relaxation = 1.2, .border_sweeps = true}),
+      multilevel_(comm, {.overcorrection = 1.75, .relaxation = 1.2, .interface_sweeps = true}),
       solver_(comm, "pressure", krylov(dimensions)) {}
 
 solve::KrylovOptions Pressure::krylov(int dimensions) {
@@ -44,7 +44,7 @@ solve::KrylovOptions Pressure::krylov(int dimensions) {
 }
 
 // sigma kappa
-void Pressure::find_jumps(const PressureScene& scene) {
+void Pressure::compute_jumps(const PressureContext& scene) {
     const CellBox window = scene.halo.window();
     reserve(jump_, static_cast<std::size_t>(window.size()));
     const auto curvature = *scene.curvature, jump = jump_;
@@ -55,23 +55,23 @@ void Pressure::find_jumps(const PressureScene& scene) {
                          KOKKOS_LAMBDA(int i) { jump(i) = (differ ? tensions(i) : tension) * curvature(i); });
 }
 
-PressureFaces Pressure::describe(const PressureScene& scene) const {
+PressureFaces Pressure::describe(const PressureContext& scene) const {
     auto faces = pressure_faces(scene.halo.window(), scene.grid.dimensions);
     faces.area = scene.open ? *scene.open : scene.fractions.open;
     faces.distance = scene.distance;
-    faces.least_distance = options_.least_distance;
-    faces.least_opening = options_.least_opening;
+    faces.min_theta = options_.min_theta;
+    faces.min_face_area_fraction = options_.min_face_area_fraction;
     return faces;
 }
 
 // (P1)-(P3)
-void Pressure::build(const PressureScene& scene, bool goes_on) {
+void Pressure::build(const PressureContext& scene, bool goes_on) {
     grid_ = &scene.grid;
     halo_ = &scene.halo;
     density_ = scene.density;
     auto faces = describe(scene);
     faces.has_jump = scene.surface_tension > 0 && scene.curvature;
-    if (faces.has_jump) find_jumps(scene);
+    if (faces.has_jump) compute_jumps(scene);
     faces.jump = jump_;
     inflow_ = scene.inflow ? *scene.inflow : Array<double>();
     matrix_.reset();
@@ -81,14 +81,14 @@ void Pressure::build(const PressureScene& scene, bool goes_on) {
     host_ = system_.to_host();
     const auto blocks = system_.blocks(host_);
     const auto rows = static_cast<std::size_t>(system_.rows());
-    components_.anchor(comm_, blocks, {host_.to_surface.data(), rows}, coupling_, scene.bodies);
+    components_.anchor(comm_, blocks, {host_.dirichlet_diagonal.data(), rows}, coupling_, scene.bodies);
     matrix_.emplace(comm_, blocks);
     const bool strong = coupling_kind_ == Coupling::strong && scene.bodies.any_dynamic();
     if (strong) mobility_ = scene.bodies.mobility();
     const double mass = density_ * std::pow(scene.grid.dx, scene.grid.dimensions);
-    matrix_->set_addition([this, strong, mass](std::span<const double> x, std::span<double> y) {
+    matrix_->set_matrix_free_term([this, strong, mass](std::span<const double> x, std::span<double> y) {
         if (strong) coupling_.add_response(comm_, mobility_, mass, x, y);
-        for (const auto& [row, value] : components_.lifted()) {
+        for (const auto& [row, value] : components_.unpinned()) {
             y[static_cast<std::size_t>(row)] -= value * x[static_cast<std::size_t>(row)];
         }
     });
@@ -127,25 +127,25 @@ void Pressure::collect(const Array<double>& cells, double factor) {
     });
 }
 
-void Pressure::apply(std::span<const double> p, double dt, Surface surface, const FaceField& velocity) {
+void Pressure::apply(std::span<const double> p, double dt, SurfaceTension surface, const FaceField& velocity) {
     const auto host = Kokkos::create_mirror_view(solution_);
     std::copy(p.begin(), p.end(), host.data());
     Kokkos::deep_copy(solution_, host);
     system_.to_cells(solution_, in_cells_);
     halo_->gather({in_cells_});
     auto faces = system_.faces();
-    faces.has_jump = faces.has_jump && surface == Surface::tense;
+    faces.has_jump = faces.has_jump && surface == SurfaceTension::include;
     subtract_gradient(faces, halo_->owned(), in_cells_, density_ * grid_->dx / dt, velocity);
 }
 
 // (P4)
-PressureReport Pressure::project(const FaceField& velocity, rigid::RigidBodies& bodies, double dt, Surface surface) {
+PressureReport Pressure::project(const FaceField& velocity, rigid::RigidBodies& bodies, double dt, SurfaceTension surface) {
     PressureReport report;
     report.unknowns = system_.global_rows();
     report.closed = components_.closed();
     const double scale = density_ * grid_->dx / dt;
     auto faces = system_.faces();
-    faces.has_jump = faces.has_jump && surface == Surface::tense;
+    faces.has_jump = faces.has_jump && surface == SurfaceTension::include;
     divergence(faces, system_, velocity, scale, right_hand_side_);
     update_motion(bodies, *grid_, motion_);
     coupling_.subtract_flux(motion_, scale, right_hand_side_);
@@ -153,7 +153,7 @@ PressureReport Pressure::project(const FaceField& velocity, rigid::RigidBodies& 
     const auto b = on_host(right_hand_side_);
     add_inflow(-scale, {b.data(), rows()});
     found_.resize(rows());
-    report.unbalanced = components_.balance(comm_, {b.data(), rows()});
+    report.incompatible_fraction = components_.balance(comm_, {b.data(), rows()});
     report.solve = solve({b.data(), rows()}, found_);
     report.loads = coupling_.loads(comm_, found_);
     if (coupling_kind_ != Coupling::one_way && bodies.any_dynamic()) bodies.push(report.loads, dt);

@@ -8,7 +8,7 @@
 namespace treacle::grid {
 
 // Input of a pressure solve; arrays over the window of the halo, current one cell around the owned ones.
-struct PressureScene {
+struct PressureContext {
     const MacGrid& grid;
     CellHalo& halo;
     const Array<double>& distance; // [m] of cell centres from the liquid's surface, < 0 inside
@@ -20,7 +20,7 @@ struct PressureScene {
     const Array<double>* tensions = nullptr; // [window] at centres [N/m], where liquids differ in theirs
     const FaceField* open = nullptr; // in the place of that of the fractions
     SlipAreas slip; // of bodies that liquid slides along
-    const Array<double>* inflow = nullptr; // [window] what must flow into owned cells, over a face's area (contraction.hpp) [m/s]
+    const Array<double>* inflow = nullptr; // [window] what must flow into owned cells, over a face's area (density_relaxation.hpp) [m/s]
     const Array<double>* curvature = nullptr; // [window] of the surface at centres [1/m]; none: no surface tension acts
 };
 
@@ -29,7 +29,7 @@ struct PressureReport {
     solve::SolveReport solve;
     std::int64_t unknowns = 0; // over all ranks
     int closed = 0;            // parts of the liquid that no surface ends
-    double unbalanced = 0;     // largest share of the fluxes into one of them that had to be left out
+    double incompatible_fraction = 0;     // largest share of the fluxes into one of them that had to be left out
     std::vector<double> loads; // on the bodies, 6 numbers each [N], [N m]
 };
 
@@ -40,19 +40,19 @@ public:
     Pressure(const Comm& comm, const PressureOptions& options, Coupling coupling, int dimensions);
 
     // Collective: the matrix, for the liquid, solids and bodies where they are. With `goes_on` the pressures so far stay.
-    void build(const PressureScene& scene, bool goes_on = false);
+    void build(const PressureContext& scene, bool goes_on = false);
 
-    enum class Surface { tense, relaxed }; // the pressure of surface tension acts, or has acted already
+    enum class SurfaceTension { include, omit }; // the pressure of surface tension acts, or has acted already
     // Collective. Velocities must be current one cell around the owned ones, and only those of owned faces are written.
     // Pushes the bodies, by the kind of coupling. Adds to pressures(). SimulationError when the solve fails.
     PressureReport project(const FaceField& velocity, rigid::RigidBodies& bodies, double dt,
-                           Surface surface = Surface::tense);
+                           SurfaceTension surface = SurfaceTension::include);
 
     // Parts of project(), for a solve together with the viscosity (stokes.hpp); spans are [rows()]. Collective, but for
     // those with that option. The faces that scene() describes; local.
-    PressureFaces describe(const PressureScene& scene) const;
+    PressureFaces describe(const PressureContext& scene) const;
     // velocity -= dt/(rho dx) (p_c - p_below), as project() does.
-    void apply(std::span<const double> p, double dt, Surface surface, const FaceField& velocity);
+    void apply(std::span<const double> p, double dt, SurfaceTension surface, const FaceField& velocity);
     std::vector<double> loads(std::span<const double> p) const { return coupling_.loads(comm_, p); }
     // Negative of what the velocities lead out of each cell, without the bodies, in face areas [m/s]. Local.
     void flux(const FaceField& velocity, std::span<double> out);
@@ -79,7 +79,7 @@ public:
     std::size_t bytes() const;
 
     // Parts of the above; not private, since nvcc takes no kernel in a private function.
-    void find_jumps(const PressureScene& scene);
+    void compute_jumps(const PressureContext& scene);
     void collect(const Array<double>& cells, double factor = 1);
 
 private:
@@ -96,7 +96,7 @@ private:
     PressureCoupling coupling_;
     PressureComponents components_;
     std::optional<solve::Matrix> matrix_;
-    rigid::Mobility mobility_;
+    rigid::ConstrainedInverseMass mobility_;
     BodyMotion motion_;
     const MacGrid* grid_ = nullptr;
     CellHalo* halo_ = nullptr;

@@ -16,7 +16,7 @@ double join_labels(double a, double b) {
 }
 } // namespace
 
-void PressureComponents::label(const Comm& comm, const solve::CsrBlocks& matrix, std::span<const double> to_surface) {
+void PressureComponents::label(const Comm& comm, const solve::CsrBlocks& matrix, std::span<const double> dirichlet_diagonal) {
     const auto rows = static_cast<std::size_t>(matrix.rows);
     sets_.reset(rows);
     for (int i = 0; i < matrix.rows; ++i) {
@@ -28,7 +28,7 @@ void PressureComponents::label(const Comm& comm, const solve::CsrBlocks& matrix,
     for (std::size_t i = 0; i < rows; ++i) {
         const auto root = sets_.find(i);
         if (root == i) label_[i] = double(matrix.first_row) + double(i);
-        if (to_surface[i] > 0) label_[root] = join_labels(label_[root], label_[root] + 0.5);
+        if (dirichlet_diagonal[i] > 0) label_[root] = join_labels(label_[root], label_[root] + 0.5);
     }
     const auto closed = [&](std::size_t i) { return label_[i] == std::floor(label_[i]); };
     bool any = false;
@@ -51,7 +51,7 @@ void PressureComponents::label(const Comm& comm, const solve::CsrBlocks& matrix,
     }
 }
 
-// The closed parts of all ranks, in the order of their labels.
+// The enclosed components of all ranks, in the order of their labels.
 void PressureComponents::number(const Comm& comm, std::int64_t first_row) {
     labels_.clear();
     const auto is_closed = [](double label) { return label == std::floor(label); };
@@ -113,10 +113,10 @@ std::vector<char> PressureComponents::find_lifted(const Comm& comm, const Pressu
     return out;
 }
 
-void PressureComponents::anchor(const Comm& comm, const solve::CsrBlocks& matrix, std::span<const double> to_surface,
+void PressureComponents::anchor(const Comm& comm, const solve::CsrBlocks& matrix, std::span<const double> dirichlet_diagonal,
                                 const PressureCoupling& coupling, const rigid::RigidBodies& bodies) {
-    lifted_.clear();
-    label(comm, matrix, to_surface);
+    unpinned_.clear();
+    label(comm, matrix, dirichlet_diagonal);
     number(comm, matrix.first_row);
     part_ = all_parts_;
     if (labels_.empty()) return;
@@ -128,7 +128,7 @@ void PressureComponents::anchor(const Comm& comm, const solve::CsrBlocks& matrix
             if (matrix.diagonal_columns[k] != row) continue;
             const double weight = matrix.diagonal_values[k];
             matrix.diagonal_values[k] += weight;
-            if (gives_way[p]) lifted_.push_back({row, weight});
+            if (gives_way[p]) unpinned_.push_back({row, weight});
         }
     }
     for (auto& part : part_) {

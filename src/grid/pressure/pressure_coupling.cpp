@@ -152,7 +152,7 @@ std::vector<double> PressureCoupling::loads(const Comm& comm, std::span<const do
     return out;
 }
 
-void PressureCoupling::add_response(const Comm& comm, const rigid::Mobility& mobility, double mass,
+void PressureCoupling::add_response(const Comm& comm, const rigid::ConstrainedInverseMass& mobility, double mass,
                                     std::span<const double> x, std::span<double> y) const {
     add_flux(mobility.respond(sums(comm, x)), mass, y);
 }

@@ -40,7 +40,7 @@ struct SlipAreas {
 // around it, what is left to solids at rest. J has a row of six numbers for each cell and body: the areas of the body at
 // the cell's faces, out of the cell, with their arms about the body's centre [1, m]. The arms are those of the faces' middles,
 // where the liquid's velocities are, so that liquid that turns with a body does so exactly; of a body that the liquid slides
-// along those of the closed parts' centres, so that a turn along its surface moves no liquid at all. Bodies take the flux J V out of the
+// along those of the solid parts' centres, so that a turn along its surface moves no liquid at all. Bodies take the flux J V out of the
 // cells; the pressure loads them with dx^2 J^T p.
 class PressureCoupling {
 public:
@@ -50,11 +50,11 @@ public:
 
     // out -= scale J V, on this rank's rows; of all bodies that move.
     void subtract_flux(const BodyMotion& motion, double scale, const Array<double>& out) const;
-    // Collective: dx^2 J^T x summed over the ranks, 6 numbers a body; of a plane scene dx J^T x, per metre.
+    // Collective: dx^2 J^T x summed over the ranks, 6 numbers a body; of a 2D scene dx J^T x, per metre.
     std::vector<double> loads(const Comm& comm, std::span<const double> x) const;
-    // y += mass J M^-1 J^T x with the mass of a full cell [kg], of a plane scene [kg/m], collective. What the strong
+    // y += mass J M^-1 J^T x with the mass of a full cell [kg], of a 2D scene [kg/m], collective. What the strong
     // coupling adds to products: symmetric and positive semidefinite, of rank six a body, never assembled.
-    void add_response(const Comm& comm, const rigid::Mobility& mobility, double mass, std::span<const double> x,
+    void add_response(const Comm& comm, const rigid::ConstrainedInverseMass& mobility, double mass, std::span<const double> x,
                       std::span<double> y) const;
 
     // y += factor J V on this rank's rows, V 6 numbers a body.
@@ -77,7 +77,7 @@ public:
 private:
     std::vector<double> sums(const Comm& comm, std::span<const double> x) const;
 
-    double face_ = 0; // [m2], of a plane scene [m]: area of a whole face
+    double face_ = 0; // [m2], of a 2D scene [m]: area of a whole face
     std::size_t bodies_ = 0;
     int rows_ = 0;
     Array<int> offset_{"treacle::coupling_offset", 0}; // [rows + 1]

@@ -6,10 +6,10 @@ namespace treacle::grid {
 
 void PressureOptions::declare(Declaration& d) {
     declare_solve(d, preconditioner, residual, max_iterations);
-    d.number("least_distance", least_distance, unit::none, range_between(1e-6, 0.5),
+    d.number("min_theta", min_theta, unit::none, range_between(1e-6, 0.5),
              "Least distance along an axis, in grid widths, that a cell's centre is taken to have from the liquid's "
              "surface (theta of the ghost fluid method). Liquid at rest below a surface along no axis moves where it counts.");
-    d.number("least_opening", least_opening, unit::none, range_between(0, 0.5),
+    d.number("min_face_area_fraction", min_face_area_fraction, unit::none, range_between(0, 0.5),
              "Share of a face's area that solids leave open below which the face is closed: what passes smaller ones "
              "counts for nothing, and pressures behind them come out of differences of small numbers.");
     d.choice("ceilings", ceilings, {{"separate", Ceilings::separate}, {"adhere", Ceilings::adhere}},

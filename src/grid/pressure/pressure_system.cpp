@@ -106,7 +106,7 @@ struct FillLoop {
     PressureFaces faces;
     Array<int> row_of, cell_of, place;
     PressureSystem::Block own, other;
-    Array<double> to_surface;
+    Array<double> dirichlet_diagonal;
     int first, rows;
 
     KOKKOS_INLINE_FUNCTION void operator()(int r) const {
@@ -118,7 +118,7 @@ struct FillLoop {
             const double area = faces.open(a, face);
             if (!(area > 0)) return;
             if (!faces.is_liquid(next)) {
-                surface += area / faces.wet_share(cell, next);
+                surface += area / faces.theta(cell, next);
                 return;
             }
             diagonal += area;
@@ -130,7 +130,7 @@ struct FillLoop {
             }
         });
         here.add(r, diagonal + surface);
-        to_surface(r) = surface;
+        dirichlet_diagonal(r) = surface;
     }
 };
 
@@ -149,7 +149,7 @@ struct DivergenceLoop {
             if (!(area > 0)) return;
             flux += sign * area * velocity.axis[a](face);
             if (!faces.is_liquid(next)) {
-                surface += area / faces.wet_share(cell, next) * faces.surface_pressure(cell, next);
+                surface += area / faces.theta(cell, next) * faces.surface_pressure(cell, next);
             }
         });
         out(r) = surface - scale * flux;
@@ -173,8 +173,8 @@ struct GradientLoop {
             const bool wet = faces.is_liquid(above), wet_below = faces.is_liquid(below);
             if (!wet && !wet_below) continue;
             double rise = pressure(above) - pressure(below);
-            if (!wet) rise = (faces.surface_pressure(below, above) - pressure(below)) / faces.wet_share(below, above);
-            if (!wet_below) rise = (pressure(above) - faces.surface_pressure(above, below)) / faces.wet_share(above, below);
+            if (!wet) rise = (faces.surface_pressure(below, above) - pressure(below)) / faces.theta(below, above);
+            if (!wet_below) rise = (pressure(above) - faces.surface_pressure(above, below)) / faces.theta(above, below);
             velocity.axis[a](above) -= rise / scale;
         }
     }
@@ -249,9 +249,9 @@ void PressureSystem::count_entries() {
 }
 
 void PressureSystem::fill() {
-    reserve(to_surface_, static_cast<std::size_t>(rows_));
+    reserve(dirichlet_diagonal_, static_cast<std::size_t>(rows_));
     Kokkos::parallel_for("treacle::fill_pressure_matrix", rows_,
-                         FillLoop{faces_, row_of_, cell_of_, place_, own_, other_, to_surface_,
+                         FillLoop{faces_, row_of_, cell_of_, place_, own_, other_, dirichlet_diagonal_,
                                   static_cast<int>(first_row_), rows_});
 }
 
@@ -267,7 +267,7 @@ void PressureSystem::assemble(const Comm& comm, CellHalo& halo, const PressureFa
 PressureSystem::Host PressureSystem::to_host() const {
     return {{on_host(own_.offset), on_host(own_.column), on_host(own_.value)},
             {on_host(other_.offset), on_host(other_.column), on_host(other_.value)},
-            on_host(to_surface_)};
+            on_host(dirichlet_diagonal_)};
 }
 
 solve::CsrBlocks PressureSystem::blocks(const Host& host) {
@@ -294,7 +294,7 @@ void PressureSystem::to_cells(const Array<double>& solution, const Array<double>
 
 std::size_t PressureSystem::bytes() const {
     std::size_t total = 4 * (row_of_.span() + cell_of_.span() + place_.span() + columns_.capacity()) +
-                        8 * to_surface_.span() + halo_.bytes();
+                        8 * dirichlet_diagonal_.span() + halo_.bytes();
     for (const auto* block : {&own_, &other_}) {
         total += 4 * (block->offset.span() + block->column.span()) + 8 * block->value.span();
     }

@@ -39,7 +39,7 @@ public:
     // Entries where solvers on the host read them: the arrays themselves on a host build.
     struct Host {
         HostBlock own, other;
-        Array<double>::HostMirror to_surface; // [rows] sum of A / theta beside air
+        Array<double>::HostMirror dirichlet_diagonal; // [rows] sum of A / theta beside air
     };
     Host to_host() const;
     solve::CsrBlocks blocks(const Host& host);
@@ -67,7 +67,7 @@ private:
     Array<int> row_of_{"treacle::pressure_row", 0};
     Array<int> cell_of_{"treacle::pressure_cell", 0};
     Array<int> place_{"treacle::pressure_place", 0}; // [window] of other ranks' rows: place in the halo
-    Array<double> to_surface_{"treacle::to_surface", 0};
+    Array<double> dirichlet_diagonal_{"treacle::dirichlet_diagonal", 0};
     int rows_ = 0;
     std::int64_t first_row_ = 0, global_rows_ = 0;
 };

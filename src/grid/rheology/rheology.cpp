@@ -51,30 +51,30 @@ struct Strains {
     CellBox window;
     std::ptrdiff_t stride[3]{1, 1, 1};
     int dimensions;
-    double dx, least_wet, least_gap;
+    double dx, min_liquid_fraction, min_fluid_fraction;
     FaceField v;
-    Array<double> normal[3], cell_wet, cell_fluid;
-    EdgeField shear, edge_wet, edge_fluid;
+    Array<double> normal[3], cell_liquid_clipped, cell_fluid;
+    EdgeField shear, edge_liquid_clipped, edge_fluid;
     Array<double> step_normal[3]; // of (S)
     EdgeField step_shear;
     double carried;
 
     // The liquid of a place, where it has a stress.
     KOKKOS_INLINE_FUNCTION double weight(const Array<double>& wet, const Array<double>& fluid, std::ptrdiff_t i) const {
-        return wet(i) > least_wet && fluid(i) >= least_gap ? wet(i) : 0.0;
+        return wet(i) > min_liquid_fraction && fluid(i) >= min_fluid_fraction ? wet(i) : 0.0;
     }
     KOKKOS_INLINE_FUNCTION double carried_rate(const Array<double>& of, std::ptrdiff_t i) const {
         return carried > 0 ? carried * of(i) : 0.0;
     }
     KOKKOS_INLINE_FUNCTION void strain(std::ptrdiff_t i) const {
         for (int a = 0; a < dimensions; ++a) {
-            const bool strains = weight(cell_wet, cell_fluid, i) > 0;
+            const bool strains = weight(cell_liquid_clipped, cell_fluid, i) > 0;
             normal[a](i) = strains ? ((v.axis[a](i + stride[a]) - v.axis[a](i)) / dx + carried_rate(step_normal[a], i)) / cell_fluid(i) : 0.0;
         }
         for (int e = dimensions == 2 ? 2 : 0; e < 3; ++e) {
             const int a = (e + 1) % 3, b = (e + 2) % 3;
             const auto& fluid = edge_fluid.axis[e];
-            const bool strains = weight(edge_wet.axis[e], fluid, i) > 0;
+            const bool strains = weight(edge_liquid_clipped.axis[e], fluid, i) > 0;
             const double rise = v.axis[a](i) - v.axis[a](i - stride[b]) + v.axis[b](i) - v.axis[b](i - stride[a]);
             shear.axis[e](i) = strains ? (rise / dx + carried_rate(step_shear.axis[e], i)) / fluid(i) : 0.0;
         }
@@ -92,33 +92,33 @@ struct Strains {
         return weights > 0 ? sum / weights : 0.0;
     }
     KOKKOS_INLINE_FUNCTION double rate_at_centre(std::ptrdiff_t i) const {
-        if (!(weight(cell_wet, cell_fluid, i) > 0)) return 0;
+        if (!(weight(cell_liquid_clipped, cell_fluid, i) > 0)) return 0;
         double square = 0;
         for (int a = 0; a < dimensions; ++a) square += 2 * normal[a](i) * normal[a](i);
         for (int e = dimensions == 2 ? 2 : 0; e < 3; ++e) {
-            const double g = mean(shear.axis[e], edge_wet.axis[e], edge_fluid.axis[e], i, stride[(e + 1) % 3], stride[(e + 2) % 3]);
+            const double g = mean(shear.axis[e], edge_liquid_clipped.axis[e], edge_fluid.axis[e], i, stride[(e + 1) % 3], stride[(e + 2) % 3]);
             square += g * g;
         }
         return math::sqrt(square);
     }
     KOKKOS_INLINE_FUNCTION double rate_at_edge(int e, std::ptrdiff_t i) const {
-        if (!(weight(edge_wet.axis[e], edge_fluid.axis[e], i) > 0)) return 0;
+        if (!(weight(edge_liquid_clipped.axis[e], edge_fluid.axis[e], i) > 0)) return 0;
         const int a = (e + 1) % 3, b = (e + 2) % 3;
         double square = shear.axis[e](i) * shear.axis[e](i);
         for (int k = 0; k < dimensions; ++k) {
-            const double d = mean(normal[k], cell_wet, cell_fluid, i, -stride[a], -stride[b]);
+            const double d = mean(normal[k], cell_liquid_clipped, cell_fluid, i, -stride[a], -stride[b]);
             square += 2 * d * d;
         }
         for (int f = 0; f < 3 && dimensions == 3; ++f) {
             if (f == e) continue;
-            const double g = mean(shear.axis[f], edge_wet.axis[f], edge_fluid.axis[f], i, -stride[f], stride[e]);
+            const double g = mean(shear.axis[f], edge_liquid_clipped.axis[f], edge_fluid.axis[f], i, -stride[f], stride[e]);
             square += g * g;
         }
         return math::sqrt(square);
     }
 };
 
-void find_mean_velocities(const StrainScene& scene, const FaceField& velocity, FaceField& out) {
+void find_mean_velocities(const StrainContext& scene, const FaceField& velocity, FaceField& out) {
     const CellBox window = scene.halo.window(), box = within(window, 1, scene.grid.dimensions);
     for (int a = 0; a < scene.grid.dimensions; ++a) {
         reserve(out.axis[a], static_cast<std::size_t>(window.size()));
@@ -148,7 +148,7 @@ void combine_strains(const Strains& strains, const CellBox& owned, const Array<d
 }
 
 // sum += mass / viscosity, total += mass.
-void add_by_rate(const flow::FlowCurve& curve, int n, const Array<double>& mass, const Array<double>& rate,
+void add_by_rate(const flow::ViscosityModel& curve, int n, const Array<double>& mass, const Array<double>& rate,
                  const Array<double>& sum, const Array<double>& total) {
     Kokkos::parallel_for("treacle::viscosity_by_rate", n, KOKKOS_LAMBDA(int i) {
         if (!(mass(i) > 0)) return;
@@ -179,7 +179,7 @@ void select(const Array<double>& all, const Array<double>& some, const Use& use)
     Kokkos::deep_copy(some, host);
 }
 
-void show(const flow::FlowCurve& curve, int liquid, const CellGrid& grid, const CellBox& window, const Array<double>& rate,
+void show(const flow::ViscosityModel& curve, int liquid, const CellGrid& grid, const CellBox& window, const Array<double>& rate,
           const GridParticles& particles) {
     const auto x = particles.position();
     const auto which = particles.liquid();
@@ -193,14 +193,14 @@ void show(const flow::FlowCurve& curve, int liquid, const CellGrid& grid, const 
 }
 } // namespace
 
-Rheology::Rheology(std::vector<flow::FlowCurve> curves) : curves_(std::move(curves)) {
-    const auto newtonian = [](const flow::FlowCurve& curve) { return curve.law == scene::ShearLaw::newtonian; };
+Rheology::Rheology(std::vector<flow::ViscosityModel> curves) : curves_(std::move(curves)) {
+    const auto newtonian = [](const flow::ViscosityModel& curve) { return curve.law == scene::ViscosityModelKind::newtonian; };
     any_ = !std::ranges::all_of(curves_, newtonian);
     any_newtonian_ = std::ranges::any_of(curves_, newtonian);
     some_mass_ = Array<double>("treacle::particle_mass_of_one", curves_.size());
 }
 
-void Rheology::find_rates(const StrainScene& scene, const FaceField& velocity) {
+void Rheology::compute_rates(const StrainContext& scene, const FaceField& velocity) {
     const CellBox window = scene.halo.window();
     const int dimensions = scene.grid.dimensions;
     const auto n = static_cast<std::size_t>(window.size());
@@ -219,14 +219,14 @@ void Rheology::find_rates(const StrainScene& scene, const FaceField& velocity) {
     for (int k = 1; k < 3; ++k) strains.stride[k] = strains.stride[k - 1] * (window.hi[k - 1] - window.lo[k - 1]);
     strains.dimensions = dimensions;
     strains.dx = scene.grid.dx;
-    strains.least_wet = scene.options.least_wet;
-    strains.least_gap = scene.options.least_gap;
+    strains.min_liquid_fraction = scene.options.min_liquid_fraction;
+    strains.min_fluid_fraction = scene.options.min_fluid_fraction;
     strains.v = mean_velocity_;
     for (int k = 0; k < 3; ++k) strains.normal[k] = normal_[k];
     strains.shear = shear_;
-    strains.cell_wet = scene.fractions.cell_wet;
+    strains.cell_liquid_clipped = scene.fractions.cell_liquid_clipped;
     strains.cell_fluid = scene.grip.cell_fluid;
-    strains.edge_wet = scene.fractions.edge_wet;
+    strains.edge_liquid_clipped = scene.fractions.edge_liquid_clipped;
     strains.edge_fluid = scene.grip.edge_fluid;
     strains.carried = scene.strains ? scene.carried : 0.0;
     for (int k = 0; k < 3 && scene.strains; ++k) strains.step_normal[k] = scene.strains->normal(k);
@@ -236,7 +236,7 @@ void Rheology::find_rates(const StrainScene& scene, const FaceField& velocity) {
 }
 
 // Mean over the places of one kind, numbered as in apic.hpp.
-void Rheology::mean(const StrainScene& scene, const LiquidScene& liquids, int node, const Array<double>& rate, Array<double>& out) {
+void Rheology::mean(const StrainContext& scene, const LiquidScene& liquids, int node, const Array<double>& rate, Array<double>& out) {
     const CellBox window = scene.halo.window();
     const auto places = static_cast<std::size_t>(window.size());
     const int n = static_cast<int>(window.size());
@@ -249,18 +249,18 @@ void Rheology::mean(const StrainScene& scene, const LiquidScene& liquids, int no
         fluidity_sums(scene.grid, {liquids.particles, liquids.cells, some_mass_}, window, node, {mass_, sums_});
     };
     if (any_newtonian_) {
-        gather_one([&](std::size_t l) { return curves_[l].law == scene::ShearLaw::newtonian; });
+        gather_one([&](std::size_t l) { return curves_[l].law == scene::ViscosityModelKind::newtonian; });
         add(n, mass_, sums_, out, total_);
     }
     for (std::size_t l = 0; l < curves_.size(); ++l) {
-        if (curves_[l].law == scene::ShearLaw::newtonian) continue;
+        if (curves_[l].law == scene::ViscosityModelKind::newtonian) continue;
         gather_one([&](std::size_t other) { return other == l; });
         add_by_rate(curves_[l], n, mass_, rate, out, total_);
     }
     invert(n, out, total_);
 }
 
-void Rheology::find_viscosities(const StrainScene& scene, const LiquidScene& liquids, Viscosities& out) {
+void Rheology::find_viscosities(const StrainContext& scene, const LiquidScene& liquids, Viscosities& out) {
     mean(scene, liquids, 0, cell_rate_, out.cell);
     for (int e = first_edge(scene.grid.dimensions); e < 3; ++e) {
         mean(scene, liquids, (scene.grid.dimensions == 2 ? 3 : 7) & ~(1 << e), edge_rate_.axis[e], out.edge.axis[e]);
@@ -273,9 +273,9 @@ void Rheology::find_viscosities(const StrainScene& scene, const LiquidScene& liq
     }
 }
 
-void Rheology::to_particles(const StrainScene& scene, const GridParticles& particles) const {
+void Rheology::to_particles(const StrainContext& scene, const GridParticles& particles) const {
     for (std::size_t l = 0; l < curves_.size(); ++l) {
-        if (curves_[l].law == scene::ShearLaw::newtonian) continue;
+        if (curves_[l].law == scene::ViscosityModelKind::newtonian) continue;
         show(curves_[l], static_cast<int>(l), scene.grid.cells, scene.halo.window(), cell_rate_, particles);
     }
 }

@@ -1,5 +1,5 @@
 #pragma once
-#include "flow/flow_curve.hpp"
+#include "flow/viscosity_model.hpp"
 #include "grid/mac/body_motion.hpp"
 #include "grid/mac/particles.hpp"
 #include "grid/pressure/pressure_coupling.hpp"
@@ -15,10 +15,10 @@ namespace treacle::grid {
 class RestingSolids;
 
 // Input of a shear rate; arrays over the window of the halo.
-struct StrainScene {
+struct StrainContext {
     const MacGrid& grid;
     CellHalo& halo;
-    const Fractions& fractions; // cell_wet, edge_wet
+    const Fractions& fractions; // cell_liquid_clipped, edge_liquid_clipped
     const Fractions& grip;      // of the solids that liquid does not slide along: cell_fluid, face_fluid, edge_fluid
     const FaceShares& shares;   // of gripping bodies
     const BodyMotion& motion;
@@ -36,27 +36,27 @@ struct StrainScene {
 class Rheology {
 public:
     // A curve for each liquid; none, or newtonian ones alone: no viscosity depends on the shear rate.
-    explicit Rheology(std::vector<flow::FlowCurve> curves);
+    explicit Rheology(std::vector<flow::ViscosityModel> curves);
 
     bool any() const { return any_; } // some curve depends on the shear rate
 
     // (R1) Local. Of owned centres and edges, for velocities that are current in the window. 0 where there is no stress.
-    void find_rates(const StrainScene& scene, const FaceField& velocity);
+    void compute_rates(const StrainContext& scene, const FaceField& velocity);
     // (R2) Collective. What the liquids of the particles around each centre and edge resist (R3), each with its viscosity at
     // the rate there; newtonian ones keep their own.
-    void find_viscosities(const StrainScene& scene, const LiquidScene& liquids, Viscosities& out);
+    void find_viscosities(const StrainContext& scene, const LiquidScene& liquids, Viscosities& out);
     // For frames: viscosities of the owned particles whose liquid has a curve, at the rate of their cell.
-    void to_particles(const StrainScene& scene, const GridParticles& particles) const;
+    void to_particles(const StrainContext& scene, const GridParticles& particles) const;
 
     const Array<double>& rate() const { return cell_rate_; }          // [window] of centres [1/s]
     const EdgeField& edge_rate() const { return edge_rate_; }         // [1/s]
     std::size_t bytes() const;                                        // of this rank [bytes]
 
     // Part of find_viscosities(); not private, since nvcc takes no kernel in a private function.
-    void mean(const StrainScene& scene, const LiquidScene& liquids, int node, const Array<double>& rate, Array<double>& out);
+    void mean(const StrainContext& scene, const LiquidScene& liquids, int node, const Array<double>& rate, Array<double>& out);
 
 private:
-    std::vector<flow::FlowCurve> curves_;
+    std::vector<flow::ViscosityModel> curves_;
     bool any_ = false, any_newtonian_ = false;
     FaceField mean_velocity_;
     Array<double> normal_[3]; // [window] D_aa at centres [1/s]

@@ -120,7 +120,7 @@ struct SurfaceLoop {
 // Liquid that is continued into solids, in cells, as the linear weights of particles would spread it.
 void liquid_in_solids(CellHalo& halo, const PressureFaces& faces, const Fractions& fractions, Array<double>& out, Array<double>& scratch) {
     const CellBox owned = halo.owned();
-    const auto more = out, liquid = fractions.cell_liquid, wet = fractions.cell_wet;
+    const auto more = out, liquid = fractions.cell_liquid, wet = fractions.cell_liquid_clipped;
     Kokkos::deep_copy(more, 0.0);
     Kokkos::parallel_for("treacle::liquid_in_solids", static_cast<int>(owned.size()), KOKKOS_LAMBDA(int i) {
         int c[3];

@@ -16,7 +16,7 @@ public:
         const CellList& cells;
         const Array<double>& particle_mass; // [liquids] [kg]
         double density;                     // [kg/m3]
-        const Fractions& fractions;         // cell_liquid, cell_wet
+        const Fractions& fractions;         // cell_liquid, cell_liquid_clipped
     };
     // Collective. Of the particles' volumes, spread by linear weights, and of the liquid as it is continued into solids. The
     // ghosts' positions and liquids must be those of their owners.

@@ -63,14 +63,14 @@ KOKKOS_INLINE_FUNCTION LossCause loss_of(const Advection& how, double leak_depth
 }
 } // namespace
 
-Departures advect(const Advection& how, const GridParticles& particles, double dt) {
+DepartureCounts advect(const Advection& how, const GridParticles& particles, double dt) {
     const auto x = particles.position(), u = particles.velocity();
     const auto cause = particles.cause();
     const auto ux = particles.affine(0), uy = particles.affine(1), uz = particles.affine(2);
     const double width = how.faces.width, clearance = how.options.clearance * width, leak = how.options.leak_depth * width;
-    Departures out;
+    DepartureCounts out;
     Kokkos::parallel_reduce("treacle::advect", particles.store.owned(),
-        KOKKOS_LAMBDA(int i, int& lost, int& outflow, int& pushed) {
+        KOKKOS_LAMBDA(int i, int& lost, int& outflow, int& projected_out) {
             double to[3] = {x(i, 0), x(i, 1), x(i, 2)};
             const double speed[3] = {u(i, 0), u(i, 1), u(i, 2)};
             SmallMatrix gradient;
@@ -89,7 +89,7 @@ Departures advect(const Advection& how, const GridParticles& particles, double d
             auto found = LossCause::none;
             if (math::isfinite(to[0]) && math::isfinite(to[1]) && math::isfinite(to[2])) {
                 // The window goes on beyond a periodic side, but need not hold what lies at the other one.
-                pushed += push_out(how.solid, clearance, to) ? 1 : 0;
+                projected_out += push_out(how.solid, clearance, to) ? 1 : 0;
                 const double distance = how.solid.at(to);
                 for (int k = 0; k < 3; ++k) to[k] = how.domain.wrap(k, to[k]);
                 found = loss_of(how, leak, distance, to, speed);
@@ -100,7 +100,7 @@ Departures advect(const Advection& how, const GridParticles& particles, double d
             cause(i) = static_cast<int>(found);
             outflow += found == LossCause::outflow ? 1 : 0;
             lost += found != LossCause::none && found != LossCause::outflow ? 1 : 0;
-        }, out.lost, out.outflow, out.pushed);
+        }, out.lost, out.outflow, out.projected_out);
     return out;
 }
 

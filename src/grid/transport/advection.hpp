@@ -22,9 +22,9 @@ struct DomainSides : PeriodicBox {
 DomainSides make_domain_sides(const MacGrid& grid, const scene::Domain& domain);
 
 // Particles of this rank that depart.
-struct Departures {
+struct DepartureCounts {
     int lost = 0, outflow = 0; // for remove_departed to take out
-    int pushed = 0;            // moved out of solids
+    int projected_out = 0;            // moved out of solids
 };
 
 // Moves the owned particles by dt times their velocity, that of the middle of the step (faces_to_particles), then out of solids
@@ -39,7 +39,7 @@ struct Advection {
     AdvectionOptions options;
     flow::Outlets outlets;
 };
-Departures advect(const Advection& how, const GridParticles& particles, double dt);
+DepartureCounts advect(const Advection& how, const GridParticles& particles, double dt);
 
 // Least slope of an interpolated distance: in a corner of three walls it is 0.58.
 inline constexpr double least_slope = 0.5;

@@ -14,7 +14,7 @@ struct LiquidScene {
     const Array<double>& particle_mass; // [liquids] [kg]
 };
 
-// Masses [kg] (in the plane [kg/m] times dx, as Fractions) and velocities [m/s] of the faces of a window that has
+// Masses [kg] (in 2D [kg/m] times dx, as Fractions) and velocities [m/s] of the faces of a window that has
 // the cells of the list and one layer more: m_f = sum w m_p, m_f u_f = sum w m_p (u_p + c_p (x_f - x_p)).
 // Faces that no particle reaches have mass 0 and velocity 0. Right for the faces of owned cells when the ghosts'
 // velocity, affine fields and liquid have been gathered; then CellHalo::gather.

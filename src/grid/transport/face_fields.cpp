@@ -42,21 +42,21 @@ void accelerate(const MacGrid& grid, const CellBox& window, const std::array<dou
     }
 }
 
-void mark_solved(const PressureFaces& faces, const WetShares& wet, const ViscousSpread& viscosity, double dx, FaceMarks& known) {
+void mark_valid_faces(const PressureFaces& faces, const WetShares& wet, const DiffusionNumber& viscosity, double dx, FaceValidity& known) {
     const double least = wet.least;
     const bool viscous = viscosity.cell.extent(0) > 0;
     for (int a = 0; a < faces.dimensions; ++a) {
         reserve(known.axis[a], static_cast<std::size_t>(faces.window.size()));
         const auto mark = known.axis[a];
         const auto share = wet.share.axis[a];
-        Kokkos::parallel_for("treacle::mark_solved", static_cast<int>(faces.window.size()), KOKKOS_LAMBDA(int i) {
+        Kokkos::parallel_for("treacle::mark_valid_faces", static_cast<int>(faces.window.size()), KOKKOS_LAMBDA(int i) {
             int c[3];
             faces.window.cell(i, c);
             const auto above = static_cast<std::size_t>(i);
             const auto below = c[a] > faces.window.lo[a] ? above - static_cast<std::size_t>(faces.stride[a]) : above;
             const bool beside = faces.is_liquid(above) || faces.is_liquid(below);
             const bool held = viscous && share(i) >= least &&
-                              math::max(viscosity.over_half_a_cell(above, dx), viscosity.over_half_a_cell(below, dx)) >= 1;
+                              math::max(viscosity.diffusion_number(above, dx), viscosity.diffusion_number(below, dx)) >= 1;
             mark(i) = (beside || held) && faces.carries(a, above) ? 1 : 0;
         });
     }
@@ -71,7 +71,7 @@ struct TurnLoop {
     Array<int> number;
     BodyMotion motion;
     FaceSampler from;
-    WallGrip grip;
+    WallCondition grip;
     FaceField to;
 
     // u, relative to the solid at x in it, becomes that of a velocity that falls linearly to the solid's.
@@ -90,7 +90,7 @@ struct TurnLoop {
         }
         from.velocity(off, there);
         motion.velocity(solid_number, off, moved);
-        const double spread = grip.viscosity.over_half_a_cell(static_cast<std::size_t>(from.window.index(c[0], c[1], c[2])), dx);
+        const double spread = grip.viscosity.diffusion_number(static_cast<std::size_t>(from.window.index(c[0], c[1], c[2])), dx);
         const double grown = spread / (spread + 1), share = (length - depth) / (length + dx);
         for (int k = 0; k < faces.dimensions; ++k) u[k] += grown * (share * (there[k] - moved[k]) - u[k]);
     }
@@ -125,12 +125,12 @@ struct TurnLoop {
 };
 } // namespace
 
-void turn_along_solids(const FaceScene& scene, const Solids& solids, const WallGrip& grip, const FaceField& velocity, FaceField& scratch) {
+void enforce_wall_velocity(const FaceScene& scene, const Solids& solids, const WallCondition& grip, const FaceField& velocity, FaceField& scratch) {
     const auto& [grid, halo, faces] = scene;
     const CellBox owned = halo.owned();
     if (!owned.empty()) {
         copy_faces(grid, halo.window(), velocity, scratch);
-        Kokkos::parallel_for("treacle::turn_along_solids", static_cast<int>(owned.size()),
+        Kokkos::parallel_for("treacle::enforce_wall_velocity", static_cast<int>(owned.size()),
                              TurnLoop{grid, owned, faces, solids.sampler(), solids.number(), solids.motion(),
                                       FaceSampler(grid, halo.window(), scratch), grip, velocity});
     }
@@ -138,7 +138,7 @@ void turn_along_solids(const FaceScene& scene, const Solids& solids, const WallG
 }
 
 namespace {
-void find_changes(int axis, int n, const Continued& with, const Array<int>& known, const Array<double>& velocity) {
+void find_changes(int axis, int n, const Extrapolated& with, const Array<int>& known, const Array<double>& velocity) {
     const auto start = with.start.axis[axis], change = with.change.axis[axis];
     const auto reached = with.reached.axis[axis];
     Kokkos::parallel_for("treacle::find_changes", n, KOKKOS_LAMBDA(int i) {
@@ -147,7 +147,7 @@ void find_changes(int axis, int n, const Continued& with, const Array<int>& know
     });
 }
 
-void add_changes(int axis, const PressureFaces& faces, const Continued& with, const Array<int>& known,
+void add_changes(int axis, const PressureFaces& faces, const Extrapolated& with, const Array<int>& known,
                  const Array<double>& velocity) {
     const auto start = with.start.axis[axis], mass = with.mass.axis[axis], change = with.change.axis[axis];
     const auto reached = with.reached.axis[axis];
@@ -160,7 +160,7 @@ void add_changes(int axis, const PressureFaces& faces, const Continued& with, co
 }
 } // namespace
 
-void continue_changes(const FaceScene& scene, const Continued& with, FaceMarks& known, const FaceField& velocity) {
+void extrapolate_increment(const FaceScene& scene, const Extrapolated& with, FaceValidity& known, const FaceField& velocity) {
     const auto& [grid, halo, faces] = scene;
     const int n = static_cast<int>(halo.window().size());
     reserve_faces(with.change, grid, halo.window());

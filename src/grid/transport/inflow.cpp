@@ -36,7 +36,7 @@ double extent(const flow::InletSetup& inlet, const Vec3& direction, double spaci
 scene::Shape plug_shape(const flow::InletSetup& inlet, const Vec3& middle, double spacing, int dimensions) {
     using namespace rigid;
     scene::Shape shape;
-    const double depth = plug_layers * spacing;
+    const double depth = inlet_body_layers * spacing;
     const bool plane = dimensions == 2;
     const double dense = spacing / flow::step_of(inlet, {spacing, 0}); // points are as much farther apart as layers are nearer
     const double across = spacing * (plane ? dense : std::sqrt(dense));
@@ -61,7 +61,7 @@ scene::Shape plug_shape(const flow::InletSetup& inlet, const Vec3& middle, doubl
 
 flow::Layers layers_of(const MacGrid& grid) { return {grid.dx / particles_per_axis, 0}; }
 
-std::vector<rigid::BodySetup> make_plugs(const flow::InflowSetup& setup, const MacGrid& grid) {
+std::vector<rigid::BodySetup> make_inlet_bodies(const flow::InflowSetup& setup, const MacGrid& grid) {
     using namespace rigid;
     const double spacing = layers_of(grid).spacing;
     std::vector<BodySetup> out;
@@ -69,11 +69,11 @@ std::vector<rigid::BodySetup> make_plugs(const flow::InflowSetup& setup, const M
         BodySetup plug;
         plug.name = "plug";
         plug.kind = scene::BodyKind::kinematic;
-        plug.conveys = true;
+        plug.surface_velocity_only = true;
         plug.from = inlet.start;
         if (inlet.end > 0) plug.until = inlet.end;
         plug.velocity = inlet.speed * inlet.direction;
-        plug.centre = inlet.centre - (0.5 * plug_layers * spacing) * inlet.direction;
+        plug.centre = inlet.centre - (0.5 * inlet_body_layers * spacing) * inlet.direction;
         plug.region.emplace_back(plug_shape(inlet, plug.centre, spacing, grid.dimensions), grid.dimensions);
         const auto bounds = plug.region.front().bounds();
         plug.reach = 0.5 * length(bounds.max - bounds.min);
@@ -82,14 +82,14 @@ std::vector<rigid::BodySetup> make_plugs(const flow::InflowSetup& setup, const M
     return out;
 }
 
-flow::LayerSource make_layer_source(const flow::InflowSetup& setup, const MacGrid& grid) {
+flow::InletEmitter make_inlet_emitter(const flow::InflowSetup& setup, const MacGrid& grid) {
     return {setup, layers_of(grid), periodic_box(grid)};
 }
 
-void emit_layers(const flow::LayerSource& source, const TimeSpan& time, const Decomposition& decomposition,
+void emit_layers(const flow::InletEmitter& source, const TimeSpan& time, const Decomposition& decomposition,
                  GridParticles& particles) {
     const int before = particles.store.owned();
-    const flow::LayerSource::Fields fields{particles.velocity_field(), particles.liquid_field(), particles.viscosity_field()};
+    const flow::InletEmitter::Fields fields{particles.velocity_field(), particles.liquid_field(), particles.viscosity_field()};
     for (std::size_t q = 0; q < source.setup().inlets.size(); ++q) {
         const auto& inlet = source.setup().inlets[q];
         const auto due = layers_until(inlet, source.layers(), time.end);

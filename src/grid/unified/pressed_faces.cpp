@@ -14,12 +14,12 @@ struct SidesLoop {
     KOKKOS_INLINE_FUNCTION void operator()(int r) const {
         const int a = place_of(r) % 3, i = place_of(r) / 3;
         const auto above = static_cast<std::size_t>(i), below = above - static_cast<std::size_t>(faces.stride[a]);
-        const double open = faces.open(a, above), pushed = faces.pushed(a, above);
-        const bool pushes = pushed > 0;
+        const double open = faces.open(a, above), fraction = faces.effective_area_fraction(a, above);
+        const bool pushes = fraction > 0;
         rows(2 * r) = pushes ? row_of(below) : -1;
         rows(2 * r + 1) = pushes ? row_of(above) : -1;
         values(2 * r) = pushes ? open : 0.0;
-        values(2 * r + 1) = pushes ? open / pushed : 0.0;
+        values(2 * r + 1) = pushes ? open / fraction : 0.0;
     }
 };
 

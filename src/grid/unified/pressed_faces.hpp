@@ -12,7 +12,7 @@ namespace treacle::grid {
 class PressedFaces {
 public:
     struct Scales {
-        double area;   // of a face [m2], of a plane scene [m]
+        double area;   // of a face [m2], of a 2D scene [m]
         double change; // dt/(rho dx), of a face's velocity by a pressure difference [m/(s Pa)]
     };
     // Collective. Both systems for the same faces (Stokes::Parts), the viscous one assembled.

@@ -28,7 +28,7 @@ void close_held_faces(const ViscousFaces& viscous, const FaceField& open, FaceFi
         const auto from = open.axis[a], to = out.axis[a];
         const auto role = viscous.role[a];
         Kokkos::parallel_for("treacle::close_held_faces", static_cast<int>(n),
-                             KOKKOS_LAMBDA(int i) { to(i) = role(i) == held_face ? 0.0 : from(i); });
+                             KOKKOS_LAMBDA(int i) { to(i) = role(i) == prescribed_face ? 0.0 : from(i); });
     }
 }
 
@@ -37,7 +37,7 @@ struct Stokes::System {
     Stokes& of;
     const Parts& parts;
     std::size_t n, m;      // rows of velocities and motions, of pressures
-    double face, inertia;  // [m2]; [kg/(m s)], in the plane [m], [kg/(m2 s)]: pressures of the projection per flux
+    double face, inertia;  // [m2]; [kg/(m s)], in 2D [m], [kg/(m2 s)]: pressures of the projection per flux
 
     System(Stokes& stokes, const Parts& given)
         : of(stokes), parts(given), n(given.viscous.rows()), m(given.pressure.rows()) {
@@ -132,7 +132,7 @@ void Stokes::load(const System& system, const FaceField& velocity, const rigid::
     parts.viscous.read(velocity, x.first(n));
 }
 
-// The velocities of before, unless nothing at all has the smaller residual: what is not smooth strains a stiff liquid.
+// The velocities of before, unless nothing at all has the smaller residual: what is not smooth strains a high-viscosity liquid.
 void Stokes::choose_guess(const System& system) {
     residual_.resize(x_.size());
     system.multiply(x_, residual_);

@@ -28,7 +28,7 @@ class Stokes {
 public:
     Stokes(const Comm& comm, const StokesOptions& options);
 
-    // Both for the same faces (ViscousScene::pressed, close_held_faces): the pressure's built, of the viscous one the places.
+    // Both for the same faces (ViscousScene::pressure_faces, close_held_faces): the pressure's built, of the viscous one the places.
     struct Parts {
         Pressure& pressure;
         ViscousProblem& viscous;

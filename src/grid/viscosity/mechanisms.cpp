@@ -54,7 +54,7 @@ struct MechanismLoop {
         }
     }
     KOKKOS_INLINE_FUNCTION bool free(int a, std::ptrdiff_t i) const {
-        if (faces.role[a](i) != free_face) return false;
+        if (faces.role[a](i) != unknown_face) return false;
         bool slips = false;
         faces.each_slip(a, i, [&](std::ptrdiff_t, int, double) { slips = true; });
         return !slips;

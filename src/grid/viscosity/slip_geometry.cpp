@@ -12,15 +12,15 @@ double length_of(scene::Slip slip, double length) {
 }
 
 // The sides that grip alone are walls.
-scene::Domain gripping_sides(scene::Domain domain) {
+scene::Domain no_slip_sides(scene::Domain domain) {
     for (auto& face : domain.faces) {
         const bool slides = length_of(face.slip, face.slip_length) > 0;
-        if (face.kind == scene::FaceKind::wall && slides) face.kind = scene::FaceKind::open;
+        if (face.kind == scene::BoundaryKind::wall && slides) face.kind = scene::BoundaryKind::open;
     }
     return domain;
 }
 
-std::vector<char> gripping_bodies(const SlipSetup& setup) {
+std::vector<char> no_slip_bodies(const SlipSetup& setup) {
     std::vector<char> out;
     for (std::size_t b = 0; b < setup.slip.size(); ++b) {
         out.push_back(length_of(setup.slip[b], setup.slip_length[b]) > 0 ? 0 : 1);
@@ -69,10 +69,10 @@ struct SlipLengthLoop {
 } // namespace
 
 SlipGeometry::SlipGeometry(const MacGrid& grid, const scene::Domain& domain, const SlipSetup& setup)
-    : dimensions_(grid.dimensions), gripping_(grid, gripping_sides(domain), gripping_bodies(setup)) {
+    : dimensions_(grid.dimensions), no_slip_(grid, no_slip_sides(domain), no_slip_bodies(setup)) {
     std::vector<double> lengths;
     for (const auto& face : domain.faces) {
-        const bool wall = face.kind == scene::FaceKind::wall;
+        const bool wall = face.kind == scene::BoundaryKind::wall;
         const auto k = lengths.size();
         lengths.push_back(wall ? length_of(face.slip, face.slip_length) : 0);
         slip_.slides[k] = lengths.back() > 0;
@@ -98,10 +98,10 @@ void SlipGeometry::find_lengths(const Solids& solids) {
 
 void SlipGeometry::update(const CellHalo& halo, const rigid::RigidBodies& bodies, const Solids& solids,
                           const LevelSet& liquid, FractionMethod method) {
-    gripping_.update(halo, bodies);
-    builder_.build(gripping_.nodes(), gripping_.distance(), liquid.distance(), method, slip_.grip, gripping_.walls());
+    no_slip_.update(halo, bodies);
+    builder_.build(no_slip_.nodes(), no_slip_.distance(), liquid.distance(), method, slip_.grip, no_slip_.walls());
     if (bodies.size() > 0) {
-        builder_.build_body_shares(gripping_.nodes(), gripping_.distance(), gripping_.number(), gripping_.moves(),
+        builder_.build_body_shares(no_slip_.nodes(), no_slip_.distance(), no_slip_.number(), no_slip_.moves(),
                                    shares_.data());
     }
     find_lengths(solids);

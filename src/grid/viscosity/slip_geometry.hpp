@@ -27,20 +27,20 @@ public:
                 FractionMethod method);
     const SlipSolids& slip() const { return slip_; }
     const FaceShares& shares() const { return shares_; } // of bodies that grip
-    const Solids& gripping() const { return gripping_; }
-    const FractionBuilder& fractions_of_gripping() const { return builder_; }
-    const Array<double>& lengths() const { return lengths_; } // [6 sides, then bodies] 0: grips, infinity: does not hold [m]
+    const Solids& no_slip() const { return no_slip_; }
+    const FractionBuilder& no_slip_fractions() const { return builder_; }
+    const Array<double>& lengths() const { return lengths_; } // [6 sides, then bodies] 0: no slip, infinity: does not hold [m]
 
 private:
     void find_lengths(const Solids& solids);
 
     bool any_ = false;
     int dimensions_;
-    Solids gripping_;
+    Solids no_slip_;
     FractionBuilder builder_;
     SlipSolids slip_;
     FaceShares shares_;
-    Array<double> lengths_{"treacle::slip_lengths", 0}; // [6 sides, then bodies] 0: grips [m]
+    Array<double> lengths_{"treacle::slip_lengths", 0}; // [6 sides, then bodies] 0: no slip [m]
 };
 
 } // namespace treacle::grid

@@ -15,7 +15,7 @@ struct Viscosity::State {
     void choose_guess(const Comm& comm);
 };
 
-// The velocities of before, unless nothing at all has the smaller residual: what is not smooth strains a stiff liquid.
+// The velocities of before, unless nothing at all has the smaller residual: what is not smooth strains a high-viscosity liquid.
 void Viscosity::State::choose_guess(const Comm& comm) {
     scratch.resize(x.size());
     problem.matrix().multiply(x, scratch);

@@ -15,7 +15,7 @@ namespace treacle::grid {
 class StepStrains;
 class RestingSolids;
 
-// Dynamic viscosity [Pa s] at the centres of cells and at edges, over the window. Plane scenes use edges along z.
+// Dynamic viscosity [Pa s] at the centres of cells and at edges, over the window. 2D scenes use edges along z.
 struct Viscosities {
     Array<double> cell; // [window]
     EdgeField edge;
@@ -42,7 +42,7 @@ struct ViscousScene {
     const SlipSolids* slip = nullptr;
     // Faces of the pressure when it acts in the same solve: all faces that it pushes are unknowns. Those without liquid
     // have the mass of the projection, and those that it does not push none, since nothing holds it against gravity.
-    const PressureFaces* pressed = nullptr;
+    const PressureFaces* pressure_faces = nullptr;
     const StepStrains* strains = nullptr; // in a step of particles along straight lines
     // [m] of cells' centres from the liquid's surface, where a pressure acts before or with the solve: it holds the liquid
     // within to the normal velocity of what it slides along.

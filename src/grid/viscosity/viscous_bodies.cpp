@@ -26,21 +26,21 @@ void ViscousBodies::list(const ViscousScene& scene, const ViscousFaces& faces, c
     const auto& shares = scene.shares;
     const OwnedFaces all{owned, faces.window, faces.dimensions};
     ListLoop loop{faces, all, {shares[0], shares[1], shares[2]}, motion, scene.grid, {}, {}, {}, false};
-    for (auto* part : {&pulled_, &slipped_, &moved_}) {
+    for (auto* part : {&stress_coupling_, &slip_coupling_, &moved_}) {
         reserve(part->first, static_cast<std::size_t>(all.count()) + 1);
         reserve(part->last, static_cast<std::size_t>(all.count()));
     }
-    loop.pulled = pulled_;
-    loop.slipped = slipped_;
+    loop.pulled = stress_coupling_;
+    loop.slipped = slip_coupling_;
     loop.moved = moved_;
     Kokkos::parallel_for("treacle::count_viscous_bodies", all.count(), loop);
-    for (auto* part : {&pulled_, &slipped_, &moved_}) {
+    for (auto* part : {&stress_coupling_, &slip_coupling_, &moved_}) {
         const auto entries = static_cast<std::size_t>(counts_to_offsets(part->first, all.count()));
         reserve(part->body, entries);
         reserve(part->u, 6 * entries);
     }
-    loop.pulled = pulled_;
-    loop.slipped = slipped_;
+    loop.pulled = stress_coupling_;
+    loop.slipped = slip_coupling_;
     loop.moved = moved_;
     loop.write = true;
     Kokkos::parallel_for("treacle::list_viscous_bodies", all.count(), loop);
@@ -102,7 +102,7 @@ void ViscousBodies::sum_faces(const ViscousFaces& faces, const ViscousSystem& sy
         explicit Host(const List& list) : first(on_host(list.first)), last(on_host(list.last)), body(on_host(list.body)), u(on_host(list.u)) {}
         const double* at(int k) const { return u.data() + 6 * static_cast<std::size_t>(k); }
     };
-    const Host pulled(pulled_), slipped(slipped_), moved(moved_);
+    const Host pulled(stress_coupling_), slipped(slip_coupling_), moved(moved_);
     const auto pull = on_host(given_pull_);
     const auto couple = [&](int row, double share, int body, const double* pull) {
         Entry entry{row, body, {}};
@@ -121,23 +121,23 @@ void ViscousBodies::sum_faces(const ViscousFaces& faces, const ViscousSystem& sy
             const int local = row(i) - static_cast<int>(system.first_row());
             for (int k = pulled.first(n); k < pulled.last(n); ++k) {
                 const double* const pull = pulled.at(k);
-                if (role(i) == free_face) couple(local, share(i), pulled.body(k), pull);
+                if (role(i) == unknown_face) couple(local, share(i), pulled.body(k), pull);
                 for (int m = moved.first(n); m < moved.last(n); ++m) add_stiffness(moved.body(m), moved.at(m), pulled.body(k), pull, 1);
             }
             for (int k = slipped.first(n); k < slipped.last(n); ++k) {
                 const double* const pull = slipped.at(k);
-                if (role(i) == free_face) couple(local, share(i), slipped.body(k), pull);
+                if (role(i) == unknown_face) couple(local, share(i), slipped.body(k), pull);
                 for (std::size_t l = 0; l < 6; ++l) held_[at(slipped.body(k)) + l] -= bend(i) * pull[l];
                 for (int m = moved.first(n); m < moved.last(n); ++m) {
                     add_stiffness(moved.body(m), moved.at(m), slipped.body(k), pull, 1);
                     add_stiffness(slipped.body(k), pull, moved.body(m), moved.at(m), 1);
                 }
             }
-            const double given = pull(n) + (role(i) == held_face ? mass(i) * (u(i) - bend(i)) : 0.0);
+            const double given = pull(n) + (role(i) == prescribed_face ? mass(i) * (u(i) - bend(i)) : 0.0);
             for (int m = moved.first(n); m < moved.last(n); ++m) {
                 for (std::size_t l = 0; l < 6; ++l) held_[at(moved.body(m)) + l] += given * moved.at(m)[l];
             }
-            if (role(i) != held_face) continue;
+            if (role(i) != prescribed_face) continue;
             for (int m = moved.first(n); m < moved.last(n); ++m) {
                 for (int k = moved.first(n); k < moved.last(n); ++k) add_stiffness(moved.body(m), moved.at(m), moved.body(k), moved.at(k), mass(i));
             }
@@ -257,7 +257,7 @@ std::vector<double> ViscousBodies::answer(std::span<const double> loads, double 
 
 std::size_t ViscousBodies::bytes() const {
     std::size_t total = 8 * (stiffness_.capacity() + held_.capacity()) + sizeof(Entry) * coupling_.capacity();
-    for (const auto* part : {&pulled_, &slipped_, &moved_}) {
+    for (const auto* part : {&stress_coupling_, &slip_coupling_, &moved_}) {
         total += 4 * (part->first.span() + part->last.span() + part->body.span()) + 8 * part->u.span();
     }
     return total;

@@ -66,8 +66,8 @@ private:
 
     std::vector<std::vector<double>> columns_; // of L, 6 numbers a body
     std::size_t size_ = 0;                     // 6 numbers a body
-    List pulled_; // (D^T K D W_S R) of a face: what a body's motion pulls at it, per unit of its share
-    List slipped_; // the same by slip surfaces, whose bodies have no share in faces
+    List stress_coupling_; // (D^T K D W_S R) of a face: what a body's motion pulls at it, per unit of its share
+    List slip_coupling_; // the same by slip surfaces, whose bodies have no share in faces
     List moved_;   // W_S R of a face
     List surface_; // of slip surfaces, by owned cells: R along each axis
     std::vector<Entry> coupling_; // C

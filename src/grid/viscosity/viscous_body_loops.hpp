@@ -53,8 +53,8 @@ struct ListLoop {
     KOKKOS_INLINE_FUNCTION void operator()(int n) const {
         int a, c[3];
         const auto i = owned.place(n, a, c);
-        const int own = faces.role[a](i) == idle_face ? 0 : shares[a].first(i + 1) - shares[a].first(i);
-        const bool feels = own > 0 || faces.role[a](i) == free_face;
+        const int own = faces.role[a](i) == inactive_face ? 0 : shares[a].first(i + 1) - shares[a].first(i);
+        const bool feels = own > 0 || faces.role[a](i) == unknown_face;
         if (!write) {
             int around = 0;
             if (feels) {

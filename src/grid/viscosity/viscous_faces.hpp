@@ -7,7 +7,7 @@
 namespace treacle::grid {
 
 // Role of a face: nothing to solve for, an unknown, or liquid that a solid takes along.
-enum FaceRole : int { idle_face, free_face, held_face };
+enum FaceRole : int { inactive_face, unknown_face, prescribed_face };
 
 // Faces and stresses for the viscous solve, by the places of a window; place i + stride[a] is the next along a.
 struct ViscousFaces {
@@ -28,13 +28,13 @@ struct ViscousFaces {
     double dx = 0;           // [m]
     bool slips = false;
     Array<double> traction[6]; // xx, yy, zz, xy, yz, zx of the cell's slip surface: force = -traction (u - V) [kg/s]
-    FaceField lean;            // share that face i has, against face i + stride, in the velocity at a cell's slip surface
+    FaceField slip_interpolation_weight;            // share that face i has, against face i + stride, in the velocity at a cell's slip surface
     Array<int> slip_body;      // whose surface slips in a cell, < 0: of no body
     Array<double> wall[3];     // the velocity of that solid there [m/s]
     Array<double> wall_bend[3]; // of that what sides of the domain have that move
     VolumeStiffness volumes;    // of cells whose volume the matrix holds, too
 
-    // The stresses beside face i across a: use(where), with where = 0 … 3 (2 in the plane): edges, and the two centres.
+    // The stresses beside face i across a: use(where), with where = 0 … 3 (2 in 2D): edges, and the two centres.
     template <class Use>
     KOKKOS_INLINE_FUNCTION void each_stress(int a, std::ptrdiff_t i, const Array<double>& centre, const EdgeField& edge,
                                             const Use& use) const {
@@ -89,7 +89,7 @@ struct ViscousFaces {
             }
         }
         each_slip(a, i, [&](std::ptrdiff_t cell, int b, double k) {
-            const double lower = lean.axis[b](cell);
+            const double lower = slip_interpolation_weight.axis[b](cell);
             use(b, cell, k * lower);
             use(b, cell + stride[b], k * (1 - lower));
         });
@@ -101,7 +101,7 @@ struct ViscousFaces {
         if (!slips) return;
         for (int side = 0; side < 2; ++side) {
             const std::ptrdiff_t cell = side == 0 ? i : i - stride[a];
-            const double part = side == 0 ? lean.axis[a](cell) : 1 - lean.axis[a](cell);
+            const double part = side == 0 ? slip_interpolation_weight.axis[a](cell) : 1 - slip_interpolation_weight.axis[a](cell);
             for (int b = 0; b < dimensions; ++b) {
                 const double k = traction[component(a, b)](cell);
                 if (k != 0) use(cell, b, k * part);
@@ -113,7 +113,7 @@ struct ViscousFaces {
     // Point at which the velocity along b of the slip surface of cell c is taken.
     KOKKOS_INLINE_FUNCTION void slip_point(const MacGrid& grid, int b, const int c[3], double x[3]) const {
         grid.face(b, c, x);
-        x[b] += (1 - lean.axis[b](window.index(c[0], c[1], c[2]))) * grid.dx;
+        x[b] += (1 - slip_interpolation_weight.axis[b](window.index(c[0], c[1], c[2]))) * grid.dx;
     }
 };
 

@@ -11,10 +11,10 @@ constexpr double aligned = 1 - 1e-8; // cosine between the normal of a surface a
 // w = K wet / W_F^2 dx^3 / dx^2 of one stress; 0 where there is no liquid, or no room for it to slide.
 struct StressLoop {
     Array<double> viscosity, wet, fluid, out;
-    double factor, least_wet, least_gap; // factor: K / eta dx, of a plane scene K / eta
+    double factor, min_liquid_fraction, min_fluid_fraction; // factor: K / eta dx, of a 2D scene K / eta
 
     KOKKOS_INLINE_FUNCTION void operator()(int i) const {
-        const bool strains = wet(i) > least_wet && fluid(i) >= least_gap;
+        const bool strains = wet(i) > min_liquid_fraction && fluid(i) >= min_fluid_fraction;
         out(i) = strains ? factor * viscosity(i) * wet(i) / (fluid(i) * fluid(i)) : 0.0;
     }
 };
@@ -41,25 +41,25 @@ struct RoleLoop {
     int axis;
     Array<double> wet, fluid, cell_fluid;
     EdgeField edge_fluid;
-    double least_wet, least_gap, mass;
-    PressureFaces pressed;
+    double min_liquid_fraction, min_fluid_fraction, mass;
+    PressureFaces pressure_faces;
     bool with_pressure;
 
     KOKKOS_INLINE_FUNCTION void operator()(int n) const {
         int c[3];
         const auto i = inner.place(n, c);
-        const double push = with_pressure ? pressed.pushed(axis, static_cast<std::size_t>(i)) : -1;
+        const double push = with_pressure ? pressure_faces.effective_area_fraction(axis, static_cast<std::size_t>(i)) : -1;
         bool stressed = false, tight = false;
         faces.each_stress(axis, i, faces.normal, faces.shear, [&](double w) { stressed = stressed || w > 0; });
-        faces.each_stress(axis, i, cell_fluid, edge_fluid, [&](double f) { tight = tight || f < least_gap; });
-        const bool has_liquid = wet(i) > least_wet;
-        int role = idle_face;
-        if (has_liquid || stressed || push > 0) role = fluid(i) < least_gap || tight ? held_face : free_face;
+        faces.each_stress(axis, i, cell_fluid, edge_fluid, [&](double f) { tight = tight || f < min_fluid_fraction; });
+        const bool has_liquid = wet(i) > min_liquid_fraction;
+        int role = inactive_face;
+        if (has_liquid || stressed || push > 0) role = fluid(i) < min_fluid_fraction || tight ? prescribed_face : unknown_face;
         const double solid = 1 - fluid(i);
         faces.role[axis](i) = role;
-        faces.share.axis[axis](i) = role == free_face ? fluid(i) : 0.0;
-        faces.scale.axis[axis](i) = role == free_face || !(solid > least_wet) ? 1.0 : 1 / solid;
-        const bool by_pressure = role == free_face && ((push > 0 && !has_liquid) || (push == 0 && stressed));
+        faces.share.axis[axis](i) = role == unknown_face ? fluid(i) : 0.0;
+        faces.scale.axis[axis](i) = role == unknown_face || !(solid > min_liquid_fraction) ? 1.0 : 1 / solid;
+        const bool by_pressure = role == unknown_face && ((push > 0 && !has_liquid) || (push == 0 && stressed));
         faces.mass.axis[axis](i) = mass * (by_pressure ? push : wet(i));
     }
 };
@@ -124,7 +124,7 @@ struct TractionLoop {
     Array<double> distance; // none: no pressure
     SlipSolids slip;
     MacGrid grid;
-    double area, least_wet, normal_layer, dx; // [m2], of a plane scene [m]; [1]; [m]; [m]
+    double area, min_liquid_fraction, no_penetration_layer, dx; // [m2], of a 2D scene [m]; [1]; [m]; [m]
 
     // Out of the solid, in faces' areas.
     KOKKOS_INLINE_FUNCTION double surface(std::ptrdiff_t i, double n[3]) const {
@@ -150,14 +150,14 @@ struct TractionLoop {
         }
     }
     KOKKOS_INLINE_FUNCTION double along(std::ptrdiff_t i, double beyond) const {
-        return 1 / (math::max(length(i), normal_layer) + beyond);
+        return 1 / (math::max(length(i), no_penetration_layer) + beyond);
     }
     // A surface of that size along the faces across axis k, so many widths above the lower one.
     KOKKOS_INLINE_FUNCTION void hold(std::ptrdiff_t i, int k, double at, double size) const {
         double normal[3] = {0, 0, 0};
         normal[k] = 1;
-        faces.lean.axis[k](i) = 1 - math::min(1.0, math::max(0.0, at));
-        add(i, normal, size, 1 / normal_layer, 0);
+        faces.slip_interpolation_weight.axis[k](i) = 1 - math::min(1.0, math::max(0.0, at));
+        add(i, normal, size, 1 / no_penetration_layer, 0);
     }
     // Takes what is along the faces, cell c's, off its areas n; `holds`: with its traction.
     KOKKOS_INLINE_FUNCTION void take_sides(std::ptrdiff_t i, const int c[3], bool holds, double n[3]) const {
@@ -167,7 +167,7 @@ struct TractionLoop {
             for (int side = 0; side < 2; ++side) {
                 if (!slip.slides[2 * k + side]) continue;
                 const double at = (slip.side[2 * k + side] - x[k]) / dx, thickness = side == 0 ? 1 - at : at;
-                if (!(thickness > least_wet) || !(thickness < 1 + least_wet)) continue;
+                if (!(thickness > min_liquid_fraction) || !(thickness < 1 + min_liquid_fraction)) continue;
                 const double size = open.axis[k](side == 0 ? i + faces.stride[k] : i);
                 n[k] -= side == 0 ? size : -size;
                 if (holds && size > 0) hold(i, k, at, size);
@@ -175,7 +175,7 @@ struct TractionLoop {
         }
         const double size = size_of(n);
         for (int k = 0; k < faces.dimensions; ++k) {
-            if (!(size > least_wet) || !(math::fabs(n[k]) > aligned * size)) continue;
+            if (!(size > min_liquid_fraction) || !(math::fabs(n[k]) > aligned * size)) continue;
             if (holds) hold(i, k, 0.5 - (n[k] > 0 ? 1 : -1) * slip.distance(i) / dx, math::fabs(n[k]));
             n[k] = 0;
         }
@@ -183,14 +183,14 @@ struct TractionLoop {
     // Across what is left of the areas.
     KOKKOS_INLINE_FUNCTION void resist_rest(std::ptrdiff_t i, const double n[3]) const {
         const double size = size_of(n);
-        const bool pressed = distance.extent(0) > 0 && distance(i) < 0;
-        if (size > least_wet && !pressed) add(i, n, size, 1 / normal_layer, 0);
+        const bool in_liquid = distance.extent(0) > 0 && distance(i) < 0;
+        if (size > min_liquid_fraction && !pressure_faces) add(i, n, size, 1 / no_penetration_layer, 0);
     }
     KOKKOS_INLINE_FUNCTION void operator()(int at) const {
         int c[3];
         const auto i = inner.place(at, c);
         for (int k = 0; k < 6; ++k) faces.traction[k](i) = 0;
-        if (!(wet(i) > least_wet)) return;
+        if (!(wet(i) > min_liquid_fraction)) return;
         const bool carries = fluid(i) >= 0.5;
         double n[3] = {0, 0, 0};
         double size = surface(i, n);
@@ -218,7 +218,7 @@ struct TractionLoop {
     }
 };
 
-struct LeanLoop {
+struct SlipWeightLoop {
     Array<double> wet, out;
     std::ptrdiff_t stride;
     Inner inner;
@@ -247,13 +247,13 @@ void ViscousParts::weigh_stresses(const ViscousScene& scene, const ViscosityOpti
     const double length = scene.grid.dimensions == 3 ? scene.grid.dx : 1.0;
     const auto weigh = [&](const Array<double>& viscosity, const Array<double>& wet, const Array<double>& fluid,
                            double k, Array<double>& out) {
-        make_room(f.cell_wet, {&out});
+        make_room(f.cell_liquid_clipped, {&out});
         Kokkos::parallel_for("treacle::weigh_stresses", n,
-                             StressLoop{viscosity, wet, fluid, out, k * length, options.least_wet, options.least_gap});
+                             StressLoop{viscosity, wet, fluid, out, k * length, options.min_liquid_fraction, options.min_fluid_fraction});
     };
-    weigh(scene.viscosity.cell, f.cell_wet, grip.cell_fluid, 2, faces_.normal);
+    weigh(scene.viscosity.cell, f.cell_liquid_clipped, grip.cell_fluid, 2, faces_.normal);
     for (int e = scene.grid.dimensions == 3 ? 0 : 2; e < 3; ++e) {
-        weigh(scene.viscosity.edge.axis[e], f.edge_wet.axis[e], grip.edge_fluid.axis[e], 1, faces_.shear.axis[e]);
+        weigh(scene.viscosity.edge.axis[e], f.edge_liquid_clipped.axis[e], grip.edge_fluid.axis[e], 1, faces_.shear.axis[e]);
     }
 }
 
@@ -263,37 +263,37 @@ void ViscousParts::weigh_slip(const ViscousScene& scene, const ViscosityOptions&
     const auto& f = scene.fractions;
     const Inner inner(faces_.window, faces_.dimensions);
     faces_.slip_body = scene.slip->body;
-    for (auto& component : faces_.traction) make_room(f.cell_wet, {&component});
-    for (auto& component : faces_.wall) make_room(f.cell_wet, {&component});
-    for (auto& component : faces_.wall_bend) make_room(f.cell_wet, {&component});
+    for (auto& component : faces_.traction) make_room(f.cell_liquid_clipped, {&component});
+    for (auto& component : faces_.wall) make_room(f.cell_liquid_clipped, {&component});
+    for (auto& component : faces_.wall_bend) make_room(f.cell_liquid_clipped, {&component});
     const double dx = scene.grid.dx;
     const Inner second(faces_.window, faces_.dimensions, 2); // the neighbours' neighbours are read
     for (int a = 0; a < faces_.dimensions; ++a) {
-        make_room(f.cell_wet, {&faces_.lean.axis[a]});
+        make_room(f.cell_liquid_clipped, {&faces_.slip_interpolation_weight.axis[a]});
         Kokkos::parallel_for("treacle::lean_slip", inner.count(),
-                             LeanLoop{f.face_wet.axis[a], faces_.lean.axis[a], faces_.stride[a], inner});
+                             SlipWeightLoop{f.face_liquid_clipped.axis[a], faces_.slip_interpolation_weight.axis[a], faces_.stride[a], inner});
     }
     Kokkos::parallel_for("treacle::weigh_slip", second.count(),
-                         TractionLoop{faces_, second, f.open, scene.slip->grip.open, f.cell_wet, f.cell_fluid,
+                         TractionLoop{faces_, second, f.open, scene.slip->grip.open, f.cell_liquid_clipped, f.cell_fluid,
                                       scene.viscosity.cell, scene.slip->length, scene.distance ? *scene.distance : Array<double>(), *scene.slip, scene.grid,
-                                      faces_.dimensions == 3 ? dx * dx : dx, options.least_wet, options.normal_layer * dx, dx});
+                                      faces_.dimensions == 3 ? dx * dx : dx, options.min_liquid_fraction, options.no_penetration_layer * dx, dx});
 }
 
-void ViscousParts::cast_roles(const ViscousScene& scene, const ViscosityOptions& options, double dt) {
+void ViscousParts::classify_faces(const ViscousScene& scene, const ViscosityOptions& options, double dt) {
     const auto& f = scene.fractions;
     const auto& grip = scene.slip ? scene.slip->grip : f;
     const Inner inner(faces_.window, faces_.dimensions);
     for (int a = 0; a < faces_.dimensions; ++a) {
-        make_room(f.cell_wet, {&faces_.share.axis[a], &faces_.scale.axis[a], &faces_.mass.axis[a], &faces_.solid.axis[a], &faces_.bend.axis[a]});
-        if (faces_.role[a].extent(0) < f.cell_wet.extent(0)) {
-            reserve(faces_.role[a], f.cell_wet.extent(0));
-            Kokkos::deep_copy(faces_.role[a], int(idle_face));
+        make_room(f.cell_liquid_clipped, {&faces_.share.axis[a], &faces_.scale.axis[a], &faces_.mass.axis[a], &faces_.solid.axis[a], &faces_.bend.axis[a]});
+        if (faces_.role[a].extent(0) < f.cell_liquid_clipped.extent(0)) {
+            reserve(faces_.role[a], f.cell_liquid_clipped.extent(0));
+            Kokkos::deep_copy(faces_.role[a], int(inactive_face));
         }
-        Kokkos::parallel_for("treacle::cast_roles", inner.count(),
-                             RoleLoop{faces_, inner, a, f.face_wet.axis[a], grip.face_fluid.axis[a], grip.cell_fluid,
-                                      grip.edge_fluid, options.least_wet, options.least_gap,
+        Kokkos::parallel_for("treacle::classify_faces", inner.count(),
+                             RoleLoop{faces_, inner, a, f.face_liquid_clipped.axis[a], grip.face_fluid.axis[a], grip.cell_fluid,
+                                      grip.edge_fluid, options.min_liquid_fraction, options.min_fluid_fraction,
                                       scene.density * cube_volume(scene.grid) / dt,
-                                      scene.pressed ? *scene.pressed : PressureFaces(), scene.pressed != nullptr});
+                                      scene.pressure_faces ? *scene.pressure_faces : PressureFaces(), scene.pressure_faces != nullptr});
     }
 }
 
@@ -335,7 +335,7 @@ void ViscousParts::build(const ViscousScene& scene, const ViscosityOptions& opti
     if (faces_.window.empty()) return;
     weigh_stresses(scene, options);
     weigh_slip(scene, options);
-    cast_roles(scene, options, dt);
+    classify_faces(scene, options, dt);
     move_solids(scene, motion);
 }
 
@@ -343,7 +343,7 @@ std::size_t ViscousParts::bytes() const {
     std::size_t total = faces_.normal.span();
     for (int a = 0; a < 3; ++a) {
         total += faces_.shear.axis[a].span();
-        for (const auto* field : {&faces_.share, &faces_.scale, &faces_.mass, &faces_.solid, &faces_.bend, &faces_.lean}) {
+        for (const auto* field : {&faces_.share, &faces_.scale, &faces_.mass, &faces_.solid, &faces_.bend, &faces_.slip_interpolation_weight}) {
             total += field->axis[a].span();
         }
     }

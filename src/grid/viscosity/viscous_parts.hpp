@@ -16,14 +16,14 @@ public:
     // Parts of the above; not private, since nvcc takes no kernel in a private function.
     void weigh_stresses(const ViscousScene& scene, const ViscosityOptions& options);
     void weigh_slip(const ViscousScene& scene, const ViscosityOptions& options);
-    void cast_roles(const ViscousScene& scene, const ViscosityOptions& options, double dt);
+    void classify_faces(const ViscousScene& scene, const ViscosityOptions& options, double dt);
     void move_solids(const ViscousScene& scene, const BodyMotion& motion);
 
 private:
     ViscousFaces faces_;
 };
 
-// Volume of a cube [m3], of a plane scene per metre of depth [m2].
+// Volume of a cube [m3], of a 2D scene per metre of depth [m2].
 inline double cube_volume(const MacGrid& grid) { return grid.dimensions == 3 ? grid.dx * grid.dx * grid.dx : grid.dx * grid.dx; }
 
 } // namespace treacle::grid

@@ -34,7 +34,7 @@ void hold_faces(const ViscousFaces& faces, const CellBox& owned, const FaceField
         owned.cell(n, c);
         const int i = faces.window.index(c[0], c[1], c[2]);
         for (int a = 0; a < faces.dimensions; ++a) {
-            if (faces.role[a](i) == held_face) velocity.axis[a](i) = faces.solid.axis[a](i);
+            if (faces.role[a](i) == prescribed_face) velocity.axis[a](i) = faces.solid.axis[a](i);
         }
     });
 }
@@ -79,8 +79,8 @@ solve::KrylovOptions ViscousProblem::krylov() {
     return out;
 }
 
-solve::RigidBorder ViscousProblem::border() const {
-    solve::RigidBorder out;
+solve::BorderedBodies ViscousProblem::border() const {
+    solve::BorderedBodies out;
     out.count = coupled_;
     if (coupled_ == 0) return out;
     out.add = [this](std::span<const double> q, std::span<double> y) { bodies_.add_coupling(q, y); };
@@ -115,7 +115,7 @@ void ViscousProblem::make_matrix() {
         }
     }
     matrix_.emplace(comm_, system_.blocks());
-    if (coupled_ > 0) matrix_->set_addition([this](std::span<const double> from, std::span<double> to) { couple(from, to); });
+    if (coupled_ > 0) matrix_->set_matrix_free_term([this](std::span<const double> from, std::span<double> to) { couple(from, to); });
 }
 
 // y += C L q on the faces, L^T C^T x on the rows of the bodies, which stand behind the faces of rank 0: one sum.
@@ -138,14 +138,14 @@ void ViscousProblem::find_places(const ViscousScene& scene, const rigid::RigidBo
 void ViscousProblem::build(const ViscousScene& scene, const FaceField& velocity, const rigid::RigidBodies& bodies, double dt) {
     dt_ = dt;
     before_ = body_velocities(bodies);
-    feels_ = bodies.any_moves();
+    has_moving_bodies_ = bodies.any_moves();
     answers_ = coupling_ != Coupling::one_way && bodies.any_dynamic();
     matrix_.reset();
     find_places(scene, bodies, dt);
-    if (feels_) bodies_.prepare(bodies);
+    if (has_moving_bodies_) bodies_.prepare(bodies);
     coupled_ = answers_ && coupling_ == Coupling::strong ? bodies_.unknowns() : 0;
     system_.assemble(comm_, scene.halo, parts_.faces(), coupled_);
-    if (feels_) bodies_.build(comm_, scene, parts_.faces(), system_, motion_, velocity);
+    if (has_moving_bodies_) bodies_.build(comm_, scene, parts_.faces(), system_, motion_, velocity);
     describe_rows(scene.grid);
     make_matrix();
     reserve(faces_, faces());
@@ -156,8 +156,8 @@ void ViscousProblem::right_hand_side(const FaceField& velocity, std::span<double
     const auto host = on_host(faces_);
     std::copy_n(host.data(), faces(), b.begin());
     if (system_.extra() == 0) return;
-    const auto pushed = bodies_.right_hand_side(before_);
-    std::copy(pushed.begin(), pushed.end(), b.begin() + static_cast<std::ptrdiff_t>(faces()));
+    const auto by_bodies = bodies_.right_hand_side(before_);
+    std::copy(by_bodies.begin(), by_bodies.end(), b.begin() + static_cast<std::ptrdiff_t>(faces()));
 }
 
 void ViscousProblem::read(const FaceField& velocity, std::span<double> x) {
@@ -214,7 +214,7 @@ void ViscousProblem::load_resting(const ViscousScene& scene, std::span<const dou
         faces.slip_body = resting_number_;
     }
     const ViscousScene of_resting{scene.grid, scene.halo, scene.fractions, resting.shares(), scene.viscosity, scene.density,
-                                  scene.slip, scene.pressed, scene.strains};
+                                  scene.slip, scene.pressure_faces, scene.strains};
     resting_.prepare(resting.count());
     resting_.build(comm_, of_resting, faces, system_, resting.motion(), velocity);
     resting_loads_ = resting_.loads(comm_, u, std::vector<double>(6 * resting.count(), 0.0));
@@ -224,7 +224,7 @@ std::vector<double> ViscousProblem::apply(const ViscousScene& scene, std::span<c
                                           const FaceField& velocity, rigid::RigidBodies& bodies) {
     std::vector<double> loads(before_.size(), 0.0);
     if (answers_) loads = push(x, others, bodies);
-    else if (feels_) loads = bodies_.loads(comm_, x.first(faces()), before_);
+    else if (has_moving_bodies_) loads = bodies_.loads(comm_, x.first(faces()), before_);
     if (coupled_ > 0) {
         update_motion(bodies, scene.grid, motion_);
         if (!scene.halo.window().empty()) parts_.move_solids(scene, motion_);

@@ -1,7 +1,7 @@
 #pragma once
 #include "grid/viscosity/mechanisms.hpp"
 #include "grid/viscosity/viscous_bodies.hpp"
-#include "solve/krylov/component_split.hpp"
+#include "solve/krylov/field_split_preconditioner.hpp"
 #include "solve/multigrid/rigid_multilevel.hpp"
 #include "solve/rows/soft_pairs.hpp"
 
@@ -67,7 +67,7 @@ public:
 private:
     solve::KrylovOptions krylov();
     void load_resting(const ViscousScene& scene, std::span<const double> u, const FaceField& velocity);
-    solve::RigidBorder border() const;
+    solve::BorderedBodies border() const;
     void describe_rows(const MacGrid& grid);
     void make_matrix();
     void couple(std::span<const double> x, std::span<double> y);
@@ -79,7 +79,7 @@ private:
     solve::RigidMultilevel multilevel_;
     Mechanisms mechanisms_;
     solve::SoftPairs soft_pairs_; // mechanisms that weak stresses hold
-    solve::ComponentSplit components_;
+    solve::FieldSplitPreconditioner components_;
     solve::KrylovSolver solver_;
     BodyMotion motion_;
     ViscousParts parts_;
@@ -93,7 +93,7 @@ private:
     Array<double> faces_{"treacle::viscous_faces", 0};
     double dx_ = 0, dt_ = 0;
     int dimensions_ = 3, coupled_ = 0; // coupled: unknowns of the bodies
-    bool feels_ = false, answers_ = false; // there are bodies that move; their motion depends on the liquid
+    bool has_moving_bodies_ = false, answers_ = false; // there are bodies that move; their motion depends on the liquid
     std::vector<int> cells_;
     std::vector<double> places_;
     std::vector<signed char> axes_;

@@ -22,7 +22,7 @@ struct NumberLoop {
         owned.cell(n, c);
         const int i = faces.window.index(c[0], c[1], c[2]);
         for (int a = 0; a < faces.dimensions; ++a) {
-            const bool unknown = faces.role[a](i) == free_face;
+            const bool unknown = faces.role[a](i) == unknown_face;
             if (last && write) {
                 row_of[a](i) = unknown ? first + sum : -1;
                 if (unknown) place_of(sum) = 3 * i + a;

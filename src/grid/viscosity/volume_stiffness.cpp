@@ -16,12 +16,12 @@ struct StiffnessLoop {
     ViscousFaces viscous;
     PressureFaces pressure;
     Array<int> cell_of, by_body;
-    double face, factor; // [m2], of a plane scene [m]
+    double face, factor; // [m2], of a 2D scene [m]
     Array<double> by_row, held_by_row, held;
 
     KOKKOS_INLINE_FUNCTION void operator()(int r) const {
         double sum = 0;
-        bool slack = !(viscous.normal(cell_of(r)) > 0);
+        bool stress_free = !(viscous.normal(cell_of(r)) > 0);
         for (int a = 0; a < pressure.dimensions; ++a) {
             for (int side = 0; side < 2; ++side) {
                 const auto i = cell_of(r) + side * pressure.stride[a];
@@ -30,11 +30,11 @@ struct StiffnessLoop {
                 double stress = 0;
                 viscous.each_stress(a, i, viscous.normal, viscous.shear, [&](double w) { stress += w; });
                 const double share = viscous.share.axis[a](i), resistance = share * share * stress;
-                slack = slack || !(resistance > 0);
+                stress_free = stress_free || !(resistance > 0);
                 if (resistance > 0) sum += area * area / resistance;
             }
         }
-        const double own = slack || !(sum > 0) ? 0.0 : factor / sum, more = by_body(r) != 0 ? 0.0 : own;
+        const double own = stress_free || !(sum > 0) ? 0.0 : factor / sum, more = by_body(r) != 0 ? 0.0 : own;
         by_row(r) = own + more;
         held_by_row(r) = more;
         held(cell_of(r)) = face * face * more;

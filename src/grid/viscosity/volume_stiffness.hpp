@@ -42,7 +42,7 @@ struct VolumeStiffness {
 // the motion of the body belongs to their flux.
 class VolumeStresses {
 public:
-    // Collective, for the faces of the pressure's matrix and the stresses as they are. `face` [m2], of a plane scene [m].
+    // Collective, for the faces of the pressure's matrix and the stresses as they are. `face` [m2], of a 2D scene [m].
     void find(Pressure& pressure, const ViscousFaces& viscous, CellHalo& halo, double face);
 
     const VolumeStiffness& held() const { return held_; } // for kernels, as of find()

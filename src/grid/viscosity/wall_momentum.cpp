@@ -19,7 +19,7 @@ struct LossLoop {
     BodyMotion motion;
     ViscousFaces viscous;
     bool closed, solved, together;
-    double mass; // of a full cube [kg], of a plane scene [kg/m]
+    double mass; // of a full cube [kg], of a 2D scene [kg/m]
 
     KOKKOS_INLINE_FUNCTION void init(value_type sum) const {
         for (size_type k = 0; k < value_count; ++k) sum[k] = 0;
@@ -32,12 +32,12 @@ struct LossLoop {
         const bool is_closed = !(faces.open(a, i) > 0);
         if (is_closed != closed) return 0;
         if (closed) {
-            const int role = solved ? viscous.role[a](i) : int(idle_face);
-            const bool counted = role == held_face || (together && role == free_face && viscous.mass.axis[a](i) > 0);
+            const int role = solved ? viscous.role[a](i) : int(inactive_face);
+            const bool counted = role == prescribed_face || (together && role == unknown_face && viscous.mass.axis[a](i) > 0);
             return counted ? 0.0 : wet.axis[a](i);
         }
-        const double pushed = faces.pushed(a, i);
-        return pushed < 0 ? 0.0 : wet.axis[a](i) - pushed;
+        const double fraction = faces.effective_area_fraction(a, i);
+        return fraction < 0 ? 0.0 : wet.axis[a](i) - fraction;
     }
     KOKKOS_INLINE_FUNCTION void operator()(int n, value_type sum) const {
         int c[3];
@@ -61,7 +61,7 @@ struct LossLoop {
 void WallMomentum::add(const Scene& scene, Which which, const FaceField& velocity) {
     if (scene.owned.empty()) return;
     const auto& shares = scene.resting.shares();
-    LossLoop loop{lost_.size(), scene.grid, scene.owned, scene.faces, scene.fractions.face_wet, scene.fractions.face_fluid, before_,
+    LossLoop loop{lost_.size(), scene.grid, scene.owned, scene.faces, scene.fractions.face_liquid_clipped, scene.fractions.face_fluid, before_,
                   velocity, {shares[0], shares[1], shares[2]}, scene.resting.motion(),
                   scene.viscous ? *scene.viscous : ViscousFaces(), which == Which::closed, scene.viscous != nullptr, scene.together,
                   scene.density * cube_volume(scene.grid)};

@@ -30,10 +30,10 @@ public:
     void go_back(const std::vector<double>& to) { lost_ = to; }
     // From here on changes count.
     void begin(const MacGrid& grid, const CellBox& window, const FaceField& velocity) { copy_faces(grid, window, velocity, before_); }
-    enum class Which { pushed, closed }; // faces
+    enum class Which { with_pressure, closed }; // faces
     // Local: adds what the changes since begin() have left at these faces.
     void add(const Scene& scene, Which which, const FaceField& velocity);
-    // Collective: the loads that this is in dt, 6 numbers a solid [N], [N m], in the plane per metre.
+    // Collective: the loads that this is in dt, 6 numbers a solid [N], [N m], in 2D per metre.
     std::vector<double> loads(const Comm& comm, double dt) const;
     std::size_t bytes() const { return 8 * (before_.axis[0].span() + before_.axis[1].span() + before_.axis[2].span()); }
 

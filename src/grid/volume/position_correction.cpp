@@ -1,6 +1,6 @@
 #include "grid/volume/position_correction.hpp"
 
-#include "kokkos/lanes.hpp"
+#include "kokkos/simd.hpp"
 
 #include <cmath>
 
@@ -36,11 +36,11 @@ struct Pairs {
     // are far away.
     template <class Visit>
     KOKKOS_INLINE_FUNCTION void neighbours(int i, const Visit& visit) const {
-        const Lanes x = place(i, 0), y = place(i, 1), z = place(i, 2), far = 1e10;
+        const SimdDouble x = place(i, 0), y = place(i, 1), z = place(i, 2), far = 1e10;
         const auto end = offset(i + 1);
         for (auto k = offset(i); k < end; k += lanes) {
             const Quads other = gather_quads(place.data(), &index(k));
-            const LaneMask there = first_lanes(static_cast<int>(math::min(end - k, std::int64_t(lanes))));
+            const LaneMask there = tail_mask(static_cast<int>(math::min(end - k, std::int64_t(lanes))));
             visit(select(there, x - other.x, far), y - other.y, z - other.z, other.w);
         }
     }
@@ -50,7 +50,7 @@ struct Pairs {
         if (!near(i)) return;
         for (auto k = offset(i) - 1; k < offset(i + 1); ++k) {
             const int j = k < offset(i) ? i : index(k);
-            if (image(j, 0) == Images::none) continue;
+            if (image(j, 0) == MirrorParticles::none) continue;
             visit(place(i, 0) - image(j, 0), place(i, 1) - image(j, 1), place(i, 2) - image(j, 2), place(j, 3));
         }
     }
@@ -58,7 +58,7 @@ struct Pairs {
 
 struct Constraint {
     Kernel kernel;
-    double rest, softness, slack; // softness [1/m2]
+    double rest, cfm_epsilon, dead_band; // cfm_epsilon [1/m2]
     Array<double> particle_mass;
     Array<int> liquid;
     double mean_mass; // by which masses are measured: heavier particles move less
@@ -66,7 +66,7 @@ struct Constraint {
     KOKKOS_INLINE_FUNCTION double mobility(int i) const { return mean_mass / particle_mass(liquid(i)); }
 };
 
-void write_places(const Array3& x, int n, const Constraint& constraint, const Array4& place) {
+void pack_positions(const Array3& x, int n, const Constraint& constraint, const Array4& place) {
     Kokkos::parallel_for("treacle::places", n, KOKKOS_LAMBDA(int i) {
         for (int c = 0; c < 3; ++c) place(i, c) = x(i, c);
         place(i, 3) = constraint.mobility(i);
@@ -89,14 +89,14 @@ struct ConstraintSums {
     }
 };
 
-// lambda_i = -max(C_i - slack, 0) / (sum_k |grad_k C_i|^2 m_0 / m_k + softness), and the density. Returns the largest C.
+// lambda_i = -max(C_i - dead_band, 0) / (sum_k |grad_k C_i|^2 m_0 / m_k + cfm_epsilon), and the density. Returns the largest C.
 double find_multipliers(const Constraint& constraint, const Pairs& pairs, int n, double volume, const Array<double>& multiplier,
                         const Array<double>& density) {
     double worst = 0;
     Kokkos::parallel_reduce("treacle::density_constraint", n, KOKKOS_LAMBDA(int i, double& most) {
-        ConstraintSums<Lanes> lane;
+        ConstraintSums<SimdDouble> lane;
         ConstraintSums<double> fixed;
-        pairs.neighbours(i, [&](Lanes dx, Lanes dy, Lanes dz, Lanes mobility) {
+        pairs.neighbours(i, [&](SimdDouble dx, SimdDouble dy, SimdDouble dz, SimdDouble mobility) {
             lane.add(constraint.kernel, dx, dy, dz, mobility);
         });
         // An image is not moved: it has no square of its own.
@@ -107,7 +107,7 @@ double find_multipliers(const Constraint& constraint, const Pairs& pairs, int n,
         const double sum = constraint.kernel.value(0.0) + sum_lanes(lane.density) + fixed.density;
         const double excess = sum / constraint.rest - 1;
         density(i) = (excess + 1) * constraint.mean_mass / mobility / volume;
-        multiplier(i) = -math::max(excess - constraint.slack, 0.0) / (squares + constraint.softness);
+        multiplier(i) = -math::max(excess - constraint.dead_band, 0.0) / (squares + constraint.cfm_epsilon);
         most = math::max(most, excess);
     }, Kokkos::Max<double>(worst));
     return n > 0 ? worst : 0;
@@ -123,10 +123,10 @@ void find_density_corrections(const Constraint& constraint, const Pairs& pairs, 
     const double theirs = with_neighbours ? 1 : 0;
     Kokkos::parallel_for("treacle::density_correction", n, KOKKOS_LAMBDA(int i) {
         const double mine = pairs.place(i, 3);
-        Lanes x = 0.0, y = 0.0, z = 0.0;
-        pairs.neighbours(i, [&](Lanes dx, Lanes dy, Lanes dz, Lanes other) {
+        SimdDouble x = 0.0, y = 0.0, z = 0.0;
+        pairs.neighbours(i, [&](SimdDouble dx, SimdDouble dy, SimdDouble dz, SimdDouble other) {
             const auto at = distance(dx * dx + dy * dy + dz * dz);
-            const Lanes factor = (Lanes(mine) + Lanes(theirs) * other) * constraint.kernel.slope(at.r) * at.inverse;
+            const SimdDouble factor = (SimdDouble(mine) + SimdDouble(theirs) * other) * constraint.kernel.slope(at.r) * at.inverse;
             x = x + factor * dx;
             y = y + factor * dy;
             z = z + factor * dz;
@@ -148,10 +148,10 @@ void find_density_corrections(const Constraint& constraint, const Pairs& pairs, 
 void find_spring_corrections(const Pairs& pairs, int n, double spacing, const Array3& correction) {
     constexpr double stiffness = 0.1;
     Kokkos::parallel_for("treacle::spring_correction", n, KOKKOS_LAMBDA(int i) {
-        Lanes x = 0.0, y = 0.0, z = 0.0;
-        pairs.neighbours(i, [&](Lanes dx, Lanes dy, Lanes dz, Lanes) {
+        SimdDouble x = 0.0, y = 0.0, z = 0.0;
+        pairs.neighbours(i, [&](SimdDouble dx, SimdDouble dy, SimdDouble dz, SimdDouble) {
             const auto at = distance(dx * dx + dy * dy + dz * dz);
-            const Lanes pull = math::max(Lanes(0.0), Lanes(1.0) - at.r * at.r * Lanes(1 / (spacing * spacing))) * at.inverse;
+            const SimdDouble pull = math::max(SimdDouble(0.0), SimdDouble(1.0) - at.r * at.r * SimdDouble(1 / (spacing * spacing))) * at.inverse;
             x = x + pull * dx;
             y = y + pull * dy;
             z = z + pull * dz;
@@ -244,12 +244,12 @@ double PositionCorrection::correct(const PositionOptions& options, GridParticles
     const int n = particles.store.owned();
     const auto x = particles.position(), correction = particles.correction();
     const auto multiplier = particles.multiplier();
-    Images::find(particles, setting.solids.sampler(), setting.solids.number(), ImagesIn::all_solids, 0.5 * grid_.dx);
+    MirrorParticles::find(particles, setting.solids.sampler(), setting.solids.number(), MirroredIn::all_solids, 0.5 * grid_.dx);
     const Pairs pairs{place_, particles.image(), near_, neighbours_.offset, neighbours_.index};
-    const Constraint constraint{{1 / grid_.dx}, rest_, options.softness * rest_gradients_, options.slack, setting.particle_mass,
+    const Constraint constraint{{1 / grid_.dx}, rest_, options.cfm_epsilon * rest_gradients_, options.dead_band, setting.particle_mass,
                                 particles.liquid(), on_host(setting.particle_mass)(0)};
     const int total = particles.store.total();
-    write_places(x, total, constraint, place_);
+    pack_positions(x, total, constraint, place_);
     const double volume = std::pow(grid_.dx, 3) / (grid_.dimensions == 2 ? 4 : 8);
     const double worst = setting.comm.max(find_multipliers(constraint, pairs, n, volume, multiplier, particles.density()));
     if (worst < options.tolerance) return worst;

@@ -1,5 +1,5 @@
 #pragma once
-#include "grid/geometry/images.hpp"
+#include "grid/geometry/mirror_particles.hpp"
 #include "grid/mac/particles.hpp"
 #include "grid/transport/advection.hpp"
 #include "kokkos/neighbour_list.hpp"
@@ -21,10 +21,10 @@ struct PositionOptions {
     double tolerance = 0.1;     // of the largest C
     // Constraints push by what is above it: nothing draws particles together again, so that pushing away noise below the
     // tolerance, step after step, would swell the liquid (a sloshing tank by 11 % in 6 s, with this by 7 %).
-    double slack = 0.05;
+    double dead_band = 0.05;
     double relaxation = 1;      // of each iteration's correction; 1 to 5 where only own constraints count
     bool neighbour_constraints = true; // sum over lambda_i + lambda_j; else each its own alone
-    double softness = 1e-2;     // CFM, over the sum of squared gradients inside of a lattice
+    double cfm_epsilon = 1e-2;     // CFM, over the sum of squared gradients inside of a lattice
     double scale_min = 1, scale_max = 1; // distance scaling alpha = clamp(phi / dx, min, max); 1 to 5 in the dissertation
     double cap = 0.1;           // largest move of a particle in all iterations, over dx
 };

@@ -34,7 +34,7 @@ struct SimulatedFrame {
     double step = 0; // [s] from now to later
 };
 
-// Compares the contours. Derivatives by the camera's parameters are those of the contour's points in space, of which the
+// Compares the contours. Derivatives by the camera's parameters are those of the contour's points in 3D, of which the
 // drawing has the depths.
 FrameComparison compare_frame(const ObservedFrame& observed, const video::Mask& mask, const SimulatedFrame& simulated, const scene::CameraModel& camera);
 

@@ -8,7 +8,7 @@
 namespace treacle::identify {
 
 namespace {
-constexpr double support = 2.2;       // radius in spacings: 44 particles in space, 15 in the plane
+constexpr double support = 2.2;       // radius in spacings: 44 particles in 3D, 15 in 2D
 constexpr double surface_share = 0.4; // of the particles around a point in the bulk; at a flat surface there are half of them
 } // namespace
 

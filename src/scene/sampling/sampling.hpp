@@ -99,7 +99,7 @@ struct SurfaceSamples {
 };
 
 // One layer of points about d apart, at the depth `inset`, the same on every machine run and rank. Boxes,
-// cylinders and cones have points exactly on their edges; in the plane outlines are divided evenly. Where an
+// cylinders and cones have points exactly on their edges; in 2D outlines are divided evenly. Where an
 // inverted shape is sampled at a depth, its edges stay sharp.
 SurfaceSamples sample_surface(const SolidRegion& region, const SurfaceSampling& sampling);
 

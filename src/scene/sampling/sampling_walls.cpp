@@ -55,7 +55,7 @@ Line line_of(const WallSampling& s, int side, int axis) {
 
 struct Wall {
     int side = 0;
-    std::array<int, 2> axes{0, 0}; // along the face; axes[1] = -1 in the plane
+    std::array<int, 2> axes{0, 0}; // along the face; axes[1] = -1 in 2D
     std::array<Line, 2> lines;
     std::uint64_t first_id = 0;
     double level = 0; // [m] of the layer

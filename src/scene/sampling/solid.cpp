@@ -72,13 +72,13 @@ Vec3 turned(const Shape& shape, const Vec3& v) {
     return shape.rotation_angle == 0 ? v : rotated(v, unit(shape.rotation_axis), shape.rotation_angle);
 }
 
-// A shape that does not meet the plane z = 0 of a plane scene.
+// A shape that does not meet the plane z = 0 of a 2D scene.
 struct Nowhere {};
 
 SurfacePointer cut_of(const SurfacePointer& body) {
     const auto pieces = slice(*body);
     if (pieces.empty()) throw Nowhere{};
-    return make_cut(pieces, [body](const Vec3& x) { return body->nearest(x).distance < 0; });
+    return make_cross_section(pieces, [body](const Vec3& x) { return body->nearest(x).distance < 0; });
 }
 
 SurfacePointer box_of(const Shape& shape, int dimensions, const Placement& placement) {
@@ -105,7 +105,7 @@ SurfacePointer box_of(const Shape& shape, int dimensions, const Placement& place
 }
 
 // The cut of a body whose axis is z: discs and rings.
-SurfacePointer ring_of(const Revolved& body) {
+SurfacePointer ring_of(const SurfaceOfRevolution& body) {
     const double z = body.centre[2], up = body.axis[2] < 0 ? -1 : 1, half = 0.5 * body.height;
     double outer = body.radius, inner = 0;
     switch (body.profile) {
@@ -136,7 +136,7 @@ SurfacePointer ring_of(const Revolved& body) {
 SurfacePointer round_of(const Shape& shape, int dimensions, const Placement& placement) {
     require_finite(shape, "centre", shape.centre);
     require_positive(shape, "radius", shape.radius);
-    Revolved body;
+    SurfaceOfRevolution body;
     switch (shape.kind) {
     case ShapeKind::cylinder:
         body.profile = Profile::cylinder;
@@ -214,7 +214,7 @@ void place_mesh(CheckedMesh& checked, const Shape& shape, const Placement& place
     checked.report.bounds = placed;
     checked.report.volume *= factor * factor * factor;
     checked.report.area *= factor * factor;
-    checked.report.thinnest *= factor;
+    checked.report.thickness_p01 *= factor;
 }
 
 SurfacePointer surface_of(const CheckedMesh& checked, int dimensions) {
@@ -222,9 +222,9 @@ SurfacePointer surface_of(const CheckedMesh& checked, int dimensions) {
     if (dimensions == 3) return body;
     const auto pieces = slice(checked.mesh);
     if (pieces.empty()) throw Nowhere{};
-    // Just below the plane, where slice() cuts: a face in the plane itself has no clear side.
+    // Just below the plane, where slice() cuts: a face on the plane itself has no clear side.
     const double below = -1e-9 * length(checked.report.bounds.max - checked.report.bounds.min);
-    return make_cut(pieces, [body, below](const Vec3& x) {
+    return make_cross_section(pieces, [body, below](const Vec3& x) {
         return body->nearest({x[0], x[1], below}).distance < 0;
     });
 }

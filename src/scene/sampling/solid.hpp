@@ -37,7 +37,7 @@ const char* name_of(ShapeKind kind);
 // The surface of joined solids: distances by the parts', exact wherever the nearest point of a part is one of the whole, which
 // is near the surface everywhere but where parts meet. There, the nearest of points that lie on the surface, those of the
 // edges along which parts meet among them, is moved along it to where it is nearest; the result is within
-// 1e-3 of the size, at corners of three parts within the points' distance, 1/48 of the longest edge, in the plane 1/512. Null for no surface: an empty solid, or all of
+// 1e-3 of the size, at corners of three parts within the points' distance, 1/48 of the longest edge, in 2D 1/512. Null for no surface: an empty solid, or all of
 // space. A solid without end has the distances of the parts alone, whose magnitudes are lower bounds.
 SurfacePointer join(const Solid& solid, int dimensions);
 // Bounds of the region that a solid is; infinite without end.

@@ -46,13 +46,13 @@ std::optional<Vec3> project(const Surface& surface, const Vec3& x, double inset,
     return std::nullopt;
 }
 
-std::optional<Settled> settle(const Surface& surface, const Vec3& c, const Vec3& n, double inset,
+std::optional<InsetPoint> project_to_inset(const Surface& surface, const Vec3& c, const Vec3& n, double inset,
                               double spacing) {
-    if (inset == 0) return Settled{c, false};
+    if (inset == 0) return InsetPoint{c, false};
     if (const double thickness = measure_thickness(surface, c, n, inset); thickness < 2 * std::abs(inset))
-        return Settled{c - std::copysign(0.5 * thickness, inset) * n, true};
+        return InsetPoint{c - std::copysign(0.5 * thickness, inset) * n, true};
     if (const auto point = project(surface, c - inset * n, inset, depth_tolerance * spacing))
-        return Settled{*point, false};
+        return InsetPoint{*point, false};
     return std::nullopt;
 }
 

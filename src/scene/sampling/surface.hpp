@@ -53,16 +53,16 @@ SurfacePointer make_plane(const Vec3& point, const Vec3& normal, int dimensions)
 enum class Profile { sphere, cylinder, capsule, cone, torus };
 
 // A body of revolution, whose profile lies in the half-plane (distance from the axis, height along it).
-struct Revolved {
+struct SurfaceOfRevolution {
     Profile profile = Profile::sphere;
     Vec3 centre{0, 0, 0};                    // [m] middle
     Vec3 axis{0, 0, 1};                      // unit
     double radius = 0, tube = 0, height = 0; // [m] as in Shape
 };
-SurfacePointer make_revolved(const Revolved& body);
-// The cut of a body whose axis and centre lie in the plane z = 0.
-SurfacePointer make_outline(const Revolved& body);
-// Disc (inner radius 0) or ring in the plane z = 0.
+SurfacePointer make_revolved(const SurfaceOfRevolution& body);
+// The cut of a body whose axis and centre lie on the plane z = 0.
+SurfacePointer make_outline(const SurfaceOfRevolution& body);
+// Disc (inner radius 0) or ring on the plane z = 0.
 SurfacePointer make_ring(const Vec3& centre, double inner, double outer);
 
 // Surface of a closed mesh; bounds, area and volume are those of the report, in the mesh's present place [m].
@@ -74,13 +74,13 @@ std::int64_t count_intervals(double length, double spacing);
 // ---- layers below a surface ----
 
 // Point of a layer below a surface.
-struct Settled {
+struct InsetPoint {
     Vec3 point{0, 0, 0}; // [m]
     bool thin = false;   // the body is thinner than twice the inset here: its middle instead
 };
 // From the surface point c with outward normal n to the depth `inset`; nothing where the body has no such
 // depth although it is thick along the normal, as on the rim of a plate.
-std::optional<Settled> settle(const Surface& surface, const Vec3& c, const Vec3& n, double inset,
+std::optional<InsetPoint> project_to_inset(const Surface& surface, const Vec3& c, const Vec3& n, double inset,
                               double spacing);
 
 // The point at depth `inset` next to x, by Newton steps until the depth is right to the tolerance [m] before
@@ -92,7 +92,7 @@ struct Piece {
     Vec3 from{0, 0, 0}, to{0, 0, 0}; // [m]
 };
 using Inside = std::function<bool(const Vec3&)>;
-SurfacePointer make_cut(const std::vector<Piece>& pieces, Inside inside);
+SurfacePointer make_cross_section(const std::vector<Piece>& pieces, Inside inside);
 std::vector<Piece> slice(const TriangleMesh& mesh); // at z just below 0
 std::vector<Piece> slice(const Surface& surface);   // on a grid, to 1e-5 of its size
 

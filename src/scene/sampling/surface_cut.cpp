@@ -1,7 +1,7 @@
 // Cuts by the plane z = 0 that have no formula: meshes, and bodies that lie askew.
-#include "scene/sampling/even_layer.hpp"
+#include "scene/sampling/poisson_disk_layer.hpp"
 #include "scene/sampling/surface.hpp"
-#include "scene/shapes/triangle_tree.hpp"
+#include "scene/shapes/triangle_bvh.hpp"
 #include "scene/shapes/vector_math.hpp"
 
 #include <algorithm>
@@ -219,7 +219,7 @@ private:
                 const Vec3 c =
                     p.from + ((static_cast<double>(i) + 0.5) / static_cast<double>(n)) * (p.to - p.from);
                 if (grid.any_within(c - sampling.inset * outward(p), 0.6 * d)) continue;
-                const auto s = settle(*this, c, outward(p), sampling.inset, d);
+                const auto s = project_to_inset(*this, c, outward(p), sampling.inset, d);
                 if (!s || grid.any_within(s->point, 0.7 * d)) continue;
                 grid.add(s->point);
                 result.thin += s->thin;
@@ -228,7 +228,7 @@ private:
     }
 
     std::vector<Piece> pieces_;
-    TriangleTree tree_;
+    TriangleBvh tree_;
     Inside inside_;
     Bounds bounds_;
     double area_ = 0, perimeter_ = 0, size_ = 0;
@@ -236,7 +236,7 @@ private:
 
 } // namespace
 
-SurfacePointer make_cut(const std::vector<Piece>& pieces, Inside inside) {
+SurfacePointer make_cross_section(const std::vector<Piece>& pieces, Inside inside) {
     return std::make_shared<Cut>(pieces, std::move(inside));
 }
 

@@ -1,7 +1,7 @@
 // Unions, intersections and differences.
-#include "scene/sampling/even_layer.hpp"
+#include "scene/sampling/poisson_disk_layer.hpp"
 #include "scene/sampling/joined_fold.hpp"
-#include "scene/shapes/triangle_tree.hpp"
+#include "scene/shapes/triangle_bvh.hpp"
 #include "scene/shapes/vector_math.hpp"
 
 #include <algorithm>
@@ -43,7 +43,7 @@ private:
         return out;
     }
     std::vector<Mark> marks_;
-    TriangleTree tree_;
+    TriangleBvh tree_;
 };
 
 class Joined final : public Surface {
@@ -94,7 +94,7 @@ public:
         });
         const std::size_t edges = fixed.size();
         fixed.insert(fixed.end(), stuck.begin(), stuck.end());
-        EvenLayer layer(d, [&](const Vec3& x, double tolerance) { return project(*this, x, sampling.inset, tolerance); });
+        PoissonDiskLayer layer(d, [&](const Vec3& x, double tolerance) { return project(*this, x, sampling.inset, tolerance); });
         layer.choose(candidates, fixed);
         layer.relax();
         layer.fill(fixed);
@@ -254,11 +254,11 @@ private:
     }
 
     // From a point of the whole's surface to the depth of the layer.
-    std::optional<Settled> lower(const Mark& mark, const SurfaceSampling& sampling) const {
-        if (sampling.inset == 0) return Settled{mark.x, false};
+    std::optional<InsetPoint> lower(const Mark& mark, const SurfaceSampling& sampling) const {
+        if (sampling.inset == 0) return InsetPoint{mark.x, false};
         const Vec3 out = sign_of(mark.leaf) * mark.normal, p = mark.x - sampling.inset * out;
-        if (std::abs(nearest(p).distance + sampling.inset) < 1e-6 * sampling.spacing) return Settled{p, false};
-        return settle(*this, mark.x, out, sampling.inset, sampling.spacing);
+        if (std::abs(nearest(p).distance + sampling.inset) < 1e-6 * sampling.spacing) return InsetPoint{p, false};
+        return project_to_inset(*this, mark.x, out, sampling.inset, sampling.spacing);
     }
 
     // Along a face from the mark to where that is nearest to x.

@@ -1,7 +1,7 @@
 // Closed triangle meshes.
-#include "scene/sampling/even_layer.hpp"
+#include "scene/sampling/poisson_disk_layer.hpp"
 #include "scene/sampling/surface.hpp"
-#include "scene/shapes/triangle_tree.hpp"
+#include "scene/shapes/triangle_bvh.hpp"
 #include "scene/shapes/vector_math.hpp"
 
 #include <algorithm>
@@ -50,7 +50,7 @@ public:
             const auto s = lower(c, n, sampling);
             if (s) (s->thin ? stuck : candidates).push_back(s->point);
         });
-        EvenLayer layer(
+        PoissonDiskLayer layer(
             d, [&](const Vec3& x, double tolerance) { return project(*this, x, sampling.inset, tolerance); });
         layer.choose(candidates, stuck);
         layer.relax();
@@ -82,11 +82,11 @@ public:
 
 private:
     // settle(), with a short cut: where c stays the closest point, nothing is in between.
-    std::optional<Settled> lower(const Vec3& c, const Vec3& n, const SurfaceSampling& sampling) const {
-        if (sampling.inset == 0) return Settled{c, false};
+    std::optional<InsetPoint> lower(const Vec3& c, const Vec3& n, const SurfaceSampling& sampling) const {
+        if (sampling.inset == 0) return InsetPoint{c, false};
         const Vec3 p = c - sampling.inset * n;
-        if (length(tree_.closest(p).point - c) < 1e-6 * sampling.spacing) return Settled{p, false};
-        return settle(*this, c, n, sampling.inset, sampling.spacing);
+        if (length(tree_.closest(p).point - c) < 1e-6 * sampling.spacing) return InsetPoint{p, false};
+        return project_to_inset(*this, c, n, sampling.inset, sampling.spacing);
     }
 
     static std::size_t count_thin(const std::vector<Vec3>& samples, const std::vector<Vec3>& stuck,
@@ -150,7 +150,7 @@ private:
 
     std::vector<Triangle> corners_;
     std::vector<std::array<int, 3>> indices_;
-    TriangleTree tree_;
+    TriangleBvh tree_;
     Bounds bounds_;
     double volume_, area_, size_;
     std::vector<Vec3> vertex_normals_;

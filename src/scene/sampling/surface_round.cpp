@@ -1,5 +1,5 @@
 // Bodies of revolution, and their cuts by a plane through the axis.
-#include "scene/sampling/even_layer.hpp"
+#include "scene/sampling/poisson_disk_layer.hpp"
 #include "scene/sampling/surface.hpp"
 #include "scene/shapes/vector_math.hpp"
 
@@ -107,7 +107,7 @@ private:
 
 class Round : public Surface {
 public:
-    explicit Round(const Revolved& body) : body_(body), side_(perpendicular(body.axis)) {}
+    explicit Round(const SurfaceOfRevolution& body) : body_(body), side_(perpendicular(body.axis)) {}
 
     Nearest nearest(const Vec3& x) const override {
         const Vec3 gap = x - body_.centre;
@@ -191,7 +191,7 @@ public:
         const double depth = std::min(sampling.inset, largest_depth());
         if (sharp || depth < sampling.inset) return rings(sampling.spacing, sampling.inset);
         const auto candidates = rings(0.25 * sampling.spacing, sampling.inset).positions;
-        EvenLayer layer(sampling.spacing, [&](const Vec3& x, double tolerance) {
+        PoissonDiskLayer layer(sampling.spacing, [&](const Vec3& x, double tolerance) {
             return project(*this, x, sampling.inset, tolerance);
         });
         layer.choose(candidates);
@@ -307,11 +307,11 @@ protected:
         return {};
     }
 
-    Revolved body_;
+    SurfaceOfRevolution body_;
     Vec3 side_;
 };
 
-// With axis and centre in the plane the closest surface point lies in it too: the distance is the body's.
+// With axis and centre on the plane z = 0 the closest surface point lies there too: the distance is the body's.
 class Outline final : public Round {
 public:
     using Round::Round;
@@ -368,7 +368,7 @@ public:
 
 } // namespace
 
-SurfacePointer make_revolved(const Revolved& body) { return std::make_shared<Round>(body); }
-SurfacePointer make_outline(const Revolved& body) { return std::make_shared<Outline>(body); }
+SurfacePointer make_revolved(const SurfaceOfRevolution& body) { return std::make_shared<Round>(body); }
+SurfacePointer make_outline(const SurfaceOfRevolution& body) { return std::make_shared<Outline>(body); }
 
 } // namespace treacle::scene

@@ -2,7 +2,7 @@
 
 #include "base/disjoint_sets.hpp"
 
-#include "scene/shapes/triangle_tree.hpp"
+#include "scene/shapes/triangle_bvh.hpp"
 #include "scene/shapes/vector_math.hpp"
 
 #include <algorithm>
@@ -211,7 +211,7 @@ void measure(TriangleMesh& mesh, MeshReport& report) {
 void find_buried(const TriangleMesh& mesh, MeshReport& report) {
     std::vector<Triangle> corners;
     for (const auto& t : mesh.triangles) corners.push_back({mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]});
-    const TriangleTree tree(corners);
+    const TriangleBvh tree(corners);
     const double off = 1e-6 * length(report.bounds.max - report.bounds.min);
     double before = 0, buried = 0, inwards = 0;
     std::size_t k = 0;
@@ -239,7 +239,7 @@ double thin_quantile(const TriangleMesh& mesh, const MeshReport& report) {
     corners.reserve(mesh.triangles.size());
     for (const auto& t : mesh.triangles)
         corners.push_back({mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]});
-    const TriangleTree tree(corners);
+    const TriangleBvh tree(corners);
     const double skip = 1e-7 * length(report.bounds.max - report.bounds.min);
     struct Ray {
         double thickness, area;
@@ -297,7 +297,7 @@ CheckedMesh check_mesh(TriangleMesh mesh) {
     measure(mesh, report);
     count_duplicates(mesh, report);
     if (report.closed() && report.volume > 0) {
-        report.thinnest = thin_quantile(mesh, report);
+        report.thickness_p01 = thin_quantile(mesh, report);
         find_buried(mesh, report);
     }
     report.vertices = mesh.vertices.size();

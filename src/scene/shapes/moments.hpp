@@ -6,11 +6,11 @@
 
 namespace treacle::scene {
 
-// Integrals over a solid of density one, in the plane over its cut, per metre of depth.
+// Integrals over a solid of density one, in 2D over its cut, per metre of depth.
 struct Moments {
-    double volume = 0;           // [m3], [m2] in the plane
+    double volume = 0;           // [m3], [m2] in 2D
     Vec3 centre{0, 0, 0};        // [m]
-    std::array<Vec3, 3> inertia{}; // about the centre, in the axes of space [m5]; in the plane only zz [m4]
+    std::array<Vec3, 3> inertia{}; // about the centre, in the axes of space [m5]; in 2D only zz [m4]
 };
 
 // Exact, by the divergence theorem.
@@ -26,7 +26,7 @@ struct SampledSolid {
     double volume = 0; // exact: the sums are scaled to it; 0: not known
 };
 // Exact for boxes along the axes; otherwise the error falls with the square of the cells, which are 1/128 of the
-// longest edge in space, 1/1024 in the plane.
+// longest edge in 3D, 1/1024 in 2D.
 Moments moments_of(const SampledSolid& solid);
 
 } // namespace treacle::scene

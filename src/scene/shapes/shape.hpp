@@ -9,7 +9,7 @@ namespace treacle::scene {
 // Kinds of shapes; unite, intersect and subtract have the keys union, intersection and difference.
 enum class ShapeKind { box, sphere, cylinder, capsule, cone, torus, plane, mesh, unite, intersect, subtract };
 
-// A solid region of space as the scene file gives it. Lengths [m], angles [rad]. In plane scenes (two
+// A solid region of space as the scene file gives it. Lengths [m], angles [rad]. In 2D scenes (two
 // dimensions) the region is its cut at z = 0. Signed distances are negative inside.
 struct Shape {
     ShapeKind kind = ShapeKind::box;

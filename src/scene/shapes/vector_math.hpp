@@ -28,7 +28,7 @@ inline Vec3 unit(const Vec3& a, const Vec3& otherwise = {0, 0, 0}) {
     return l > 0 ? (1 / l) * a : otherwise;
 }
 
-// A unit vector at right angles to the unit vector a; in the plane z = 0 when a is.
+// A unit vector at right angles to the unit vector a; on the plane z = 0 when a is.
 inline Vec3 perpendicular(const Vec3& a) {
     return unit(std::abs(a[2]) < 0.9 ? Vec3{-a[1], a[0], 0} : Vec3{a[2], 0, -a[0]});
 }

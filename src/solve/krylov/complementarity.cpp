@@ -14,7 +14,7 @@ namespace treacle::solve {
 
 namespace {
 // Squared norm of the violated conditions over that of the free rows' residual, above which the set changes.
-constexpr double patience = 1.0;
+constexpr double set_change_ratio = 1.0;
 // A curvature below this share of what the diagonal alone would give is that of a singular matrix.
 constexpr double least_curvature = 1e-12;
 
@@ -177,7 +177,7 @@ void Run::iterate() {
         const auto now = step(rz / sums[0]);
         ++report.iterations;
         if (!std::isfinite(now.free)) return void(end(Outcome::non_finite));
-        if (!passes(std::sqrt(now.free), now.measured) && now.wrong <= patience * now.free) continue;
+        if (!passes(std::sqrt(now.free), now.measured) && now.wrong <= set_change_ratio * now.free) continue;
         if (change_set()) return;
         for (std::size_t i = 0; i < x.size(); ++i) r[i] = free(i) ? -gradient[i] : 0;
         last_rz = 0;

@@ -12,14 +12,14 @@ namespace treacle::solve {
 namespace {
 // A cycle that takes less than this off of the residual has come to its end; the next one has other shadows.
 constexpr double least_gain = 0.02;
-constexpr int most_vain_cycles = 2;
+constexpr int max_stagnant_cycles = 2;
 // Rounding ends what the recurrences can do: near a breakdown of M they lose accuracy, stop far above the target and would
 // grow from there. A cycle without a new least residual for so many steps to the next space ends; it ends sooner where it
 // has fallen so far below its largest that this is the likely reason.
 constexpr int most_vain_rounds = 20, most_vain_rounds_far_down = 4;
-constexpr double far_down = 1e-6;
+constexpr double deep_residual_drop = 1e-6;
 // x is kept whenever its residual is this much less than that of the x kept before.
-constexpr double worth_keeping = 0.1;
+constexpr double best_iterate_ratio = 0.1;
 // Below this cosine between a residual and its product the step is longer than what makes the residual least, so that the
 // recurrences keep their accuracy (Sleijpen & van der Vorst 1995).
 constexpr double least_cosine = 0.7;
@@ -56,7 +56,7 @@ struct Idr::Small {
     std::vector<double> m, f, c, along, alpha;
     double omega = 1;
 
-    explicit Small(std::size_t shadows) : s(shadows), m(s * s, 0.0), f(s, 0.0), c(s, 0.0), along(s, 0.0), alpha(s, 0.0) {
+    explicit Small(std::size_t shadow_space_dimension) : s(shadow_space_dimension), m(s * s, 0.0), f(s, 0.0), c(s, 0.0), along(s, 0.0), alpha(s, 0.0) {
         for (std::size_t k = 0; k < s; ++k) m[k * s + k] = 1;
     }
     // The part [from, to) of M x = right.
@@ -178,7 +178,7 @@ void Idr::run_cycle(const Operator& a, std::span<double> x, double residual, dou
         kept = residual;
     };
     const auto goes_on = [&] { return residual > target && std::isfinite(residual) && report.iterations < options_.max_iterations; };
-    const auto falls = [&] { return vain_rounds < (least < far_down * largest ? most_vain_rounds_far_down : most_vain_rounds); };
+    const auto falls = [&] { return vain_rounds < (least < deep_residual_drop * largest ? most_vain_rounds_far_down : most_vain_rounds); };
     begin_cycle();
     keep();
     while (goes_on() && falls()) {
@@ -194,7 +194,7 @@ void Idr::run_cycle(const Operator& a, std::span<double> x, double residual, dou
         ++report.iterations;
         vain_rounds = residual < least ? 0 : vain_rounds + 1;
         least = std::min(least, residual);
-        if (residual < worth_keeping * kept) keep();
+        if (residual < best_iterate_ratio * kept) keep();
     }
     if (!(residual <= kept)) std::copy(kept_.begin(), kept_.end(), x.begin());
 }
@@ -203,7 +203,7 @@ SolveReport Idr::solve(const Operator& a, std::span<const double> b, std::span<d
     const auto start = Clock::now();
     SolveReport report;
     const double norm_b = norm(a, b), target = relative * norm_b;
-    for (auto* vectors : {&shadows_, &u_, &g_}) vectors->resize(static_cast<std::size_t>(options_.shadows));
+    for (auto* vectors : {&shadows_, &u_, &g_}) vectors->resize(static_cast<std::size_t>(options_.shadow_space_dimension));
     for (auto* vector : {&r_, &v_, &z_, &kept_}) vector->resize(b.size());
     const auto end = [&](Outcome outcome, const char* reason) {
         report.outcome = outcome;
@@ -225,7 +225,7 @@ SolveReport Idr::solve(const Operator& a, std::span<const double> b, std::span<d
         else if (residual <= (cycle == 0 ? 1.0 : 1.01) * target || residual == 0) end(Outcome::converged, "converged");
         else if (report.iterations >= options_.max_iterations)
             end(Outcome::iteration_limit, "not converged within the limit of iterations");
-        else if (vain == most_vain_cycles) end(Outcome::stagnated, "the residual does not fall any more");
+        else if (vain == max_stagnant_cycles) end(Outcome::stagnated, "the residual does not fall any more");
         else {
             draw_shadows(a, cycle);
             run_cycle(a, x, residual, target, report);

@@ -18,7 +18,7 @@ struct Operator {
 // Limits and size of the method.
 struct IdrOptions {
     int max_iterations = 200; // products
-    int shadows = 4;          // s: more of them take fewer iterations and 3 vectors each
+    int shadow_space_dimension = 4;          // s: more of them take fewer iterations and 3 vectors each
 };
 
 // Induced dimension reduction IDR(s) with directions orthogonal to the shadows, preconditioned from the right (Sonneveld &

@@ -62,7 +62,7 @@ namespace {
 constexpr double round_off = 1e-14;
 // Directions are begun anew when the residual has fallen to this share of the first, by which round-off may have spoiled
 // them, and to half of what it was when they were begun last; before that a breakdown is the matrix's.
-constexpr double spoiled = 1e-3, worthwhile = 0.5;
+constexpr double restart_threshold = 1e-3, min_reduction = 0.5;
 
 // One solve: what its three stages share.
 struct Run : Iteration {
@@ -76,7 +76,7 @@ struct Run : Iteration {
     void finish();
 
 private:
-    void follow_directions();
+    void iterate_cg();
     bool renew(double& norm);
     bool breaks_down(double product, Outcome indefinite);
     bool judge(double rr, double measured);
@@ -147,8 +147,8 @@ bool Run::renew(double& norm) {
     sums[1] = measure(r);
     comm.sum(sums);
     const double now = std::sqrt(sums[0]), before = std::exchange(norm, now);
-    if (!(now <= spoiled * first_norm) || judge(sums[0], sums[1])) return false;
-    if (now <= worthwhile * before) return true;
+    if (!(now <= restart_threshold * first_norm) || judge(sums[0], sums[1])) return false;
+    if (now <= min_reduction * before) return true;
     report.reason = "round-off keeps the residual from falling farther";
     return !end(Outcome::stagnated);
 }
@@ -156,13 +156,13 @@ bool Run::renew(double& norm) {
 void Run::iterate() {
     double norm = first_norm;
     do {
-        follow_directions();
+        iterate_cg();
     } while ((report.outcome == Outcome::indefinite_matrix || report.outcome == Outcome::indefinite_preconditioner) &&
              renew(norm));
 }
 
 // Preconditioned conjugate gradients (Hestenes and Stiefel 1952; Saad 2003, algorithm 9.1).
-void Run::follow_directions() {
+void Run::iterate_cg() {
     // z = M r,  p = z
     if (!preconditioner.is_identity()) preconditioner.apply(r, z);
     std::copy(z.begin(), z.end(), p.begin());

@@ -8,7 +8,7 @@ namespace treacle::solve {
 namespace {
 // Sums of products with M lines, lane by lane: added up across the lanes once a row of blocks.
 template <int M>
-struct Lanes {
+struct BlockProducts {
     double sums[M][M] = {};
 
     void add(const double* block, const double* z) {
@@ -71,7 +71,7 @@ void BlockSweeps::down_from_zero_of(const double* inverse, const double* r, doub
         const Index row = M * block;
         double sums[M], left[M] = {}, solved[M], reversed[M];
         for (int k = 0; k < M; ++k) sums[k] = r[row + k];
-        Lanes<M> lanes;
+        BlockProducts<M> lanes;
         for (Index e = begin; e < end; ++e) lanes.add(below + M * M * (e - begin), z + columns[e]);
         lanes.subtract_from(sums);
         for (int k = 0; k < M; ++k) {
@@ -102,7 +102,7 @@ void BlockSweeps::up_of(const double* inverse, const double* r, double* z, doubl
             sums[k] = r[row + k] - above[row + k];
             now[k] = z[row + k];
         }
-        Lanes<M> lanes;
+        BlockProducts<M> lanes;
         for (Index e = begin; e < end; ++e) lanes.add(below + M * M * (e - begin), z + columns[e]);
         lanes.add(own, now);
         lanes.subtract_from(sums);
@@ -127,7 +127,7 @@ void BlockSweeps::subtract_below(const double* changes, double* t) const {
     const Index blocks = static_cast<Index>(offsets_.size()) - 1;
     const Index* const columns = columns_.data();
     for (Index block = 0; block < blocks; ++block) {
-        Lanes<M> lanes;
+        BlockProducts<M> lanes;
         const Index begin = offsets_[static_cast<std::size_t>(block)], end = offsets_[static_cast<std::size_t>(block) + 1];
         const double* const below = below_.data() + std::ptrdiff_t{M * M} * begin;
         for (Index e = begin; e < end; ++e) lanes.add(below + M * M * (e - begin), changes + columns[e]);

@@ -10,12 +10,12 @@ void sort_unique(CellSet& cells) {
     cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
 }
 
-void aggregate(Level& level, int halvings, RowOrder order, const CellSet& dropped) {
+void aggregate(Level& level, int coarsening_levels, RowOrder order, const CellSet& dropped) {
     auto& runs = level.runs;
     runs.clear();
     level.aggregate.assign(static_cast<std::size_t>(level.rows), -1);
     for (Index i = 0; i < level.rows; ++i) {
-        const CellKey key = level.keys[static_cast<std::size_t>(i)] >> (3 * halvings);
+        const MortonKey key = level.keys[static_cast<std::size_t>(i)] >> (3 * coarsening_levels);
         if (!runs.empty() && runs.back().key == key && runs.back().end == i) {
             ++runs.back().end;
         } else if (!std::binary_search(dropped.begin(), dropped.end(), key)) {
@@ -64,7 +64,7 @@ void Coarsener::number(const Comm& comm, Level& level) {
     slot_.assign(places_.size(), -1);
 }
 
-CellKey Coarsener::key_at(const MadeRows& made, Index place) const {
+MortonKey Coarsener::key_at(const CoarseRows& made, Index place) const {
     return place < places_.own() ? made.keys[static_cast<std::size_t>(place)]
                               : halo_keys_[static_cast<std::size_t>(place - places_.own())];
 }
@@ -106,7 +106,7 @@ void Coarsener::sum_rows(const Level& level, Index aggregate) {
 }
 
 // Columns rise.
-void Coarsener::end_row(MadeRows& made) {
+void Coarsener::end_row(CoarseRows& made) {
     for (auto& entry : row_) entry.first = places_.global(entry.first);
     std::sort(row_.begin(), row_.end());
     for (const auto& [column, value] : row_) {
@@ -117,7 +117,7 @@ void Coarsener::end_row(MadeRows& made) {
 }
 
 namespace {
-void start_rows(const Level& level, MadeRows& made) {
+void start_rows(const Level& level, CoarseRows& made) {
     made.clear();
     for (Index a = 0; a < level.aggregates(); ++a) {
         const auto first = static_cast<std::size_t>(level.group[static_cast<std::size_t>(a)]);
@@ -131,7 +131,7 @@ void start_rows(const Level& level, MadeRows& made) {
 }
 } // namespace
 
-void Coarsener::make_galerkin(const Comm& comm, Level& level, double divisor, MadeRows& made) {
+void Coarsener::make_galerkin(const Comm& comm, Level& level, double divisor, CoarseRows& made) {
     number(comm, level);
     start_rows(level, made);
     for (Index a = 0; a < places_.own(); ++a) {
@@ -158,7 +158,7 @@ void Coarsener::ask_others(Level& level, const Work& work) {
 void Coarsener::find_keys(Level& level) {
     for (std::size_t i = 0; i < scratch_.size(); ++i) scratch_[i] = std::bit_cast<double>(level.keys[i]);
     ask_others(level, [this](std::size_t place, double value) {
-        halo_keys_[place - static_cast<std::size_t>(places_.own())] = std::bit_cast<CellKey>(value);
+        halo_keys_[place - static_cast<std::size_t>(places_.own())] = std::bit_cast<MortonKey>(value);
     });
 }
 
@@ -182,7 +182,7 @@ void Coarsener::find_densities(Level& level, std::span<const double> densities) 
     }
 }
 
-void Coarsener::make_grid(const Comm& comm, Level& level, const GridRule& rule, MadeRows& made) {
+void Coarsener::make_grid(const Comm& comm, Level& level, const Rediscretisation& rule, CoarseRows& made) {
     number(comm, level);
     start_rows(level, made);
     halo_keys_.assign(places_.others(), 0);
@@ -195,12 +195,12 @@ void Coarsener::make_grid(const Comm& comm, Level& level, const GridRule& rule, 
     }
     for (Index a = 0; a < places_.own(); ++a) {
         sum_rows(level, a);
-        const CellKey here = made.keys[static_cast<std::size_t>(a)];
+        const MortonKey here = made.keys[static_cast<std::size_t>(a)];
         double diagonal = made.walls.empty() ? 0.0 : made.walls[static_cast<std::size_t>(a)];
         auto found = row_;
         row_.clear();
         for (int face = 0; face < 6; ++face) {
-            const CellKey there = beside(here, face);
+            const MortonKey there = beside(here, face);
             bool liquid = false;
             for (const auto& [place, value] : found) {
                 if (place == a || key_at(made, place) != there) continue;

@@ -8,20 +8,20 @@
 namespace treacle::solve {
 
 // Cells with p = 0 that hold no unknown of the grid, keys rising.
-using CellSet = std::vector<CellKey>;
-inline void coarsen(CellSet& cells, int halvings) {
-    for (auto& key : cells) key >>= 3 * halvings;
+using CellSet = std::vector<MortonKey>;
+inline void coarsen(CellSet& cells, int coarsening_levels) {
+    for (auto& key : cells) key >>= 3 * coarsening_levels;
 }
 void sort_unique(CellSet& cells);
 
 // Order of the aggregates, which is that of the sweeps over them: by key, or by colour and then by key.
 enum class RowOrder { along_curve, red_black };
 
-// (ML1) Puts the rows of each cell of 2^halvings cells into one aggregate; cells of `dropped` get none. Local.
-void aggregate(Level& level, int halvings, RowOrder order, const CellSet& dropped);
+// (ML1) Puts the rows of each cell of 2^coarsening_levels cells into one aggregate; cells of `dropped` get none. Local.
+void aggregate(Level& level, int coarsening_levels, RowOrder order, const CellSet& dropped);
 
 // Finite differences on cells of one width.
-struct GridRule {
+struct Rediscretisation {
     double coupling = 1;                 // of two cells, and of a cell and one of p = 0
     std::span<const double> densities{}; // [rows]; couplings are divided by the mean of both cells' means. Empty: 1
     const CellSet& dirichlet;
@@ -54,10 +54,10 @@ private:
 class Coarsener {
 public:
     // (ML2) Collective: P^T A P / divisor in one pass over the entries of the level, and the sums of the walls.
-    void make_galerkin(const Comm& comm, Level& level, double divisor, MadeRows& made);
+    void make_galerkin(const Comm& comm, Level& level, double divisor, CoarseRows& made);
     // (ML5) Collective: finite differences with 7 points on the aggregates of the matrix itself. Cells that the matrix does
     // not couple are not coupled; walls count by their mean.
-    void make_grid(const Comm& comm, Level& level, const GridRule& rule, MadeRows& made);
+    void make_grid(const Comm& comm, Level& level, const Rediscretisation& rule, CoarseRows& made);
 
     Index first_made() const { return places_.first(); } // global number of this rank's first made row
 
@@ -70,14 +70,14 @@ private:
     void ask_others(Level& level, const Work& work);
     void sum_rows(const Level& level, Index aggregate);
     void add(Index place, double value);
-    CellKey key_at(const MadeRows& made, Index place) const;
+    MortonKey key_at(const CoarseRows& made, Index place) const;
     double density_at(Index place) const { return densities_.empty() ? 1 : densities_[static_cast<std::size_t>(place)]; }
-    void end_row(MadeRows& made);
+    void end_row(CoarseRows& made);
 
     void number(const Comm& comm, Level& level);
 
     AggregatePlaces places_;
-    std::vector<CellKey> halo_keys_; // of other ranks' aggregates
+    std::vector<MortonKey> halo_keys_; // of other ranks' aggregates
     std::vector<double> densities_;  // [places], means of the aggregates' rows; or empty
     std::vector<Index> slot_;        // where in row_ an aggregate stands, -1: nowhere
     std::vector<Entry> row_;            // of places: this rank's aggregates, then the others
@@ -85,12 +85,12 @@ private:
 };
 
 // The move of a made level to fewer ranks, and the vectors' way there and back.
-class Gathering {
+class RankAgglomeration {
 public:
     // The stride between the ranks that hold rows, for levels of so many rows, of which each is to hold so many.
     static int wider(const Comm& comm, int stride, std::int64_t rows, std::int64_t rows_wanted);
     // Collective. Rows go to the rank's next lower multiple of the stride; other ranks are left without. 1: no move.
-    void move(const Comm& comm, int stride, Index first_made, MadeRows& made, CellSet& dropped);
+    void move(const Comm& comm, int stride, Index first_made, CoarseRows& made, CellSet& dropped);
     bool moved() const { return moved_; }
     // Collective, after the level has its numbers.
     void connect(const Comm& comm, const Level& level);

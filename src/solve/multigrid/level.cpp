@@ -1,6 +1,6 @@
 #include "solve/multigrid/level.hpp"
 
-#include "solve/rows/gather_sum.hpp"
+#include "solve/rows/sparse_dot.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -12,8 +12,8 @@ constexpr int key_bits = 21;
 constexpr int key_offset = 1 << 20;
 
 // Puts two zeros after each bit.
-CellKey spread_bits(CellKey x) {
-    x &= (CellKey{1} << key_bits) - 1;
+MortonKey spread_bits(MortonKey x) {
+    x &= (MortonKey{1} << key_bits) - 1;
     x = (x | x << 32) & 0x1f00000000ffff;
     x = (x | x << 16) & 0x1f0000ff0000ff;
     x = (x | x << 8) & 0x100f00f00f00f00f;
@@ -21,7 +21,7 @@ CellKey spread_bits(CellKey x) {
     x = (x | x << 2) & 0x1249249249249249;
     return x;
 }
-constexpr CellKey lane = 0x1249249249249249; // the bits of x
+constexpr MortonKey lane = 0x1249249249249249; // the bits of x
 
 // No column comes twice in a row.
 void scatter(const Index* columns, const double* values, Index begin, Index end, double factor, double* t) {
@@ -39,18 +39,18 @@ inline void fetch(const Index* columns, const double* values, Index begin, Index
 double inverse(double diagonal) { return diagonal > 0 ? 1 / diagonal : 0.0; }
 } // namespace
 
-CellKey cell_key(const int cell[3]) {
-    CellKey key = 0;
-    for (int axis = 0; axis < 3; ++axis) key |= spread_bits(static_cast<CellKey>(cell[axis] + key_offset)) << axis;
+MortonKey cell_key(const int cell[3]) {
+    MortonKey key = 0;
+    for (int axis = 0; axis < 3; ++axis) key |= spread_bits(static_cast<MortonKey>(cell[axis] + key_offset)) << axis;
     return key;
 }
 
-int colour(CellKey key) { return static_cast<int>((key ^ key >> 1 ^ key >> 2) & 1); }
+int colour(MortonKey key) { return static_cast<int>((key ^ key >> 1 ^ key >> 2) & 1); }
 
-CellKey beside(CellKey key, int face) {
-    const CellKey mask = lane << (face / 2);
-    const CellKey one = CellKey{1} << (face / 2);
-    const CellKey part = face % 2 == 0 ? ((key & mask) - one) & mask : ((key | ~mask) + one) & mask;
+MortonKey beside(MortonKey key, int face) {
+    const MortonKey mask = lane << (face / 2);
+    const MortonKey one = MortonKey{1} << (face / 2);
+    const MortonKey part = face % 2 == 0 ? ((key & mask) - one) & mask : ((key | ~mask) + one) & mask;
     return part | (key & ~mask);
 }
 
@@ -68,7 +68,7 @@ void Level::refer_to(const Matrix& matrix) {
 }
 
 void Level::find_places() {
-    secured_.clear();
+    l1_diagonal_.clear();
     diagonal_.resize(static_cast<std::size_t>(rows));
     for (Index i = 0; i < rows; ++i) {
         const Index* const begin = own_.columns + own_.offsets[i];
@@ -77,20 +77,20 @@ void Level::find_places() {
     }
     inverse_.resize(static_cast<std::size_t>(rows));
     for (Index i = 0; i < rows; ++i) inverse_[static_cast<std::size_t>(i)] = inverse(diagonal(i));
-    border_.clear();
+    interface_.clear();
     change_.clear();
     for (Index i = 0; i < rows; ++i) {
-        if (other_.offsets[i] < other_.offsets[i + 1]) border_.push_back(i);
+        if (other_.offsets[i] < other_.offsets[i + 1]) interface_.push_back(i);
     }
 }
 
-void Level::secure_sweeps(double relaxation) {
-    secured_.resize(static_cast<std::size_t>(rows));
-    for (Index i = 0; i < rows; ++i) secured_[static_cast<std::size_t>(i)] = diagonal(i);
-    const auto around = halo().gather(secured_);
+void Level::set_l1_diagonal(double relaxation) {
+    l1_diagonal_.resize(static_cast<std::size_t>(rows));
+    for (Index i = 0; i < rows; ++i) l1_diagonal_[static_cast<std::size_t>(i)] = diagonal(i);
+    const auto around = halo().gather(l1_diagonal_);
     const double beside = 1.5 * (1 - 1 / relaxation);
     for (Index i = 0; i < rows; ++i) {
-        double& own = secured_[static_cast<std::size_t>(i)];
+        double& own = l1_diagonal_[static_cast<std::size_t>(i)];
         const double given = own;
         double sum = 0;
         for (Index k = other_.offsets[i]; k < other_.offsets[i + 1]; ++k) {
@@ -99,10 +99,10 @@ void Level::secure_sweeps(double relaxation) {
         }
         own = std::max(given / relaxation + beside * sum, 0.5 * (given + sum));
     }
-    for (std::size_t i = 0; i < secured_.size(); ++i) inverse_[i] = inverse(secured_[i]);
+    for (std::size_t i = 0; i < l1_diagonal_.size(); ++i) inverse_[i] = inverse(l1_diagonal_[i]);
 }
 
-void Level::take(const Comm& comm, MadeRows& made, Index first, Index global) {
+void Level::take(const Comm& comm, CoarseRows& made, Index first, Index global) {
     rows = made.rows();
     first_row = first;
     global_rows = global;
@@ -141,11 +141,11 @@ void Level::take(const Comm& comm, MadeRows& made, Index first, Index global) {
     for (auto* vector : {&r, &z, &t}) vector->resize(static_cast<std::size_t>(rows));
 }
 
-void Level::sweep_down_from_zero(std::span<const double> r_, std::span<double> z_, std::span<double> t_) {
+void Level::sweep_forward_from_zero(std::span<const double> r_, std::span<double> z_, std::span<double> t_) {
     if (blocks_.taken()) {
         blocks_.down_from_zero(inverse_, r_, z_, t_);
-        if (!secured_.empty()) {
-            for (std::size_t i = 0; i < z_.size(); ++i) t_[i] += (secured_[i] - diagonal(static_cast<Index>(i))) * z_[i];
+        if (!l1_diagonal_.empty()) {
+            for (std::size_t i = 0; i < z_.size(); ++i) t_[i] += (l1_diagonal_[i] - diagonal(static_cast<Index>(i))) * z_[i];
         }
         subtract_others(halo().gather(z_), t_);
         return;
@@ -162,45 +162,45 @@ void Level::sweep_down_from_zero(std::span<const double> r_, std::span<double> z
         const Index begin = own_.offsets[i], diagonal = diagonal_[at];
         // Hardware that fetches ahead along the arrays would go on into the half that is not read.
         if (i + ahead < rows) fetch(columns, values, own_.offsets[i + ahead], diagonal_[at + ahead]);
-        const double sum = r_[at] - gather_sum(columns, values, begin, diagonal, z_.data());
+        const double sum = r_[at] - sparse_dot(columns, values, begin, diagonal, z_.data());
         z_[at] = sum * inverse_[at];
         // The residual is -U z + (D' - D) z, U the transpose of the part of the row that was just read.
         scatter(columns, values, begin, diagonal, z_[at], t_.data());
-        if (!secured_.empty()) t_[at] += (secured_[at] - values[diagonal]) * z_[at];
+        if (!l1_diagonal_.empty()) t_[at] += (l1_diagonal_[at] - values[diagonal]) * z_[at];
     }
     subtract_others(halo().gather(z_), t_);
 }
 
 // t -= A_off z, z of other ranks.
 void Level::subtract_others(std::span<const double> around, std::span<double> t_) const {
-    for (const Index i : border_) {
+    for (const Index i : interface_) {
         t_[static_cast<std::size_t>(i)] -=
-            gather_sum(other_.columns, other_.values, other_.offsets[i], other_.offsets[i + 1], around.data());
+            sparse_dot(other_.columns, other_.values, other_.offsets[i], other_.offsets[i + 1], around.data());
     }
 }
 
 // r - A_off z; r itself where no row is beside others.
 std::span<const double> Level::less_others(std::span<const double> r_, std::span<const double> around) {
-    if (border_.empty()) return r_;
+    if (interface_.empty()) return r_;
     right_.assign(r_.begin(), r_.end());
     subtract_others(around, right_);
     return right_;
 }
 
 double Level::product(std::span<const double> z_, std::span<const double> around, std::size_t row) const {
-    const double sum = gather_sum(own_.columns, own_.values, own_.offsets[row], own_.offsets[row + 1], z_.data());
+    const double sum = sparse_dot(own_.columns, own_.values, own_.offsets[row], own_.offsets[row + 1], z_.data());
     const Index begin = other_.offsets[row], end = other_.offsets[row + 1];
-    return begin == end ? sum : sum + gather_sum(other_.columns, other_.values, begin, end, around.data());
+    return begin == end ? sum : sum + sparse_dot(other_.columns, other_.values, begin, end, around.data());
 }
 
-void Level::sweep_down(std::span<const double> r_, std::span<double> z_) {
+void Level::sweep_forward(std::span<const double> r_, std::span<double> z_) {
     const auto around = halo().gather(z_);
     for (std::size_t i = 0; i < static_cast<std::size_t>(rows); ++i) {
         if (!is_fixed(i)) z_[i] += (r_[i] - product(z_, around, i)) * inverse_[i];
     }
 }
 
-void Level::sweep_up(std::span<const double> r_, std::span<double> z_) {
+void Level::sweep_backward(std::span<const double> r_, std::span<double> z_) {
     const auto around = halo().gather(z_);
     if (blocks_.taken()) return blocks_.up(inverse_, less_others(r_, around), z_);
     for (std::size_t i = static_cast<std::size_t>(rows); i-- > 0;) {
@@ -227,7 +227,7 @@ void Level::sweep_up_by_rows(std::span<const double> r_, std::span<double> z_, s
 // Row i is multiplied with values above it as they are now and those below it, and of other ranks, as they were before:
 // of the residual after the sweep all but the changes of the latter are at hand there, and these are a_ij of the row
 // that changes.
-void Level::sweep_up(std::span<const double> r_, std::span<double> z_, std::span<double> t_) {
+void Level::sweep_backward(std::span<const double> r_, std::span<double> z_, std::span<double> t_) {
     const auto before = halo().gather(z_);
     around_.assign(before.begin(), before.end());
     if (blocks_.taken()) blocks_.up(inverse_, less_others(r_, around_), z_, t_);
@@ -237,9 +237,9 @@ void Level::sweep_up(std::span<const double> r_, std::span<double> z_, std::span
     subtract_others(around_, t_);
 }
 
-void Level::sweep_border_down(std::span<double> z_, std::span<double> t_) {
+void Level::sweep_interface_forward(std::span<double> z_, std::span<double> t_) {
     change_.resize(static_cast<std::size_t>(rows)); // other ranks need border rows alone: the rest stays zero
-    for (const Index i : border_) {
+    for (const Index i : interface_) {
         const auto at = static_cast<std::size_t>(i);
         if (is_fixed(at)) continue;
         change_[at] = t_[at] * inverse_[at];
@@ -249,10 +249,10 @@ void Level::sweep_border_down(std::span<double> z_, std::span<double> t_) {
     subtract_others(halo().gather(change_), t_);
 }
 
-void Level::sweep_border_up(std::span<const double> r_, std::span<double> z_) {
+void Level::sweep_interface_backward(std::span<const double> r_, std::span<double> z_) {
     const auto around = halo().gather(z_);
-    for (std::size_t k = border_.size(); k-- > 0;) {
-        const auto at = static_cast<std::size_t>(border_[k]);
+    for (std::size_t k = interface_.size(); k-- > 0;) {
+        const auto at = static_cast<std::size_t>(interface_[k]);
         if (!is_fixed(at)) z_[at] += (r_[at] - product(z_, around, at)) * inverse_[at];
     }
 }
@@ -266,8 +266,8 @@ void Level::residual(std::span<const double> r_, std::span<const double> z_, std
 
 std::size_t Level::bytes() const {
     std::size_t reals = keys.capacity(), indices = 0;
-    for (const auto* of : {&centres, &walls, &r, &z, &t, &secured_, &inverse_, &change_, &around_, &right_}) reals += of->capacity();
-    for (const auto* of : {&halo_columns_, &diagonal_, &border_, &aggregate, &group}) indices += of->capacity();
+    for (const auto* of : {&centres, &walls, &r, &z, &t, &l1_diagonal_, &inverse_, &change_, &around_, &right_}) reals += of->capacity();
+    for (const auto* of : {&halo_columns_, &diagonal_, &interface_, &aggregate, &group}) indices += of->capacity();
     return own_store_.bytes() + other_store_.bytes() + blocks_.bytes() + halo_.bytes() + sizeof(Run) * runs.capacity() + fixed.capacity() +
            8 * reals + 4 * indices;
 }

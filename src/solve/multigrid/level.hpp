@@ -12,12 +12,12 @@
 namespace treacle::solve {
 
 // Place of a cell along the Z-curve: eight cells in a row make the cell of twice the width.
-using CellKey = std::uint64_t;
-CellKey cell_key(const int cell[3]);
+using MortonKey = std::uint64_t;
+MortonKey cell_key(const int cell[3]);
 // Parity of the sum of the coordinates.
-int colour(CellKey key);
+int colour(MortonKey key);
 // The key of the cell beside; face: x-, x+, y-, y+, z-, z+.
-CellKey beside(CellKey key, int face);
+MortonKey beside(MortonKey key, int face);
 
 // Compressed rows: offsets [rows + 1], columns [entries]. Rows are appended: first their entries, then end_row().
 struct Csr {
@@ -37,9 +37,9 @@ struct Csr {
 };
 
 // This rank's rows of a coarse matrix as they are made: columns are global numbers.
-struct MadeRows {
+struct CoarseRows {
     Csr matrix;
-    std::vector<CellKey> keys;
+    std::vector<MortonKey> keys;
     std::vector<double> walls; // for grids: what walls add to the diagonals
     std::vector<double> centres; // for rigid modes: [rows / modes][3], of the aggregates [m]
     int block = 1;               // so many rows one after the other have the same columns, so many of which are one after the other
@@ -57,7 +57,7 @@ struct MadeRows {
 
 // Rows of equal keys one after the other, in the order of the rows.
 struct Run {
-    CellKey key;
+    MortonKey key;
     Index begin, end;
 };
 
@@ -67,25 +67,25 @@ public:
     // The matrix itself. The level refers to it.
     void refer_to(const Matrix& matrix);
     // Collective. Takes the rows, whose numbers start at first in the order of the ranks.
-    void take(const Comm& comm, MadeRows& made, Index first, Index global_rows);
+    void take(const Comm& comm, CoarseRows& made, Index first, Index global_rows);
 
     // (RM3) Collective. Sweeps within the ranks' own rows reduce the error of any symmetric positive definite matrix only if
     // 2 D' - D - A_off is positive definite too, D' being what they divide by and A_off the couplings of different ranks.
     // (D + sum |A_off|) / 2 is enough, rows scaled to a unit diagonal. D' = D / relaxation within a rank, and more beside
     // others, whose values are constant during a sweep: D / relaxation + 1.5 (1 - 1 / relaxation) sum |A_off|.
-    void secure_sweeps(double relaxation = 1);
+    void set_l1_diagonal(double relaxation = 1);
 
     // (ML3) z = (D' + L)^-1 r, t = r - A z: one pass over half of the matrix.
-    void sweep_down_from_zero(std::span<const double> r, std::span<double> z, std::span<double> t);
+    void sweep_forward_from_zero(std::span<const double> r, std::span<double> z, std::span<double> t);
     // Sweeps from z. The values of other ranks are those before the sweep.
-    void sweep_down(std::span<const double> r, std::span<double> z);
-    void sweep_up(std::span<const double> r, std::span<double> z);
+    void sweep_forward(std::span<const double> r, std::span<double> z);
+    void sweep_backward(std::span<const double> r, std::span<double> z);
     // The same, and t = r - A z of a symmetric A: in one pass over the matrix. Not where rows are fixed.
-    void sweep_up(std::span<const double> r, std::span<double> z, std::span<double> t);
-    // Rows beside other ranks once more, with what these have come to: after sweep_down_from_zero or sweep_down, with its t, and
-    // before sweep_up.
-    void sweep_border_down(std::span<double> z, std::span<double> t);
-    void sweep_border_up(std::span<const double> r, std::span<double> z);
+    void sweep_backward(std::span<const double> r, std::span<double> z, std::span<double> t);
+    // Rows beside other ranks once more, with what these have come to: after sweep_forward_from_zero or sweep_forward, with its t, and
+    // before sweep_backward.
+    void sweep_interface_forward(std::span<double> z, std::span<double> t);
+    void sweep_interface_backward(std::span<const double> r, std::span<double> z);
     // t = r - A z
     void residual(std::span<const double> r, std::span<const double> z, std::span<double> t);
 
@@ -97,7 +97,7 @@ public:
     std::size_t bytes() const;
 
     Index rows = 0, first_row = 0, global_rows = 0; // rows of this rank, global number of the first, of all ranks
-    std::vector<CellKey> keys;  // [rows]; of the matrix itself, those of the finest cells
+    std::vector<MortonKey> keys;  // [rows]; of the matrix itself, those of the finest cells
     std::vector<double> walls;  // [rows], for grids
     std::vector<double> centres; // [rows / modes][3], for rigid modes
     std::vector<unsigned char> fixed; // [rows] of the matrix itself, 1 where z stays 0; or empty
@@ -132,11 +132,11 @@ private:
     Csr own_store_, other_store_;
     std::vector<Index> halo_columns_; // scratch of take()
     std::vector<Index> diagonal_;     // place of the diagonal entry in own
-    std::vector<Index> border_;       // rows that couple to other ranks
-    std::vector<double> change_;      // [rows], of sweep_border_down(): zero but for border rows
-    std::vector<double> secured_;     // [rows] D'; or empty: D
+    std::vector<Index> interface_;       // rows that couple to other ranks
+    std::vector<double> change_;      // [rows], of sweep_interface_forward(): zero but for border rows
+    std::vector<double> l1_diagonal_;     // [rows] D'; or empty: D
     std::vector<double> inverse_;     // [rows] 1/D', 0 where there is nothing to divide by
-    std::vector<double> around_, right_; // scratch of sweep_up()
+    std::vector<double> around_, right_; // scratch of sweep_backward()
     BlockSweeps blocks_;              // where rows come in blocks, does their sweeps
     RowHalo halo_;
     RowHalo* borrowed_halo_ = nullptr; // the matrix's own

@@ -11,18 +11,18 @@
 namespace treacle::solve {
 
 namespace {
-constexpr int most_halvings = 20;
+constexpr int max_coarsening_levels = 20;
 // Levels that hardly shrink cost as much as the one above and converge no faster than without.
 constexpr double least_shrinkage = 0.7;
 // Finite differences on cells of twice the width: half of what P^T A P gives where all eight cells are liquid.
 constexpr double grid_divisor = 2;
-// Key of rows that no coarse matrix has; larger than all keys of cells, also after their halvings.
-constexpr CellKey no_cell = ~CellKey{0};
+// Key of rows that no coarse matrix has; larger than all keys of cells, also of coarse levels.
+constexpr MortonKey no_cell = ~MortonKey{0};
 
 // A level, and the way from its aggregates to the next one.
 struct Stage {
     Level level;
-    Gathering gathering;
+    RankAgglomeration agglomeration;
     std::vector<double> made_r, made_z; // [aggregates], where the next level has moved
 };
 } // namespace
@@ -33,7 +33,7 @@ struct Multilevel::State {
     std::size_t used = 0;      // levels of the present one
     bool direct = false;       // the last level is solved for directly
     CellSet dirichlet;
-    MadeRows made;
+    CoarseRows made;
     Coarsener coarsener;
     DenseFactor dense;
 
@@ -53,10 +53,10 @@ void Multilevel::State::coarsen_cells(const Comm& comm, Level& level, bool fines
         aggregate(level, 0, order, dirichlet);
         return;
     }
-    for (int halvings = 1; halvings <= most_halvings; ++halvings) {
+    for (int coarsening_levels = 1; coarsening_levels <= max_coarsening_levels; ++coarsening_levels) {
         coarsen(dirichlet, 1);
         sort_unique(dirichlet);
-        aggregate(level, halvings, order, dirichlet);
+        aggregate(level, coarsening_levels, order, dirichlet);
         const auto made_rows = comm.sum(std::int64_t{level.aggregates()});
         if (double(made_rows) <= least_shrinkage * double(level.global_rows)) return;
     }
@@ -66,7 +66,7 @@ void Multilevel::State::coarsen_cells(const Comm& comm, Level& level, bool fines
 bool Multilevel::State::add_level(const Comm& comm, int& stride, std::span<const double> densities) {
     const bool finest = used == 1;
     if (stages.size() == used) stages.emplace_back();
-    auto& [level, gathering, made_r, made_z] = stages[used - 1];
+    auto& [level, agglomeration, made_r, made_z] = stages[used - 1];
     coarsen_cells(comm, level, finest);
     const auto global_rows = comm.sum(std::int64_t{level.aggregates()});
     if (global_rows == 0) return false;
@@ -78,14 +78,14 @@ bool Multilevel::State::add_level(const Comm& comm, int& stride, std::span<const
         coarsener.make_galerkin(comm, level, grid_divisor, made);
     }
     const int old_stride = stride;
-    stride = Gathering::wider(comm, stride, global_rows,
-                              global_rows <= options->dense_rows ? global_rows : options->rows_per_rank);
-    gathering.move(comm, stride > old_stride ? stride : 1, coarsener.first_made(), made, dirichlet);
+    stride = RankAgglomeration::wider(comm, stride, global_rows,
+                              global_rows <= options->max_coarse_size ? global_rows : options->min_rows_per_rank);
+    agglomeration.move(comm, stride > old_stride ? stride : 1, coarsener.first_made(), made, dirichlet);
     auto& next = stages[used++].level;
     next.take(comm, made, static_cast<Index>(comm.exclusive_sum(std::int64_t{made.rows()})),
               static_cast<Index>(global_rows));
-    gathering.connect(comm, next);
-    const auto made_rows = gathering.moved() ? static_cast<std::size_t>(level.aggregates()) : 0;
+    agglomeration.connect(comm, next);
+    const auto made_rows = agglomeration.moved() ? static_cast<std::size_t>(level.aggregates()) : 0;
     made_r.resize(made_rows);
     made_z.resize(made_rows);
     return true;
@@ -93,22 +93,22 @@ bool Multilevel::State::add_level(const Comm& comm, int& stride, std::span<const
 
 // z += P M_c P^T t
 void Multilevel::State::correct(std::size_t depth, std::span<const double> t, std::span<double> z) {
-    auto& [level, gathering, made_r, made_z] = stages[depth];
+    auto& [level, agglomeration, made_r, made_z] = stages[depth];
     auto& next = stages[depth + 1].level;
-    auto& coarse_r = gathering.moved() ? made_r : next.r;
-    const auto& coarse_z = gathering.moved() ? made_z : next.z;
+    auto& coarse_r = agglomeration.moved() ? made_r : next.r;
+    const auto& coarse_z = agglomeration.moved() ? made_z : next.z;
     std::fill(coarse_r.begin(), coarse_r.end(), 0.0);
     for (std::size_t i = 0; i < t.size(); ++i) {
         if (level.aggregate[i] >= 0) coarse_r[static_cast<std::size_t>(level.aggregate[i])] += t[i];
     }
-    if (gathering.moved()) gathering.down(made_r, next.r);
+    if (agglomeration.moved()) agglomeration.down(made_r, next.r);
     const bool exact = depth + 2 == used && direct;
     if (options->cycle == Cycle::w && !exact) {
         twice(depth + 1, next.r, next.z);
     } else {
         cycle(depth + 1, next.r, next.z);
     }
-    if (gathering.moved()) gathering.up(next.z, made_z);
+    if (agglomeration.moved()) agglomeration.up(next.z, made_z);
     for (std::size_t i = 0; i < z.size(); ++i) {
         if (level.aggregate[i] >= 0) z[i] += coarse_z[static_cast<std::size_t>(level.aggregate[i])];
     }
@@ -147,13 +147,13 @@ void Multilevel::State::cycle(std::size_t depth, std::span<const double> r, std:
         return;
     }
     const int sweeps = depth == 0 ? 1 : options->coarse_sweeps;
-    level.sweep_down_from_zero(r, z, level.t);
-    for (int sweep = 1; sweep < sweeps; ++sweep) level.sweep_down(r, z);
+    level.sweep_forward_from_zero(r, z, level.t);
+    for (int sweep = 1; sweep < sweeps; ++sweep) level.sweep_forward(r, z);
     if (sweeps > 1) level.residual(r, z, level.t);
-    if (options->border_sweeps) level.sweep_border_down(z, level.t);
+    if (options->interface_sweeps) level.sweep_interface_forward(z, level.t);
     if (!last) correct(depth, level.t, z);
-    if (options->border_sweeps) level.sweep_border_up(r, z);
-    for (int sweep = 0; sweep < sweeps; ++sweep) level.sweep_up(r, z);
+    if (options->interface_sweeps) level.sweep_interface_backward(r, z);
+    for (int sweep = 0; sweep < sweeps; ++sweep) level.sweep_backward(r, z);
 }
 
 namespace {
@@ -203,11 +203,11 @@ void Multilevel::set_up(Matrix& matrix, const MultilevelCells& cells) {
     int stride = 1;
     while (!state.direct && state.add_level(comm_, stride, cells.densities)) {
         auto& last = state.stages[state.used - 1].level;
-        state.direct = last.global_rows <= options_.dense_rows;
+        state.direct = last.global_rows <= options_.max_coarse_size;
         if (state.direct) state.dense.factor(last);
     }
     for (std::size_t k = 0; k < state.used && options_.relaxation > 1; ++k) {
-        state.stages[k].level.secure_sweeps(options_.relaxation);
+        state.stages[k].level.set_l1_diagonal(options_.relaxation);
     }
 }
 
@@ -235,7 +235,7 @@ double Multilevel::operator_complexity() const {
 std::size_t Multilevel::bytes() const {
     std::size_t total = state_->dense.bytes();
     for (const auto& stage : state_->stages) {
-        total += stage.level.bytes() + stage.gathering.bytes() +
+        total += stage.level.bytes() + stage.agglomeration.bytes() +
                  8 * (stage.made_r.capacity() + stage.made_z.capacity());
     }
     return total;

@@ -34,10 +34,10 @@ struct MultilevelOptions {
     Cycle cycle = Cycle::w;                     // v where coarse matrices are grids
     int coarse_sweeps = 1;                      // each way on coarse levels
     double relaxation = 1;                      // of Gauss-Seidel sweeps, on all levels; from 1 to below 2
-    bool border_sweeps = false;                 // rows beside other ranks once more between the sweeps, on all levels
+    bool interface_sweeps = false;                 // rows beside other ranks once more between the sweeps, on all levels
     double grid_coupling = 1; // grids: n / (lambda H^2), n the rows of a full cell of width H [1/m2]
-    int dense_rows = 200;     // most unknowns that are solved for directly
-    int rows_per_rank = 500;  // levels with fewer on the mean are gathered onto every eighth rank
+    int max_coarse_size = 200;     // most unknowns that are solved for directly
+    int min_rows_per_rank = 500;  // levels with fewer on average are gathered onto every eighth rank
 };
 
 // Cells by which rows are put together. Cells are integer coordinates from -2^20 to 2^20 - 1.
@@ -57,7 +57,7 @@ struct LevelSize {
     int ranks = 0;                      // that hold rows
 };
 
-// A multilevel preconditioner of a matrix whose rows lie in space: piecewise constant on cells, then on cells of 2 x
+// A multilevel preconditioner of a matrix whose rows have positions: piecewise constant on cells, then on cells of 2 x
 // 2 x 2 cells, and so on; one cycle, symmetric and positive definite (src/solve/theory.md). Aggregates do not cross ranks;
 // small levels move to fewer ranks, the last one is solved directly on rank 0.
 class Multilevel {

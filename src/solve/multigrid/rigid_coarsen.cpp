@@ -16,12 +16,12 @@ constexpr double least_cost = 1e-10;
 
 // Entries of a row of the matrix for the motions of its aggregate: those that are not zero.
 template <int D>
-struct Felt {
+struct ModeEntries {
     static constexpr int count = D == 3 ? 3 : 2;
     int mode[count];
     double share[count];
 
-    Felt(int axis, const double* arm) {
+    ModeEntries(int axis, const double* arm) {
         mode[0] = axis;
         share[0] = 1;
         if constexpr (D == 3) { // (w x a)_k = w_l a_m - w_m a_l
@@ -50,23 +50,23 @@ Turn<D> turn(const double* a) {
 }
 
 template <int D>
-void restrict_rows(const Level& level, const RigidLinks& links, std::span<const double> t, std::span<double> coarse) {
+void restrict_rows(const Level& level, const RigidBodyProlongation& links, std::span<const double> t, std::span<double> coarse) {
     constexpr auto modes = static_cast<std::size_t>(rigid_modes(D));
     for (std::size_t i = 0; i < t.size(); ++i) {
         if (level.aggregate[i] < 0) continue;
         double* const motion = &coarse[modes * static_cast<std::size_t>(level.aggregate[i])];
-        const Felt<D> felt(links.axes[i], &links.arms[3 * i]);
+        const ModeEntries<D> felt(links.axes[i], &links.arms[3 * i]);
         for (int k = 0; k < felt.count; ++k) motion[felt.mode[k]] += felt.share[k] * t[i];
     }
 }
 
 template <int D>
-void prolong_rows(const Level& level, const RigidLinks& links, std::span<const double> coarse, std::span<double> z) {
+void prolong_rows(const Level& level, const RigidBodyProlongation& links, std::span<const double> coarse, std::span<double> z) {
     constexpr auto modes = static_cast<std::size_t>(rigid_modes(D));
     for (std::size_t i = 0; i < z.size(); ++i) {
         if (level.aggregate[i] < 0) continue;
         const double* const motion = &coarse[modes * static_cast<std::size_t>(level.aggregate[i])];
-        const Felt<D> felt(links.axes[i], &links.arms[3 * i]);
+        const ModeEntries<D> felt(links.axes[i], &links.arms[3 * i]);
         double sum = 0;
         for (int k = 0; k < felt.count; ++k) sum += felt.share[k] * motion[felt.mode[k]];
         z[i] += sum;
@@ -74,7 +74,7 @@ void prolong_rows(const Level& level, const RigidLinks& links, std::span<const d
 }
 
 template <int D>
-void restrict_blocks(const Level& level, const RigidLinks& links, std::span<const double> t, std::span<double> coarse) {
+void restrict_blocks(const Level& level, const RigidBodyProlongation& links, std::span<const double> t, std::span<double> coarse) {
     constexpr auto modes = static_cast<std::size_t>(rigid_modes(D));
     for (std::size_t n = 0; modes * n < t.size(); ++n) {
         if (level.aggregate[modes * n] < 0) continue;
@@ -89,7 +89,7 @@ void restrict_blocks(const Level& level, const RigidLinks& links, std::span<cons
 }
 
 template <int D>
-void prolong_blocks(const Level& level, const RigidLinks& links, std::span<const double> coarse, std::span<double> z) {
+void prolong_blocks(const Level& level, const RigidBodyProlongation& links, std::span<const double> coarse, std::span<double> z) {
     constexpr auto modes = static_cast<std::size_t>(rigid_modes(D));
     for (std::size_t n = 0; modes * n < z.size(); ++n) {
         if (level.aggregate[modes * n] < 0) continue;
@@ -104,19 +104,19 @@ void prolong_blocks(const Level& level, const RigidLinks& links, std::span<const
 }
 } // namespace
 
-void RigidLinks::restrict_to(const Level& level, std::span<const double> t, std::span<double> coarse) const {
+void RigidBodyProlongation::restrict_to(const Level& level, std::span<const double> t, std::span<double> coarse) const {
     const auto work = finest ? (dimensions == 3 ? restrict_rows<3> : restrict_rows<2>)
                              : (dimensions == 3 ? restrict_blocks<3> : restrict_blocks<2>);
     work(level, *this, t, coarse);
 }
 
-void RigidLinks::prolong(const Level& level, std::span<const double> coarse, std::span<double> z) const {
+void RigidBodyProlongation::prolong(const Level& level, std::span<const double> coarse, std::span<double> z) const {
     const auto work = finest ? (dimensions == 3 ? prolong_rows<3> : prolong_rows<2>)
                              : (dimensions == 3 ? prolong_blocks<3> : prolong_blocks<2>);
     work(level, *this, coarse, z);
 }
 
-Index Separation::root(Index row) {
+Index DisconnectedSplit::root(Index row) {
     auto at = static_cast<std::size_t>(row);
     while (parent_[at] != static_cast<Index>(at)) {
         parent_[at] = parent_[static_cast<std::size_t>(parent_[at])];
@@ -125,7 +125,7 @@ Index Separation::root(Index row) {
     return static_cast<Index>(at);
 }
 
-void Separation::unite(Index a, Index b) {
+void DisconnectedSplit::unite(Index a, Index b) {
     a = root(a);
     b = root(b);
     parent_[static_cast<std::size_t>(std::max(a, b))] = std::min(a, b);
@@ -133,7 +133,7 @@ void Separation::unite(Index a, Index b) {
 
 // Rows of an aggregate belong together when some row, of it or not, is joined to both: of a surface that boxes cut, one
 // layer of rows may be joined to the next box alone.
-void Separation::join_rows(const Level& level, int joined) {
+void DisconnectedSplit::join_rows(const Level& level, int joined) {
     parent_.resize(static_cast<std::size_t>(level.rows));
     first_met_.assign(static_cast<std::size_t>(level.aggregates()), {-1, -1});
     for (Index i = 0; i < level.rows; ++i) parent_[static_cast<std::size_t>(i)] = i - i % joined;
@@ -155,7 +155,7 @@ void Separation::join_rows(const Level& level, int joined) {
 }
 
 // True when the rows from first on are joined to no others.
-bool Separation::alone(const Level& level, Index first, int joined) const {
+bool DisconnectedSplit::alone(const Level& level, Index first, int joined) const {
     for (Index i = first; i < first + joined; ++i) {
         const auto& own = level.own();
         for (Index e = own.offsets[i]; e < own.offsets[i + 1]; ++e) {
@@ -169,7 +169,7 @@ bool Separation::alone(const Level& level, Index first, int joined) const {
     return true;
 }
 
-void Separation::split(Level& level, int joined) {
+void DisconnectedSplit::split(Level& level, int joined) {
     join_rows(level, joined);
     pieces_.clear();
     for (const auto& run : level.runs) {
@@ -203,7 +203,7 @@ void Separation::split(Level& level, int joined) {
 }
 
 // Centres are the means of what the aggregates hold.
-void RigidCoarsener::find_arms(const Level& level, std::span<const double> places, RigidLinks& links, MadeRows& made) {
+void RigidCoarsener::find_arms(const Level& level, std::span<const double> places, RigidBodyProlongation& links, CoarseRows& made) {
     const std::size_t step = links.finest ? 1 : static_cast<std::size_t>(modes_);
     const auto aggregates = static_cast<std::size_t>(level.aggregates());
     made.centres.assign(3 * aggregates, 0.0);
@@ -230,7 +230,7 @@ void RigidCoarsener::find_arms(const Level& level, std::span<const double> place
     });
 }
 
-void RigidCoarsener::gather_arms(const Comm& comm, Level& level, const RigidLinks& links) {
+void RigidCoarsener::gather_arms(const Comm& comm, Level& level, const RigidBodyProlongation& links) {
     halo_arms_.clear();
     halo_axes_.clear();
     if (comm.size() == 1) return;
@@ -274,11 +274,11 @@ double* RigidCoarsener::block(Index place) {
 
 // P_i^T a_ij P_j of the entries of a row of the matrix.
 template <int D>
-void RigidCoarsener::add_row(const Level& level, const RigidLinks& links, Index row) {
+void RigidCoarsener::add_row(const Level& level, const RigidBodyProlongation& links, Index row) {
     constexpr int modes = rigid_modes(D);
     const auto at = static_cast<std::size_t>(row);
-    const Felt<D> left(links.axes[at], &links.arms[3 * at]);
-    const auto add = [&](Index place, const Felt<D>& right, double value) {
+    const ModeEntries<D> left(links.axes[at], &links.arms[3 * at]);
+    const auto add = [&](Index place, const ModeEntries<D>& right, double value) {
         double* const sum = block(place);
         for (int k = 0; k < left.count; ++k) {
             const double part = left.share[k] * value;
@@ -289,19 +289,19 @@ void RigidCoarsener::add_row(const Level& level, const RigidLinks& links, Index 
     for (Index e = own.offsets[row]; e < own.offsets[row + 1]; ++e) {
         const auto j = static_cast<std::size_t>(own.columns[e]);
         const double value = static_cast<Index>(j) == row ? (1 + least_cost) * own.values[e] : own.values[e];
-        if (level.aggregate[j] >= 0) add(level.aggregate[j], Felt<D>(links.axes[j], &links.arms[3 * j]), value);
+        if (level.aggregate[j] >= 0) add(level.aggregate[j], ModeEntries<D>(links.axes[j], &links.arms[3 * j]), value);
     }
     const auto& other = level.other();
     for (Index e = other.offsets[row]; e < other.offsets[row + 1]; ++e) {
         const auto j = static_cast<std::size_t>(other.columns[e]);
         const Index place = places_.of_halo()[j];
-        if (place >= 0) add(place, Felt<D>(halo_axes_[j], &halo_arms_[3 * j]), other.values[e]);
+        if (place >= 0) add(place, ModeEntries<D>(halo_axes_[j], &halo_arms_[3 * j]), other.values[e]);
     }
 }
 
 // The same of the rows of an aggregate below, whose entries come in blocks.
 template <int D>
-void RigidCoarsener::add_blocks(const Level& level, const RigidLinks& links, Index node) {
+void RigidCoarsener::add_blocks(const Level& level, const RigidBodyProlongation& links, Index node) {
     constexpr auto m = static_cast<std::size_t>(rigid_modes(D));
     const auto left = turn<D>(&links.arms[3 * static_cast<std::size_t>(node)]);
     const auto add = [&](const Level::Block& part, Index entry, Index place, const Turn<D>& right) {
@@ -338,7 +338,7 @@ void RigidCoarsener::add_blocks(const Level& level, const RigidLinks& links, Ind
 }
 
 template <int D>
-void RigidCoarsener::end_rows(double divisor, MadeRows& made) {
+void RigidCoarsener::end_rows(double divisor, CoarseRows& made) {
     constexpr auto m = static_cast<std::size_t>(rigid_modes(D));
     met_.clear();
     for (std::size_t k = 0; k < met_places_.size(); ++k) {
@@ -360,7 +360,7 @@ void RigidCoarsener::end_rows(double divisor, MadeRows& made) {
 }
 
 template <int D>
-void RigidCoarsener::make_rows(const Level& level, double divisor, const RigidLinks& links, MadeRows& made) {
+void RigidCoarsener::make_rows(const Level& level, double divisor, const RigidBodyProlongation& links, CoarseRows& made) {
     constexpr int modes = rigid_modes(D);
     for (std::size_t a = 0; a < static_cast<std::size_t>(level.aggregates()); ++a) {
         for (auto k = static_cast<std::size_t>(level.group[a]); k < static_cast<std::size_t>(level.group[a + 1]); ++k) {
@@ -371,14 +371,14 @@ void RigidCoarsener::make_rows(const Level& level, double divisor, const RigidLi
                 for (Index n = run.begin / modes; n < run.end / modes; ++n) add_blocks<D>(level, links, n);
             }
         }
-        const CellKey key = level.runs[static_cast<std::size_t>(level.group[a])].key;
+        const MortonKey key = level.runs[static_cast<std::size_t>(level.group[a])].key;
         made.keys.insert(made.keys.end(), static_cast<std::size_t>(modes), key);
         end_rows<D>(divisor, made);
     }
 }
 
 void RigidCoarsener::make(const Comm& comm, Level& level, std::span<const double> places, double divisor,
-                          RigidLinks& links, MadeRows& made) {
+                          RigidBodyProlongation& links, CoarseRows& made) {
     modes_ = rigid_modes(links.dimensions);
     made.clear();
     made.block = modes_;

@@ -6,19 +6,19 @@
 
 namespace treacle::solve {
 
-// Motions of an aggregate: t + w x a, a the arm from its centre; in the plane t_x, t_y, w_z.
+// Motions of an aggregate: t + w x a, a the arm from its centre; in 2D t_x, t_y, w_z.
 constexpr int rigid_modes(int dimensions) { return dimensions == 3 ? 6 : 3; }
 
 // Splits aggregates whose rows the matrix does not join, such as of a ball above a pool, which move on their own. Rows come
 // in groups of `joined`, of one aggregate below. Of coarse levels, what is joined to nothing at all gets no aggregate any
 // more: the sweeps are all it needs. Local; keeps its arrays.
-class Separation {
+class DisconnectedSplit {
 public:
     void split(Level& level, int joined);
 
 private:
     struct Piece {
-        CellKey key;
+        MortonKey key;
         Index root, begin, end;
     };
     Index root(Index row);
@@ -33,7 +33,7 @@ private:
 
 // (RM1) From the motions of the aggregates of one level to what is below: the rows of the matrix, one component of a velocity
 // each, or the motions of the aggregates of the level before.
-struct RigidLinks {
+struct RigidBodyProlongation {
     int dimensions = 3;
     bool finest = false;           // below are the rows of the matrix; the same on all ranks, also on those without rows
     std::vector<signed char> axes; // [rows], of the matrix; of coarse levels empty
@@ -50,21 +50,21 @@ class RigidCoarsener {
 public:
     // (RM2) Collective: P^T A P / divisor of a level whose rows have their aggregates; `places` [rows or aggregates below][3]
     // in widths. Fills links.arms and, of made, all but walls.
-    void make(const Comm& comm, Level& level, std::span<const double> places, double divisor, RigidLinks& links,
-              MadeRows& made);
+    void make(const Comm& comm, Level& level, std::span<const double> places, double divisor, RigidBodyProlongation& links,
+              CoarseRows& made);
     Index first_made() const { return modes_ * places_.first(); } // global number of this rank's first made row
 
 private:
-    void find_arms(const Level& level, std::span<const double> places, RigidLinks& links, MadeRows& made);
-    void gather_arms(const Comm& comm, Level& level, const RigidLinks& links);
+    void find_arms(const Level& level, std::span<const double> places, RigidBodyProlongation& links, CoarseRows& made);
+    void gather_arms(const Comm& comm, Level& level, const RigidBodyProlongation& links);
     template <int D>
-    void make_rows(const Level& level, double divisor, const RigidLinks& links, MadeRows& made);
+    void make_rows(const Level& level, double divisor, const RigidBodyProlongation& links, CoarseRows& made);
     template <int D>
-    void add_row(const Level& level, const RigidLinks& links, Index row);
+    void add_row(const Level& level, const RigidBodyProlongation& links, Index row);
     template <int D>
-    void add_blocks(const Level& level, const RigidLinks& links, Index node);
+    void add_blocks(const Level& level, const RigidBodyProlongation& links, Index node);
     template <int D>
-    void end_rows(double divisor, MadeRows& made);
+    void end_rows(double divisor, CoarseRows& made);
     double* block(Index place);
 
     int modes_ = 6;

@@ -12,14 +12,14 @@
 namespace treacle::solve {
 
 namespace {
-constexpr int most_halvings = 20;
+constexpr int max_coarsening_levels = 20;
 constexpr double least_shrinkage = 0.7; // as in multilevel.cpp
-constexpr CellKey no_cell = ~CellKey{0}; // of rows that no coarse matrix has
+constexpr MortonKey no_cell = ~MortonKey{0}; // of rows that no coarse matrix has
 
 struct Stage {
     Level level;
-    RigidLinks links;
-    Gathering gathering;
+    RigidBodyProlongation links;
+    RankAgglomeration agglomeration;
     std::vector<double> made_r, made_z; // [made rows], where the next level has moved
     // With a border: its columns [count][rows] but of the matrix itself; the parts of r, z and of a second cycle that are
     // its unknowns; r less what they pull.
@@ -38,8 +38,8 @@ struct RigidMultilevel::State {
     bool direct = false;      // the last level is solved for directly
     CellSet dropped;
     std::vector<double> places; // of the rows of the matrix [widths]
-    MadeRows made;
-    Separation separation;
+    CoarseRows made;
+    DisconnectedSplit separation;
     RigidCoarsener coarsener;
     DenseFactor dense;
 
@@ -51,7 +51,7 @@ struct RigidMultilevel::State {
     void correct(std::size_t depth, Vector t, Vector border_t, Out z, Out border_z);
     void solve_last(Vector r, Vector border_r, Out z, Out border_z);
 
-    RigidBorder border;
+    BorderedBodies border;
     const Comm* comm = nullptr;
     std::size_t count() const { return static_cast<std::size_t>(border.count); }
     void coarsen_border(std::size_t depth);
@@ -71,7 +71,7 @@ void RigidMultilevel::State::find_rows(const Matrix& matrix, const VelocityRows&
     const auto n = static_cast<std::size_t>(matrix.rows());
     assert(rows.cells.size() == 3 * n && rows.places.size() == 3 * n && rows.axes.size() == n);
     level.keys.resize(n);
-    const int side = matrix.global_rows() < options->small_rows ? options->small_box : options->box;
+    const int side = matrix.global_rows() < options->small_rows ? options->small_aggregate_width : options->box;
     for (std::size_t i = 0; i < n; ++i) {
         int box[3];
         for (std::size_t k = 0; k < 3; ++k) box[k] = floor_divide(rows.cells[3 * i + k], side);
@@ -97,8 +97,8 @@ void RigidMultilevel::State::coarsen_cells(const Comm& comm, Level& level, int m
         dropped.clear();
         return;
     }
-    for (int halvings = 1; halvings <= most_halvings; ++halvings) {
-        aggregate(level, halvings, RowOrder::along_curve, dropped);
+    for (int coarsening_levels = 1; coarsening_levels <= max_coarsening_levels; ++coarsening_levels) {
+        aggregate(level, coarsening_levels, RowOrder::along_curve, dropped);
         separation.split(level, modes);
         const auto made_rows = modes * comm.sum(std::int64_t{level.aggregates()});
         if (double(made_rows) <= least_shrinkage * double(level.global_rows)) return;
@@ -111,7 +111,7 @@ bool RigidMultilevel::State::add_level(const Comm& comm, int dimensions, int& st
     auto& stage = stages[used - 1];
     auto& level = stage.level;
     auto& links = stage.links;
-    auto& gathering = stage.gathering;
+    auto& agglomeration = stage.agglomeration;
     auto &made_r = stage.made_r, &made_z = stage.made_z;
     const int modes = rigid_modes(dimensions);
     coarsen_cells(comm, level, modes);
@@ -121,14 +121,14 @@ bool RigidMultilevel::State::add_level(const Comm& comm, int dimensions, int& st
     coarsener.make(comm, level, used == 1 ? std::span<const double>(places) : level.centres, overcorrection(used - 1), links, made);
     const auto made_rows = static_cast<std::size_t>(made.rows());
     const int old_stride = stride;
-    stride = Gathering::wider(comm, stride, global_rows,
-                              global_rows <= options->dense_rows ? global_rows : options->rows_per_rank);
-    gathering.move(comm, stride > old_stride ? stride : 1, coarsener.first_made(), made, dropped);
+    stride = RankAgglomeration::wider(comm, stride, global_rows,
+                              global_rows <= options->max_coarse_size ? global_rows : options->min_rows_per_rank);
+    agglomeration.move(comm, stride > old_stride ? stride : 1, coarsener.first_made(), made, dropped);
     auto& next = stages[used++].level;
     next.take(comm, made, static_cast<Index>(comm.exclusive_sum(std::int64_t{made.rows()})),
               static_cast<Index>(global_rows));
-    gathering.connect(comm, next);
-    made_r.resize(gathering.moved() ? made_rows : 0);
+    agglomeration.connect(comm, next);
+    made_r.resize(agglomeration.moved() ? made_rows : 0);
     made_z.resize(made_r.size());
     return true;
 }
@@ -138,7 +138,7 @@ void RigidMultilevel::State::coarsen_border(std::size_t depth) {
     auto& stage = stages[depth];
     auto& next = stages[depth + 1];
     const auto rows = static_cast<std::size_t>(stage.level.rows), coarse_rows = static_cast<std::size_t>(next.level.rows);
-    const bool moved = stage.gathering.moved();
+    const bool moved = stage.agglomeration.moved();
     next.columns.resize(count() * coarse_rows);
     next.bordered.clear();
     std::vector<double> unit(count()), fine(rows), made(moved ? stage.made_r.size() : coarse_rows), arrived(coarse_rows);
@@ -153,7 +153,7 @@ void RigidMultilevel::State::coarsen_border(std::size_t depth) {
         }
         std::fill(made.begin(), made.end(), 0.0);
         stage.links.restrict_to(stage.level, column, made);
-        if (moved) stage.gathering.down(made, arrived);
+        if (moved) stage.agglomeration.down(made, arrived);
         const auto& from = moved ? arrived : made;
         for (std::size_t i = 0; i < coarse_rows; ++i) next.columns[k * coarse_rows + i] = from[i] / overcorrection(depth);
     }
@@ -222,19 +222,19 @@ void RigidMultilevel::State::pull(std::size_t depth, Vector z, Vector border_r, 
 void RigidMultilevel::State::correct(std::size_t depth, Vector t, Vector border_t, Out z, Out border_z) {
     auto& stage = stages[depth];
     auto& next = stages[depth + 1].level;
-    auto& gathering = stage.gathering;
-    auto& coarse_r = gathering.moved() ? stage.made_r : next.r;
-    const auto& coarse_z = gathering.moved() ? stage.made_z : next.z;
+    auto& agglomeration = stage.agglomeration;
+    auto& coarse_r = agglomeration.moved() ? stage.made_r : next.r;
+    const auto& coarse_z = agglomeration.moved() ? stage.made_z : next.z;
     std::fill(coarse_r.begin(), coarse_r.end(), 0.0);
     stage.links.restrict_to(stage.level, t, coarse_r);
-    if (gathering.moved()) gathering.down(stage.made_r, next.r);
+    if (agglomeration.moved()) agglomeration.down(stage.made_r, next.r);
     const bool exact = depth + 2 == used && direct;
     if (options->cycle == Cycle::w && !exact) {
         twice(depth + 1, next.r, border_t, next.z, border_z);
     } else {
         cycle(depth + 1, next.r, border_t, next.z, border_z);
     }
-    if (gathering.moved()) gathering.up(next.z, stage.made_z);
+    if (agglomeration.moved()) agglomeration.up(next.z, stage.made_z);
     stage.links.prolong(stage.level, coarse_z, z);
 }
 
@@ -282,7 +282,7 @@ void RigidMultilevel::State::cycle(std::size_t depth, Vector r, Vector border_r,
         if (left) level.residual(shift(depth, r, border_z), z, *left);
         return;
     }
-    level.sweep_down_from_zero(r, z, level.t);
+    level.sweep_forward_from_zero(r, z, level.t);
     stage.border_r.resize(count());
     pull(depth, z, border_r, stage.border_r);
     if (!last) {
@@ -291,8 +291,8 @@ void RigidMultilevel::State::cycle(std::size_t depth, Vector r, Vector border_r,
         solve_last({}, stage.border_r, {}, border_z);
     }
     const auto right = shift(depth, r, border_z);
-    if (left) level.sweep_up(right, z, *left);
-    else level.sweep_up(right, z);
+    if (left) level.sweep_backward(right, z, *left);
+    else level.sweep_backward(right, z);
 }
 
 namespace {
@@ -300,7 +300,7 @@ RigidMultilevelOptions checked(const RigidMultilevelOptions& options) {
     for (const double factor : {options.overcorrection, options.coarse_overcorrection}) {
         if (factor < 1 || factor >= 2) throw std::logic_error("rigid multilevel: overcorrection");
     }
-    if (options.box < 1 || options.small_box < 1) throw std::logic_error("rigid multilevel: box");
+    if (options.box < 1 || options.small_aggregate_width < 1) throw std::logic_error("rigid multilevel: box");
     return options;
 }
 } // namespace
@@ -311,7 +311,7 @@ RigidMultilevel::~RigidMultilevel() = default;
 RigidMultilevel::RigidMultilevel(RigidMultilevel&&) noexcept = default;
 RigidMultilevel& RigidMultilevel::operator=(RigidMultilevel&&) noexcept = default;
 
-void RigidMultilevel::set_up(const Matrix& matrix, const VelocityRows& rows, RigidBorder border) {
+void RigidMultilevel::set_up(const Matrix& matrix, const VelocityRows& rows, BorderedBodies border) {
     auto& state = *state_;
     state.options = &options_;
     state.comm = &comm_;
@@ -320,11 +320,11 @@ void RigidMultilevel::set_up(const Matrix& matrix, const VelocityRows& rows, Rig
     int stride = 1;
     while (!state.direct && state.add_level(comm_, rows.dimensions, stride)) {
         auto& last = state.stages[state.used - 1].level;
-        state.direct = last.global_rows <= options_.dense_rows;
+        state.direct = last.global_rows <= options_.max_coarse_size;
         if (state.border.count > 0) state.coarsen_border(state.used - 2);
     }
     state.factor_last();
-    for (std::size_t k = 0; k < state.used && comm_.size() > 1; ++k) state.stages[k].level.secure_sweeps();
+    for (std::size_t k = 0; k < state.used && comm_.size() > 1; ++k) state.stages[k].level.set_l1_diagonal();
 }
 
 void RigidMultilevel::apply(std::span<const double> r, std::span<double> z) {
@@ -350,7 +350,7 @@ std::vector<LevelSize> RigidMultilevel::sizes() const {
 std::size_t RigidMultilevel::bytes() const {
     std::size_t total = state_->dense.bytes() + 8 * state_->places.capacity();
     for (const auto& stage : state_->stages) {
-        total += stage.level.bytes() + stage.links.bytes() + stage.gathering.bytes() +
+        total += stage.level.bytes() + stage.links.bytes() + stage.agglomeration.bytes() +
                  8 * (stage.made_r.capacity() + stage.made_z.capacity() + stage.columns.capacity() + stage.shifted.capacity()) +
                  sizeof(Index) * stage.bordered.capacity();
     }

@@ -10,11 +10,11 @@ struct RigidMultilevelOptions {
     double overcorrection = 1.6, coarse_overcorrection = 1.8;
     // Cells a side of the finest aggregates; and of systems with fewer rows than `small_rows`, which lie in the caches: smaller
     // boxes take fewer iterations, above all of thin liquid, each of twice the work.
-    int box = 3, small_box = 2;
+    int box = 3, small_aggregate_width = 2;
     int small_rows = 200000;
     Cycle cycle = Cycle::w;
-    int dense_rows = 300;        // most unknowns that are solved for directly
-    int rows_per_rank = 1000;    // levels with fewer on the mean are gathered onto every eighth rank
+    int max_coarse_size = 300;        // most unknowns that are solved for directly
+    int min_rows_per_rank = 1000;    // levels with fewer on average are gathered onto every eighth rank
 };
 
 // Rows of the matrix: components of a velocity at positions. Cells are integer coordinates from -2^20 to 2^20 - 1.
@@ -30,8 +30,8 @@ struct VelocityRows {
 
 // Unknowns beside the rows, such as the motions of bodies: the whole system is [A C; C^T G]. Their rows stand behind the
 // others on rank 0, with G as their entries. All levels have them, and the direct solution at the end, so that a body in a
-// stiff liquid moves with it.
-struct RigidBorder {
+// high-viscosity liquid moves with it.
+struct BorderedBodies {
     int count = 0;
     std::function<void(std::span<const double> q, std::span<double> y)> add;      // y += C q on this rank's rows
     std::function<std::vector<double>(std::span<const double> x)> project;        // C^T x of this rank's rows
@@ -51,7 +51,7 @@ public:
     RigidMultilevel& operator=(RigidMultilevel&&) noexcept;
 
     // Collective. The matrix must outlive its use in apply; the rows' layout is read once.
-    void set_up(const Matrix& matrix, const VelocityRows& rows, RigidBorder border = {});
+    void set_up(const Matrix& matrix, const VelocityRows& rows, BorderedBodies border = {});
     // z = M r, collective.
     void apply(std::span<const double> r, std::span<double> z);
 

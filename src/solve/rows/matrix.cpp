@@ -1,6 +1,6 @@
 #include "solve/rows/matrix.hpp"
 
-#include "solve/rows/gather_sum.hpp"
+#include "solve/rows/sparse_dot.hpp"
 #include "solve/rows/petsc.hpp"
 
 #include <cassert>
@@ -134,7 +134,7 @@ Matrix::Native& Matrix::native() {
         check(MatSetOption(native_->mat, MAT_SYMMETRY_ETERNAL, PETSC_TRUE));
     }
     if (block_size_ > 1) check(MatSetBlockSize(native_->mat, block_size_));
-    if (!near_kernel_.empty()) set_near_kernel(native_->mat, group, near_kernel_);
+    if (!near_null_space_.empty()) set_near_kernel(native_->mat, group, near_null_space_);
     check(VecCreateMPIWithArray(group, 1, rows_, global_rows_, nullptr, native_->in.out()));
     check(VecCreateMPIWithArray(group, 1, rows_, global_rows_, nullptr, native_->out.out()));
     return *native_;
@@ -150,14 +150,14 @@ void Matrix::multiply(std::span<const double> x, std::span<double> y) const {
     if (a.halo) a.halo->start(x);
     for (Index i = 0; i < rows_; ++i) {
         y[static_cast<std::size_t>(i)] =
-            gather_sum(a.diagonal_columns, a.diagonal_values, a.diagonal_offsets[i], a.diagonal_offsets[i + 1], x.data());
+            sparse_dot(a.diagonal_columns, a.diagonal_values, a.diagonal_offsets[i], a.diagonal_offsets[i + 1], x.data());
     }
     if (a.halo) {
         const auto around = a.halo->finish();
         for (Index i = 0; i < rows_; ++i) {
             const Index begin = a.off_offsets[i], end = a.off_offsets[i + 1];
             if (begin == end) continue;
-            y[static_cast<std::size_t>(i)] += gather_sum(a.off_columns, a.off_values, begin, end, around.data());
+            y[static_cast<std::size_t>(i)] += sparse_dot(a.off_columns, a.off_values, begin, end, around.data());
         }
     }
     if (addition_) addition_(x, y);

@@ -45,13 +45,13 @@ public:
     // Term that products add to those of the stored entries: y += B x on this rank's rows, collective if the caller's
     // is, B symmetric and positive semidefinite. Preconditioners are built from the stored entries only.
     using Addition = std::function<void(std::span<const double> x, std::span<double> y)>;
-    void set_addition(Addition addition) { addition_ = std::move(addition); }
+    void set_matrix_free_term(Addition addition) { addition_ = std::move(addition); }
 
     // For algebraic multigrid: rows belong together by so many, and these vectors, on this rank's rows, are the near
     // null space of A, such as the rigid motions of an elastic body. Before a preconditioner is made.
-    void set_blocks(int size, std::vector<std::vector<double>> near_kernel) {
+    void set_blocks(int size, std::vector<std::vector<double>> near_null_space) {
         block_size_ = size;
-        near_kernel_ = std::move(near_kernel);
+        near_null_space_ = std::move(near_null_space);
     }
 
     // Matrices are taken to be symmetric unless this is called, before a preconditioner is made.
@@ -90,7 +90,7 @@ private:
     std::int64_t revision_;
     int block_size_ = 1;
     bool symmetric_ = true;
-    std::vector<std::vector<double>> near_kernel_;
+    std::vector<std::vector<double>> near_null_space_;
     std::unique_ptr<Native> native_;
 };
 

@@ -16,7 +16,7 @@ struct DensityLoop {
         const Constants& c = fluid.constants;
         double rho = c.mass * kernel.value(0.0);
         const Row row = fluid.row(i);
-        Lanes around = 0.0;
+        SimdDouble around = 0.0;
         for (int k = 0; k < row.count; k += lanes) {
             around = around + row.within(k, kernel.value(distance(row.near(k).r2).r)); // (2.1)
         }
@@ -36,7 +36,7 @@ struct DensityLoop {
             blended(i) = weight * rho;
             return;
         }
-        Lanes spiky = 0.0;
+        SimdDouble spiky = 0.0;
         for (int k = 0; k < row.count; k += lanes) {
             spiky = spiky + row.within(k, number.value(distance(row.near(k).r2).r)); // (2.2)
         }
@@ -49,7 +49,7 @@ template <class Kernel>
 struct SolidVolumeLoop {
     Kernel kernel;
     Pairs solids;
-    LoadPoints points;
+    MomentReferencePoints points;
     double packing; // of solids that rest
     Array<int> body;
     Array<double> volume;
@@ -73,8 +73,8 @@ double wall_packing(const PressureOptions& options, int dimensions) {
 
 void compute_density(const SphOptions& options, const Constants& constants, LiquidParticles& liquid,
                      const SolidParticles& solid, const Neighbourhood& neighbours) {
-    write_places(liquid, liquid.pressure());
-    const auto fluid = gather_fluid(constants, liquid, solid, neighbours);
+    pack_positions(liquid, liquid.pressure());
+    const auto fluid = make_views(constants, liquid, solid, neighbours);
     const NumberKernel number(constants.support, constants.spacing);
     with_kernel(options.kernel, constants.dimensions, constants.support, [&](const auto& kernel) {
         using Kernel = std::decay_t<decltype(kernel)>;
@@ -86,7 +86,7 @@ void compute_density(const SphOptions& options, const Constants& constants, Liqu
 }
 
 void compute_solid_volumes(const SphOptions& options, const Constants& constants, SolidParticles& solid,
-                           const NeighbourList& list, const LoadPoints& points) {
+                           const NeighbourList& list, const MomentReferencePoints& points) {
     with_kernel(options.kernel, constants.dimensions, constants.support, [&](const auto& kernel) {
         using Kernel = std::decay_t<decltype(kernel)>;
         Kokkos::parallel_for(

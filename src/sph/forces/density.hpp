@@ -1,5 +1,5 @@
 #pragma once
-#include "sph/model/load_points.hpp"
+#include "sph/model/moment_reference_points.hpp"
 #include "sph/model/neighbourhood.hpp"
 
 namespace treacle::sph {
@@ -17,7 +17,7 @@ double wall_packing(const PressureOptions& options, int dimensions);
 // the solid neighbours of solids; owned rows are written. Solids that rest count among each other, as where two walls
 // meet; one that moves counts by itself, whatever it touches at the start.
 void compute_solid_volumes(const SphOptions& options, const Constants& constants, SolidParticles& solid,
-                           const NeighbourList& list, const LoadPoints& points = 0);
+                           const NeighbourList& list, const MomentReferencePoints& points = 0);
 
 // Mean and largest compression max(0, rho / rho0 - 1) of the owned particles: the sum and the maximum.
 struct Compression {

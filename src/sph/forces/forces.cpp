@@ -19,11 +19,11 @@ struct ForceLoop {
         const Constants& c = fluid.constants;
         const auto& u = fluid.velocity;
         double ax = gravity[0], ay = gravity[1], az = gravity[2];
-        Lanes fx = 0.0, fy = 0.0, fz = 0.0;
+        SimdDouble fx = 0.0, fy = 0.0, fz = 0.0;
         const double soft = 0.01 * c.support * c.support;
         // Densities of pairs are the rest density here: the liquid is incompressible, and a division less counts.
-        const double laminar = 2 * (Kernel::dimensions + 2) * liquids.scale() / (c.rest_density * c.rest_density);
-        const double colliding = artificial / c.rest_density;
+        const double pair_viscosity = 2 * (Kernel::dimensions + 2) * liquids.scale() / (c.rest_density * c.rest_density);
+        const double pair_artificial_viscosity = artificial / c.rest_density;
         const double ux = u(i, 0), uy = u(i, 1), uz = u(i, 2);
         if (artificial > 0 || viscosity > 0) {
             const Row row = fluid.row(i);
@@ -32,9 +32,9 @@ struct ForceLoop {
                 const auto d = row.near(k);
                 const auto v = fluid.motions(row, k);
                 const auto along = distance(d.r2);
-                const Lanes approach = (ux - v.x) * d.x + (uy - v.y) * d.y + (uz - v.z) * d.z;
-                const Lanes drag = partners.drag(row.index + k, laminar, colliding, approach);
-                const Lanes f = row.within(k, c.mass * drag * inverse(d.r2 + soft) *
+                const SimdDouble approach = (ux - v.x) * d.x + (uy - v.y) * d.y + (uz - v.z) * d.z;
+                const SimdDouble drag = partners.drag(row.index + k, pair_viscosity, pair_artificial_viscosity, approach);
+                const SimdDouble f = row.within(k, c.mass * drag * inverse(d.r2 + soft) *
                                                   kernel.gradient(along.r, along.inverse));
                 fx = fx + f * d.x;
                 fy = fy + f * d.y;
@@ -51,7 +51,7 @@ struct ForceLoop {
             if (grip == 0) return;
             const auto& v = fluid.solid_velocity;
             const double approach = (ux - v(s, 0)) * dx + (uy - v(s, 1)) * dy + (uz - v(s, 2)) * dz;
-            const double drag = own * approach + colliding * math::min(approach, 0.0);
+            const double drag = own * approach + pair_artificial_viscosity * math::min(approach, 0.0);
             const double mass = c.rest_density * fluid.solid_volume(s) / c.wall_packing * grip;
             const double f = mass * drag / (r2 + soft) * kernel.gradient(math::sqrt(r2));
             ax += f * dx;
@@ -77,11 +77,11 @@ struct PressureForceLoop {
         const double own = fluid.load(i);
         const Row row = fluid.row(i);
         const auto partners = liquids.partners(i);
-        Lanes fx = 0.0, fy = 0.0, fz = 0.0;
+        SimdDouble fx = 0.0, fy = 0.0, fz = 0.0;
         for (int k = 0; k < row.count; k += lanes) {
             const auto d = row.near(k);
             const auto along = distance(d.r2);
-            const Lanes f = row.within(k, -c.mass * partners.loads(row.index + k, own, d.number) *
+            const SimdDouble f = row.within(k, -c.mass * partners.loads(row.index + k, own, d.number) *
                                               kernel.gradient(along.r, along.inverse));
             fx = fx + f * d.x;
             fy = fy + f * d.y;
@@ -89,7 +89,7 @@ struct PressureForceLoop {
         }
         double ax = sum_lanes(fx), ay = sum_lanes(fy), az = sum_lanes(fz);
         if (own > 0) {
-            const double load = fluid.constants.wall_push * own / liquids.density(i);
+            const double load = fluid.constants.wall_pressure_factor * own / liquids.density(i);
             fluid.solid.each(i, [&](int s, double dx, double dy, double dz, double r2) {
                 const double f =
                     -c.rest_density * fluid.solid_volume(s) * load * kernel.gradient(math::sqrt(r2));
@@ -109,7 +109,7 @@ template <class Kernel>
 struct BodyLoadLoop : LoadReduction {
     Kernel kernel;
     Fluid fluid;
-    LoadPoints points;
+    MomentReferencePoints points;
 
     KOKKOS_INLINE_FUNCTION void add(value_type sum, int s, const double force[3]) const {
         const auto& x = fluid.solid.among;
@@ -118,7 +118,7 @@ struct BodyLoadLoop : LoadReduction {
     }
     KOKKOS_INLINE_FUNCTION void operator()(int i, value_type sum) const {
         const Constants& c = fluid.constants;
-        const double own = c.wall_push * fluid.load(i);
+        const double own = c.wall_pressure_factor * fluid.load(i);
         if (!(own > 0)) return;
         fluid.solid.each(i, [&](int s, double dx, double dy, double dz, double r2) {
             const double f = c.mass * c.rest_density * fluid.solid_volume(s) * own *
@@ -144,14 +144,14 @@ struct ViscousLoadLoop : BodyLoadLoop<Kernel> {
         const Constants& c = fluid.constants;
         const auto &u = fluid.velocity, &v = fluid.solid_velocity;
         const double soft = 0.01 * c.support * c.support;
-        const double laminar = 2 * (Kernel::dimensions + 2) * liquids.viscosity(i) / (c.rest_density * c.rest_density);
-        const double colliding = artificial / c.rest_density * liquids.density(i);
+        const double pair_viscosity = 2 * (Kernel::dimensions + 2) * liquids.viscosity(i) / (c.rest_density * c.rest_density);
+        const double pair_artificial_viscosity = artificial / c.rest_density * liquids.density(i);
         fluid.solid.each(i, [&](int s, double dx, double dy, double dz, double r2) {
             const double grip = friction(fluid.solid_body(s));
             if (grip == 0) return;
             const double approach =
                 (u(i, 0) - v(s, 0)) * dx + (u(i, 1) - v(s, 1)) * dy + (u(i, 2) - v(s, 2)) * dz;
-            const double drag = laminar * approach + colliding * math::min(approach, 0.0);
+            const double drag = pair_viscosity * approach + pair_artificial_viscosity * math::min(approach, 0.0);
             const double mass = c.rest_density * fluid.solid_volume(s) / c.wall_packing * grip;
             const double f = -c.mass * mass * drag / (r2 + soft) * Base::kernel.gradient(math::sqrt(r2));
             const double force[3] = {f * dx, f * dy, Kernel::dimensions == 3 ? f * dz : 0};
@@ -173,7 +173,7 @@ struct XsphLoop {
         double cx = 0, cy = 0, cz = 0;
         fluid.liquid.each(i, [&](int j, double, double, double, double r2) {
             const double w = 0.5 * (fluid.volume(i) + fluid.volume(j)) * kernel.value(math::sqrt(r2)) *
-                             liquids.colliding(i, j);
+                             liquids.pair_artificial_viscosity(i, j);
             cx += w * (u(j, 0) - u(i, 0));
             cy += w * (u(j, 1) - u(i, 1));
             cz += w * (u(j, 2) - u(i, 2));
@@ -192,27 +192,27 @@ void accelerate(const LiquidParticles& liquid, double dt) {
 }
 } // namespace
 
-BodyLoads apply_forces(const StepParts& parts, const ForceOptions& forces, double dt, const LoadPoints& points) {
+BodyLoads apply_forces(const StepContext& parts, const ForceOptions& forces, double dt, const MomentReferencePoints& points) {
     const auto& options = parts.options;
     const auto& constants = parts.constants;
     auto& liquid = parts.liquid;
-    write_places(liquid, liquid.volume());
-    write_motions(liquid);
-    const auto fluid = gather_fluid(constants, liquid, parts.solid, parts.neighbours);
+    pack_positions(liquid, liquid.volume());
+    pack_velocities(liquid);
+    const auto fluid = make_views(constants, liquid, parts.solid, parts.neighbours);
     const auto& g = forces.gravity;
     const auto friction = upload(forces.friction);
     BodyLoads loads(static_cast<std::size_t>(6 * points.count), 0.0);
-    bool grips = (forces.artificial > 0 || forces.viscosity > 0) && parts.neighbours.solid.size > 0 && points.count > 0;
-    grips = grips && std::any_of(forces.friction.begin(), forces.friction.end(), [](double f) { return f > 0; });
+    bool no_slip = (forces.artificial > 0 || forces.viscosity > 0) && parts.neighbours.solid.size > 0 && points.count > 0;
+    no_slip = no_slip && std::any_of(forces.friction.begin(), forces.friction.end(), [](double f) { return f > 0; });
     with_kernel(options.kernel, constants.dimensions, constants.support, [&](const auto& kernel) {
         using Kernel = std::decay_t<decltype(kernel)>;
-        with_liquids(constants.mixture, liquid.liquid(), forces.viscosity, [&](const auto& liquids) {
+        with_liquids(constants.immiscible, liquid.liquid(), forces.viscosity, [&](const auto& liquids) {
             using Liquids = std::decay_t<decltype(liquids)>;
             Kokkos::parallel_for("treacle::forces", fluid.count,
                                  ForceLoop<Kernel, Liquids>{kernel, liquids, fluid, {g[0], g[1], g[2]},
                                                             forces.artificial, forces.viscosity, friction,
                                                             liquid.acceleration()});
-            if (!grips) return;
+            if (!no_slip) return;
             Kokkos::parallel_reduce("treacle::viscous_loads", fluid.count,
                                     ViscousLoadLoop<Kernel, Liquids>{{{loads.size()}, kernel, fluid, points},
                                                                      liquids, forces.artificial, friction},
@@ -235,7 +235,7 @@ double viscous_step_limit(const ViscosityOptions& options, const Constants& cons
     return (by_pairs ? 1 : 0.1) * viscous_step_limit(constants, viscosity);
 }
 
-void compute_loads(const Constants& constants, LiquidParticles& liquid) {
+void compute_pressure_over_density2(const Constants& constants, LiquidParticles& liquid) {
     const auto load = liquid.load(), p = liquid.pressure(), volume = liquid.volume();
     const double inverse_mass = 1 / constants.mass;
     Kokkos::parallel_for("treacle::loads", liquid.store.owned(), KOKKOS_LAMBDA(int i) {
@@ -244,15 +244,15 @@ void compute_loads(const Constants& constants, LiquidParticles& liquid) {
     });
 }
 
-BodyLoads apply_pressure(const StepParts& parts, const LoadPoints& points, double dt) {
+BodyLoads apply_pressure(const StepContext& parts, const MomentReferencePoints& points, double dt) {
     const auto& constants = parts.constants;
     auto& liquid = parts.liquid;
-    write_places(liquid, liquid.load());
-    const auto fluid = gather_fluid(constants, liquid, parts.solid, parts.neighbours);
+    pack_positions(liquid, liquid.load());
+    const auto fluid = make_views(constants, liquid, parts.solid, parts.neighbours);
     BodyLoads loads(static_cast<std::size_t>(6 * points.count), 0.0);
     with_kernel(parts.options.kernel, constants.dimensions, constants.support, [&](const auto& kernel) {
         using Kernel = std::decay_t<decltype(kernel)>;
-        with_liquids(constants.mixture, liquid.liquid(), 0, [&](const auto& liquids) {
+        with_liquids(constants.immiscible, liquid.liquid(), 0, [&](const auto& liquids) {
             using Liquids = std::decay_t<decltype(liquids)>;
             Kokkos::parallel_for("treacle::pressure_force", fluid.count,
                                  PressureForceLoop<Kernel, Liquids>{kernel, liquids, fluid, liquid.velocity(), dt});
@@ -268,10 +268,10 @@ BodyLoads apply_pressure(const StepParts& parts, const LoadPoints& points, doubl
 
 void compute_xsph(const SphOptions& options, const Constants& constants, LiquidParticles& liquid,
                   const SolidParticles& solid, const Neighbourhood& neighbours) {
-    const auto fluid = gather_fluid(constants, liquid, solid, neighbours);
+    const auto fluid = make_views(constants, liquid, solid, neighbours);
     with_kernel(options.kernel, constants.dimensions, constants.support, [&](const auto& kernel) {
         using Kernel = std::decay_t<decltype(kernel)>;
-        with_liquids(constants.mixture, liquid.liquid(), 0, [&](const auto& liquids) {
+        with_liquids(constants.immiscible, liquid.liquid(), 0, [&](const auto& liquids) {
             using Liquids = std::decay_t<decltype(liquids)>;
             Kokkos::parallel_for("treacle::xsph", fluid.count,
                                  XsphLoop<Kernel, Liquids>{kernel, liquids, fluid, options.viscosity.xsph,

@@ -1,8 +1,8 @@
 #pragma once
 #include "base/text/vec3.hpp"
-#include "flow/flow_curve.hpp"
-#include "sph/model/load_points.hpp"
-#include "sph/model/step_parts.hpp"
+#include "flow/viscosity_model.hpp"
+#include "sph/model/moment_reference_points.hpp"
+#include "sph/model/step_context.hpp"
 
 #include <vector>
 
@@ -19,7 +19,7 @@ struct ForceOptions {
     std::vector<double> skin_friction;     // per body: c_f
     std::vector<double> slip_length;       // per body [m]; 0: by `friction`
     bool by_particle = false;              // viscosities are those of the particles, not of their liquids
-    std::vector<flow::FlowCurve> rheology; // per liquid; empty: no viscosity depends on the shear rate
+    std::vector<flow::ViscosityModel> rheology; // per liquid; empty: no viscosity depends on the shear rate
 };
 
 // Force [N] and torque [N m] on each body, 6 numbers a body; the torque about the body's load point.
@@ -30,7 +30,7 @@ using BodyLoads = std::vector<double>;
 // u* = u + dt a for the owned particles. Explicit: stable for dt <= viscous_step_limit(). Returns this rank's share
 // of the viscous forces on the bodies, equal and opposite; none when `points` are not given. Liquids that differ act on
 // each other by the harmonic means of their viscosities and, in the artificial one, of their densities.
-BodyLoads apply_forces(const StepParts& parts, const ForceOptions& forces, double dt, const LoadPoints& points = 0);
+BodyLoads apply_forces(const StepContext& parts, const ForceOptions& forces, double dt, const MomentReferencePoints& points = 0);
 
 // Largest step of the explicit viscosity, 0.125 h^2 rho / mu (Morris et al. 1997) [s].
 double viscous_step_limit(const Constants& constants, double viscosity);
@@ -39,12 +39,12 @@ double viscous_step_limit(const Constants& constants, double viscosity);
 double viscous_step_limit(const ViscosityOptions& options, const Constants& constants, double viscosity);
 
 // p / rho^2 of the owned particles, for apply_pressure; the ghosts' must be gathered in between.
-void compute_loads(const Constants& constants, LiquidParticles& liquid);
+void compute_pressure_over_density2(const Constants& constants, LiquidParticles& liquid);
 
 // (S8) Acceleration by pressure, -sum_j m (p_i/rho_i^2 + p_j/rho_j^2) grad W - rho0 sum_s V_s p_i/rho_i^2
-// grad W (Akinci et al. 2012; of several liquids: Mixture, README), added to the velocities; equal and opposite on the bodies, of which this
+// grad W (Akinci et al. 2012; of several liquids: ImmiscibleLiquids, README), added to the velocities; equal and opposite on the bodies, of which this
 // rank's share is returned.
-BodyLoads apply_pressure(const StepParts& parts, const LoadPoints& points, double dt);
+BodyLoads apply_pressure(const StepContext& parts, const MomentReferencePoints& points, double dt);
 
 // XSPH (Monaghan 1989): writes epsilon sum_j (V_i + V_j)/2 (u_j - u_i) W to the acceleration field as a velocity
 // correction [m/s]. Ghost velocities must be current.

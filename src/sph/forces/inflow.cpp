@@ -10,11 +10,11 @@ namespace {
 constexpr int numbers = 9; // of an inlet in `prescribed`
 } // namespace
 
-int held_layers(const Constants& constants) {
+int buffer_layers(const Constants& constants) {
     return static_cast<int>(std::ceil(constants.support / constants.spacing)) + 1;
 }
 
-flow::Layers layers_of(const Constants& constants) { return {constants.spacing, held_layers(constants)}; }
+flow::Layers layers_of(const Constants& constants) { return {constants.spacing, buffer_layers(constants)}; }
 
 Inflow::Inflow(const flow::InflowSetup& setup, const Constants& constants, const DomainBox& domain,
                LiquidParticles& liquid)
@@ -34,7 +34,7 @@ Inflow::Inflow(const flow::InflowSetup& setup, const Constants& constants, const
 }
 
 void Inflow::emit(LiquidParticles& liquid, const Decomposition& decomposition) {
-    const flow::LayerSource::Fields fields{liquid.velocity_field(), liquid.liquid_field(), liquid.viscosity_field(),
+    const flow::InletEmitter::Fields fields{liquid.velocity_field(), liquid.liquid_field(), liquid.viscosity_field(),
                                            liquid.inlet_field()};
     for (std::size_t q = 0; q < made_.size(); ++q) {
         for (const auto due = layers_until(source_.setup().inlets[q], source_.layers(), time_); made_[q] < due; ++made_[q]) {

@@ -11,7 +11,7 @@ namespace treacle::sph {
 
 // Layers behind the opening whose particles move as prescribed: with the spacing between layers more than a
 // support radius, so that what has passed it has all its neighbours.
-int held_layers(const Constants& constants);
+int buffer_layers(const Constants& constants);
 
 flow::Layers layers_of(const Constants& constants); // one particle spacing apart
 
@@ -21,7 +21,7 @@ flow::Layers layers_of(const Constants& constants); // one particle spacing apar
 // its own cells.
 class Inflow {
 public:
-    // Declares the field of held particles.
+    // Declares the field of buffer particles.
     Inflow(const flow::InflowSetup& setup, const Constants& constants, const DomainBox& domain,
            LiquidParticles& liquid);
 
@@ -29,7 +29,7 @@ public:
     void emit(LiquidParticles& liquid, const Decomposition& decomposition);
     // Held particles get their velocity back, whatever has acted on them; ghosts' are left stale.
     void hold(LiquidParticles& liquid) const;
-    // After predict(): held particles are unknowns of the pressure without a source, by which the pressure
+    // After predict(): buffer particles are unknowns of the pressure without a source, by which the pressure
     // goes on behind the opening as it is before it.
     void close(LiquidParticles& liquid) const;
     // After a step of dt [s]: what has passed its opening is free.
@@ -43,7 +43,7 @@ public:
     void restore(const std::vector<double>& state);
 
 private:
-    flow::LayerSource source_;
+    flow::InletEmitter source_;
     DomainBox domain_;
     std::vector<std::int64_t> made_; // layers of each inlet so far
     Array<double> prescribed_{"treacle::inlets", 0}; // [inlets][9] velocity, centre, direction
@@ -53,7 +53,7 @@ private:
 // Takes out the particles of this rank in outlets or beyond open sides of the domain, and returns how many.
 int remove_outflow(const DomainBox& domain, const flow::Outlets& outlets, LiquidParticles& liquid);
 
-// Rows of held particles become 0: what must not act on them.
+// Rows of buffer particles become 0: what must not act on them.
 void clear_held(const LiquidParticles& liquid, const Array3& rows);
 
 } // namespace treacle::sph

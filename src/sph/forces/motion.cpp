@@ -38,10 +38,10 @@ KOKKOS_INLINE_FUNCTION bool clearly_inside(const DomainBox& domain, const double
 }
 } // namespace
 
-Departures move_particles(const DomainBox& domain, LiquidParticles& liquid, double dt, Use use_correction) {
+DepartureCounts move_particles(const DomainBox& domain, LiquidParticles& liquid, double dt, Use use_correction) {
     const auto x = liquid.position(), u = liquid.velocity(), correction = liquid.acceleration();
     const double share = use_correction == Use::yes ? 1 : 0;
-    Departures out;
+    DepartureCounts out;
     Kokkos::parallel_reduce("treacle::move", liquid.store.owned(), KOKKOS_LAMBDA(int i, int& lost, int& outflow) {
         double to[3], speed[3];
         for (int k = 0; k < 3; ++k) {

@@ -19,10 +19,10 @@ using treacle::loss_causes;
 // acceleration field, used when `use_correction` is Use::yes. Returns how many of this rank's particles are lost by
 // that, for remove_lost to take out, and how many went through sides that let them go, for remove_outflow.
 enum class Use { no, yes };
-struct Departures {
+struct DepartureCounts {
     int lost = 0, outflow = 0;
 };
-Departures move_particles(const DomainBox& domain, LiquidParticles& liquid, double dt, Use use_correction);
+DepartureCounts move_particles(const DomainBox& domain, LiquidParticles& liquid, double dt, Use use_correction);
 
 // Takes out the particles of this rank that left through an open side, went through a wall, or are no longer
 // finite, and returns them with their causes. Checks every particle on the host: losses are rare.

@@ -9,7 +9,7 @@ template <class Kernel>
 struct SkinFrictionLoop : LoadReduction {
     Kernel kernel;
     Fluid fluid;
-    LoadPoints points;
+    MomentReferencePoints points;
     RelativeDensity relative;
     Array<double> coefficient;
     double dt;
@@ -78,11 +78,11 @@ struct SkinFrictionLoop : LoadReduction {
 };
 } // namespace
 
-void apply_skin_friction(const StepParts& parts, const SkinFriction& friction, BodyLoads& loads) {
+void apply_skin_friction(const StepContext& parts, const SkinFriction& friction, BodyLoads& loads) {
     const auto& coefficients = friction.coefficients;
     if (std::ranges::all_of(coefficients, [](double c) { return c == 0; })) return;
     const auto& constants = parts.constants;
-    const auto fluid = gather_fluid(constants, parts.liquid, parts.solid, parts.neighbours);
+    const auto fluid = make_views(constants, parts.liquid, parts.solid, parts.neighbours);
     const auto coefficient = upload(coefficients);
     BodyLoads own(loads.size(), 0.0);
     with_kernel(parts.options.kernel, constants.dimensions, constants.support, [&](const auto& kernel) {

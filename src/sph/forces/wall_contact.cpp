@@ -22,7 +22,7 @@ struct WallContactLoop : LoadReduction {
     Fluid fluid;
     Moves moves;
     Array3 normal;
-    LoadPoints points;
+    MomentReferencePoints points;
     RelativeDensity relative;
     double dt;
 
@@ -61,7 +61,7 @@ struct WallContactLoop : LoadReduction {
     }
 };
 
-std::int64_t stop(const StepParts& parts, const Fluid& fluid, const Moves& moves, const WallStop& at, std::span<double> loads) {
+std::int64_t stop(const StepContext& parts, const Fluid& fluid, const Moves& moves, const WallStop& at, std::span<double> loads) {
     std::vector<double> sums(loads.size() + 1, 0.0);
     const WallContactLoop loop{{sums.size()}, fluid, moves, parts.solid.normal(), at.points, relative_density(parts.constants, parts.liquid), at.dt};
     Kokkos::parallel_reduce("treacle::stop_at_walls", fluid.count, loop, host_sums(sums));
@@ -70,15 +70,15 @@ std::int64_t stop(const StepParts& parts, const Fluid& fluid, const Moves& moves
 }
 } // namespace
 
-std::int64_t stop_at_walls(const StepParts& parts, const WallStop& at, BodyLoads& loads) {
+std::int64_t stop_at_walls(const StepContext& parts, const WallStop& at, BodyLoads& loads) {
     if (parts.neighbours.solid.size == 0) return 0;
-    const auto fluid = gather_fluid(parts.constants, parts.liquid, parts.solid, parts.neighbours);
+    const auto fluid = make_views(parts.constants, parts.liquid, parts.solid, parts.neighbours);
     return stop(parts, fluid, {fluid.velocity, {}}, at, loads);
 }
 
-void stop_shift_at_walls(const StepParts& parts, const WallStop& at, const Array3& shift) {
+void stop_shift_at_walls(const StepContext& parts, const WallStop& at, const Array3& shift) {
     if (parts.neighbours.solid.size == 0) return;
-    const auto fluid = gather_fluid(parts.constants, parts.liquid, parts.solid, parts.neighbours);
+    const auto fluid = make_views(parts.constants, parts.liquid, parts.solid, parts.neighbours);
     BodyLoads unused(6 * static_cast<std::size_t>(at.points.count), 0.0); // a shift of places has no impulse
     stop(parts, fluid, {shift, fluid.velocity}, at, unused);
 }

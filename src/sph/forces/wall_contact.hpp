@@ -1,12 +1,12 @@
 #pragma once
 #include "sph/forces/forces.hpp"
-#include "sph/model/step_parts.hpp"
+#include "sph/model/step_context.hpp"
 
 namespace treacle::sph {
 
 // Input of (S8c).
 struct WallStop {
-    const LoadPoints& points; // about which torques are taken
+    const MomentReferencePoints& points; // about which torques are taken
     double dt;                // [s]
 };
 
@@ -15,9 +15,9 @@ struct WallStop {
 // prevent penetration only as long as the particle comes to the one layer of solid particles in several steps. The
 // impulses, over dt, are added with the opposite sign to the loads of the bodies, at the particle's place: linear and
 // angular momentum stay. Returns how many owned particles were stopped.
-std::int64_t stop_at_walls(const StepParts& parts, const WallStop& at, BodyLoads& loads);
+std::int64_t stop_at_walls(const StepContext& parts, const WallStop& at, BodyLoads& loads);
 
 // (S8c) The same of a shift of places [m/s] that particles move by besides their velocities; these stay, and so do the bodies.
-void stop_shift_at_walls(const StepParts& parts, const WallStop& at, const Array3& shift);
+void stop_shift_at_walls(const StepContext& parts, const WallStop& at, const Array3& shift);
 
 } // namespace treacle::sph

@@ -52,7 +52,7 @@ int multiply_guess(const Comm& comm, const BoundedProblem& problem) {
 }
 
 // True when iterating ends, with the outcome in the report.
-bool ended(const BoundedGoal& goal, BoundedReport& report) {
+bool ended(const StoppingTest& goal, BoundedReport& report) {
     auto& out = report.solve;
     if (!std::isfinite(report.residual.square + report.residual.excess)) {
         out.outcome = solve::Outcome::non_finite;
@@ -133,7 +133,7 @@ double watched_square(const Comm& comm, const BoundedProblem& problem, const Arr
     return comm.sum(own_square(problem, gradient));
 }
 
-BoundedReport bounded_jacobi(const Comm& comm, const BoundedProblem& problem, double omega, const BoundedGoal& goal) {
+BoundedReport bounded_jacobi(const Comm& comm, const BoundedProblem& problem, double omega, const StoppingTest& goal) {
     BoundedReport report;
     const auto &q = problem.q, &product = problem.product, &b = problem.right_hand_side;
     const auto& diagonal = problem.diagonal;
@@ -159,7 +159,7 @@ BoundedReport bounded_jacobi(const Comm& comm, const BoundedProblem& problem, do
     return report;
 }
 
-BoundedReport SpectralGradient::solve(const Comm& comm, const BoundedProblem& problem, double first, const BoundedGoal& goal) {
+BoundedReport SpectralGradient::solve(const Comm& comm, const BoundedProblem& problem, double first, const StoppingTest& goal) {
     reserve(gradient_, static_cast<std::size_t>(problem.rows));
     reserve(change_, static_cast<std::size_t>(problem.rows));
     Kokkos::deep_copy(change_, 0.0);

@@ -41,7 +41,7 @@ struct BoundedResidual {
 };
 
 // End of a solve: `met`, the same on every rank, after least_iterations, or max_iterations.
-struct BoundedGoal {
+struct StoppingTest {
     std::function<bool(const BoundedResidual&)> met;
     int least_iterations = 0;
     int max_iterations = 0;
@@ -58,7 +58,7 @@ double watched_square(const Comm& comm, const BoundedProblem& problem, const Arr
 
 // q <- max(0, q + omega (b - A q) / diagonal), one product an iteration (Ihmsen et al. 2014). The residual is that
 // before the last change. Collective.
-BoundedReport bounded_jacobi(const Comm& comm, const BoundedProblem& problem, double omega, const BoundedGoal& goal);
+BoundedReport bounded_jacobi(const Comm& comm, const BoundedProblem& problem, double omega, const StoppingTest& goal);
 
 // Spectral projected gradients (Birgin, Martinez & Raydan 2000) scaled by the diagonal: q <- max(0, q - alpha (A q - b) / diagonal), one
 // product an iteration, alpha by turns the longer and the shorter one of Barzilai & Borwein (1988) (Dai & Fletcher 2005).
@@ -67,7 +67,7 @@ BoundedReport bounded_jacobi(const Comm& comm, const BoundedProblem& problem, do
 class SpectralGradient {
 public:
     // first: alpha of the first iteration
-    BoundedReport solve(const Comm& comm, const BoundedProblem& problem, double first, const BoundedGoal& goal);
+    BoundedReport solve(const Comm& comm, const BoundedProblem& problem, double first, const StoppingTest& goal);
     std::size_t bytes() const { return 8 * (gradient_.span() + change_.span()); }
 
 private:

@@ -20,7 +20,7 @@ constexpr int least_iterations = 2;
 // would let a tank fall freely in one step and hold it twice as hard in the next.
 constexpr double slack_factor = 5;
 // Diagonals added to A for the shift: an excess that is everywhere, as in a box that is too full, gives no shift.
-constexpr double shift_softness = 0.1;
+constexpr double shift_compliance = 0.1;
 // Liquid that something else than gravity drives may be compressed by `density_error` while it moves by a spacing in a liquid of so
 // many spacings across, in inverse proportion in a wider one: what a lid or an inlet brings into one corner of the liquid is little
 // of the mean, and what is let in there does not turn the rest.
@@ -50,7 +50,7 @@ struct SumDensity {
     KOKKOS_INLINE_FUNCTION double operator()(int i) const { return mass / volume(i); }
     KOKKOS_INLINE_FUNCTION double square(int i) const { return (*this)(i) * (*this)(i); }
 };
-SumDensity sum_density(const StepParts& parts) { return {parts.liquid.volume(), parts.constants.mass}; }
+SumDensity sum_density(const StepContext& parts) { return {parts.liquid.volume(), parts.constants.mass}; }
 
 struct Guess {
     Array<double> pressure; // [owned] of the last solve [Pa]
@@ -58,7 +58,7 @@ struct Guess {
 };
 
 // Writes the guess as q; returns how many b > 0.
-double write_guess(const StepParts& parts, const Guess& guess, const Array<double>& q, const Array<double>& diagonal) {
+double write_guess(const StepContext& parts, const Guess& guess, const Array<double>& q, const Array<double>& diagonal) {
     const auto rho = sum_density(parts);
     const auto p = guess.pressure, b = parts.liquid.source();
     const double factor = guess.factor;
@@ -72,30 +72,30 @@ double write_guess(const StepParts& parts, const Guess& guess, const Array<doubl
 }
 
 // The norm of the watched residual without pressures: `gradient` is -b then.
-double reference_norm(const StepParts& parts, const BoundedProblem& problem, const Array<double>& gradient) {
+double reference_norm(const StepContext& parts, const BoundedProblem& problem, const Array<double>& gradient) {
     const auto b = problem.right_hand_side;
     Kokkos::parallel_for("treacle::iisph_reference", problem.rows, KOKKOS_LAMBDA(int i) { gradient(i) = -b(i); });
     return std::sqrt(watched_square(parts.comm, problem, gradient));
 }
 
-// product += softness D q
-void add_softness(int rows, double softness, const Array<double>& diagonal, const Array<double>& q, const Array<double>& product) {
-    Kokkos::parallel_for("treacle::iisph_softness", rows, KOKKOS_LAMBDA(int i) { product(i) += softness * diagonal(i) * q(i); });
+// product += compliance D q
+void add_compliance(int rows, double compliance, const Array<double>& diagonal, const Array<double>& q, const Array<double>& product) {
+    Kokkos::parallel_for("treacle::iisph_compliance", rows, KOKKOS_LAMBDA(int i) { product(i) += compliance * diagonal(i) * q(i); });
 }
 
-// scaled = rho q: rows of BodyResponse have 1 / rho.
-void multiply_by_density(const StepParts& parts, const Array<double>& q, const Array<double>& scaled) {
+// scaled = rho q: rows of RigidCouplingTerm have 1 / rho.
+void multiply_by_density(const StepContext& parts, const Array<double>& q, const Array<double>& scaled) {
     const auto rho = sum_density(parts);
     Kokkos::parallel_for("treacle::iisph_pressed", parts.liquid.store.owned(), KOKKOS_LAMBDA(int i) { scaled(i) = q(i) * rho(i); });
 }
 
 // product += rho response
-void add_response(const StepParts& parts, const Array<double>& response, const Array<double>& product) {
+void add_response(const StepContext& parts, const Array<double>& response, const Array<double>& product) {
     const auto rho = sum_density(parts);
     Kokkos::parallel_for("treacle::iisph_answer", parts.liquid.store.owned(), KOKKOS_LAMBDA(int i) { product(i) += response(i) * rho(i); });
 }
 
-RoleCounts write_pressures(const StepParts& parts, const Array<double>& q) {
+RoleCounts write_pressures(const StepContext& parts, const Array<double>& q) {
     const auto rho = sum_density(parts);
     const auto p = parts.liquid.pressure();
     const auto role = parts.liquid.role();
@@ -110,7 +110,7 @@ RoleCounts write_pressures(const StepParts& parts, const Array<double>& q) {
 }
 
 // Collective. The mean compression at which a solve for velocities stops; gravity_drives: rows above solids that bear them are watched.
-double driven_tolerance(const StepParts& parts, bool gravity_drives) {
+double driven_tolerance(const StepContext& parts, bool gravity_drives) {
     const auto& options = parts.options.pressure;
     if (options.density_error > 0) return options.density_error;
     if (gravity_drives && !parts.driven) return options.density_tolerance();
@@ -125,10 +125,10 @@ struct Tolerances {
 };
 
 // The stopping rules of the pressure solve.
-BoundedGoal goal_of(const SphOptions& options, const Constants& constants, double dt, const Tolerances& tolerances) {
+StoppingTest goal_of(const SphOptions& options, const Constants& constants, double dt, const Tolerances& tolerances) {
     const auto& pressure = options.pressure;
     const double reference = tolerances.reference;
-    BoundedGoal goal;
+    StoppingTest goal;
     const bool jacobi = pressure.solver != PressureSolver::iisph;
     goal.least_iterations = jacobi ? least_iterations : 0;
     goal.max_iterations = (jacobi ? jacobi_patience : 1) * pressure.max_iterations;
@@ -145,7 +145,7 @@ BoundedGoal goal_of(const SphOptions& options, const Constants& constants, doubl
 }
 
 // Goal of the divergence-free solve: b dt^2 / rho0 is the compression that the velocity has in a step.
-BoundedGoal divergence_goal(const SphOptions& options, const Constants& constants, double dt) {
+StoppingTest divergence_goal(const SphOptions& options, const Constants& constants, double dt) {
     const double scale = dt * dt / constants.rest_density;
     const auto met = [=, to = options.pressure.divergence_error](const BoundedResidual& r) {
         return r.excess * scale < to * std::max(1.0, r.count);
@@ -155,14 +155,14 @@ BoundedGoal divergence_goal(const SphOptions& options, const Constants& constant
 
 } // namespace
 
-void Iisph::prepare(const StepParts& parts, double dt, Aim aim) {
+void Iisph::prepare(const StepContext& parts, double dt, Aim aim) {
     prepare_pairs(parts);
     write_source(parts, dt, aim);
 }
 
-void Iisph::prepare_pairs(const StepParts& parts) {
+void Iisph::prepare_pairs(const StepContext& parts) {
     auto& liquid = parts.liquid;
-    write_places(liquid, liquid.volume());
+    pack_positions(liquid, liquid.volume());
     const auto n = static_cast<std::size_t>(liquid.store.owned());
     reserve(q_, n);
     reserve(product_, n);
@@ -170,15 +170,15 @@ void Iisph::prepare_pairs(const StepParts& parts) {
     reserve(watched_, n);
     if (response_ != nullptr) reserve(pressed_, n), reserve(answered_, n);
     reserve(own_, n);
-    if (parts.constants.wall_push == 1) force_ = own_;
+    if (parts.constants.wall_pressure_factor == 1) force_ = own_;
     else reserve(force_, n);
     const auto entries = static_cast<std::size_t>(parts.neighbours.liquid.size);
     for (auto& one : gradient_) {
-        reserve(one, entries + NeighbourList::spare);
+        reserve(one, entries + NeighbourList::padding);
         // Lanes beyond the last row: numbers, whatever they are.
-        Kokkos::deep_copy(Kokkos::subview(one, Kokkos::make_pair(entries, entries + NeighbourList::spare)), 0.0f);
+        Kokkos::deep_copy(Kokkos::subview(one, Kokkos::make_pair(entries, entries + NeighbourList::padding)), 0.0f);
     }
-    const auto fluid = gather_fluid(parts.constants, liquid, parts.solid, parts.neighbours);
+    const auto fluid = make_views(parts.constants, liquid, parts.solid, parts.neighbours);
     const auto& options = parts.options.pressure;
     const bool bearing = options.recovers_places() && options.stop == StoppingRule::density_error;
     with_kernel(parts.options.kernel, parts.constants.dimensions, parts.constants.support, [&](const auto& kernel) {
@@ -190,10 +190,10 @@ void Iisph::prepare_pairs(const StepParts& parts) {
     });
 }
 
-void Iisph::write_source(const StepParts& parts, double dt, Aim aim) {
+void Iisph::write_source(const StepContext& parts, double dt, Aim aim) {
     auto& liquid = parts.liquid;
-    write_motions(liquid);
-    const auto fluid = gather_fluid(parts.constants, liquid, parts.solid, parts.neighbours);
+    pack_velocities(liquid);
+    const auto fluid = make_views(parts.constants, liquid, parts.solid, parts.neighbours);
     const double needed = least_neighbours * lattice_neighbours(parts.constants);
     const auto& options = parts.options.pressure;
     // The corrections have the same target as the pressure system.
@@ -207,11 +207,11 @@ void Iisph::write_source(const StepParts& parts, double dt, Aim aim) {
     });
 }
 
-void Iisph::multiply(const StepParts& parts, const Array<double>& q) {
+void Iisph::multiply(const StepContext& parts, const Array<double>& q) {
     auto& liquid = parts.liquid;
     write_loads(liquid, q);
     parts.halo.gather(liquid.store, {liquid.load_field()});
-    const auto fluid = gather_fluid(parts.constants, liquid, parts.solid, parts.neighbours);
+    const auto fluid = make_views(parts.constants, liquid, parts.solid, parts.neighbours);
     const auto inlet = liquid.has_inlets() ? liquid.inlet() : Array<int>();
     const Gradients gradients{gradient_[0], gradient_[1], gradient_[2]};
     Kokkos::parallel_for("treacle::iisph_accelerations", fluid.count,
@@ -237,7 +237,7 @@ BoundedGuess guess_of(Iisph::Aim aim) {
 }
 } // namespace
 
-solve::SolveReport Iisph::iterate(const StepParts& parts, Aim aim, double dt, const Array<double>& last) {
+solve::SolveReport Iisph::iterate(const StepContext& parts, Aim aim, double dt, const Array<double>& last) {
     const auto& options = parts.options.pressure;
     const auto guess = guess_of(aim);
     // The published IISPH starts from a part of the last pressures; without the excess they change little from step to step.
@@ -253,7 +253,7 @@ solve::SolveReport Iisph::iterate(const StepParts& parts, Aim aim, double dt, co
     const int rows = parts.liquid.store.owned();
     const auto product = [&](const Array<double>& q) {
         multiply(parts, q);
-        if (aim == Aim::places) add_softness(rows, shift_softness, diagonal_, q, product_);
+        if (aim == Aim::places) add_compliance(rows, shift_compliance, diagonal_, q, product_);
     };
     const auto& cells = parts.cells;
     const RowGroups groups = aim == Aim::approach ? RowGroups{cells.begin, cells.end, static_cast<int>(cells.window.size()), true} : RowGroups{};
@@ -273,7 +273,7 @@ solve::SolveReport Iisph::iterate(const StepParts& parts, Aim aim, double dt, co
     return out;
 }
 
-solve::SolveReport Iisph::solve(const StepParts& parts, double dt, RoleCounts& roles) {
+solve::SolveReport Iisph::solve(const StepContext& parts, double dt, RoleCounts& roles) {
     const auto start = Clock::now();
     const Aim aim = parts.options.pressure.recovers_places() ? Aim::approach : Aim::density;
     prepare(parts, dt, aim);
@@ -283,7 +283,7 @@ solve::SolveReport Iisph::solve(const StepParts& parts, double dt, RoleCounts& r
     return out;
 }
 
-solve::SolveReport Iisph::shift(const StepParts& parts, double dt) {
+solve::SolveReport Iisph::shift(const StepContext& parts, double dt) {
     const auto start = Clock::now();
     write_source(parts, dt, Aim::places);
     auto& liquid = parts.liquid;
@@ -302,7 +302,7 @@ solve::SolveReport Iisph::shift(const StepParts& parts, double dt) {
     return out;
 }
 
-solve::SolveReport Iisph::solve_divergence(const StepParts& parts, double dt, const Array<double>& last) {
+solve::SolveReport Iisph::solve_divergence(const StepContext& parts, double dt, const Array<double>& last) {
     const auto start = Clock::now();
     prepare(parts, dt, Aim::divergence);
     auto& liquid = parts.liquid;

@@ -1,15 +1,15 @@
 #pragma once
 #include "base/text/vec3.hpp"
 #include "sph/iisph/bounded_solve.hpp"
-#include "sph/model/step_parts.hpp"
-#include "sph/pressure/body_response.hpp"
+#include "sph/model/step_context.hpp"
+#include "sph/pressure/rigid_coupling_term.hpp"
 #include "sph/pressure/prediction.hpp"
 
 namespace treacle::sph {
 
 // Implicit incompressible SPH (Ihmsen et al. 2014) without a matrix, in q = p / rho^2:
 //     g_i = sum_j m grad W_ij + rho0 sum_s V_s grad W_is
-//     a_i = -q_i g_i - sum_j m q_j grad W_ij                    (S8), the walls' share of g_i times Constants::wall_push
+//     a_i = -q_i g_i - sum_j m q_j grad W_ij                    (S8), the walls' share of g_i times Constants::wall_pressure_factor
 //     (A q)_i = sum_j m a_j.grad W_ij - a_i.g_i                 minus the density's change by a_i, over dt^2
 //     b_i = (rho*_i - rho0) / dt^2
 // A is G^T G with the q -> a of S8 as G: symmetric and positive semidefinite for any densities, solids included, unless
@@ -30,30 +30,30 @@ public:
     //               Koschier 2017)
     enum class Aim { density, approach, places, divergence };
     // g, the diagonal of A, the gradients of the pairs. Writes the field place.
-    void prepare_pairs(const StepParts& parts);
+    void prepare_pairs(const StepContext& parts);
     // The same, and (S5) b. Ghosts' velocities must be current. Writes the fields source, place, motion.
-    void prepare(const StepParts& parts, double dt, Aim aim = Aim::density);
+    void prepare(const StepContext& parts, double dt, Aim aim = Aim::density);
 
     // A has the response of dynamic bodies as well, until this is called with nullptr. `response` must be that of the
     // present poses.
-    void give_way(const BodyResponse* response) { response_ = response; }
+    void set_coupling_term(const RigidCouplingTerm* response) { response_ = response; }
 
     // Collective: product() = A q, on owned rows, with q of the owned particles, by gradients of single precision. Writes the
     // fields load, acceleration, motion.
-    void multiply(const StepParts& parts, const Array<double>& q);
+    void multiply(const StepContext& parts, const Array<double>& q);
 
     // Collective: prepares and solves, from half the last pressures, with DFSPH from all of them, with Aim::approach from their best
     // multiple. Writes pressure and role: Poisson where the pressure is positive, Dirichlet elsewhere.
-    solve::SolveReport solve(const StepParts& parts, double dt, RoleCounts& roles);
+    solve::SolveReport solve(const StepContext& parts, double dt, RoleCounts& roles);
 
     // (IS2) Collective: what the density would exceed rho0 by after a step dt with the velocities, ghosts' included, as a shift
     // of places: writes -dt G q, A q - b >= 0, to the acceleration field [m/s]. Writes source, load, motion; pressures stay. The
     // particles must stand where they stood at solve() or prepare_pairs().
-    solve::SolveReport shift(const StepParts& parts, double dt);
+    solve::SolveReport shift(const StepContext& parts, double dt);
 
     // Collective: the divergence-free solve of DFSPH. last: the pressures of the last one, in and out [Pa]. Leaves p / rho^2
     // in the field load, ghosts included, for apply_pressure.
-    solve::SolveReport solve_divergence(const StepParts& parts, double dt, const Array<double>& last);
+    solve::SolveReport solve_divergence(const StepContext& parts, double dt, const Array<double>& last);
 
     const Array<double>& product() const { return product_; }   // [owned] A q [kg/m3/s2]
     const Array<double>& diagonal() const { return diagonal_; } // [owned] of A, 0 in rows that stay 0 [kg2/m8]
@@ -61,12 +61,12 @@ public:
 
 private:
     // (S5)
-    void write_source(const StepParts& parts, double dt, Aim aim);
+    void write_source(const StepContext& parts, double dt, Aim aim);
     // Solves what prepare() has prepared; last: pressures to start from [owned] [Pa].
-    solve::SolveReport iterate(const StepParts& parts, Aim aim, double dt, const Array<double>& last);
+    solve::SolveReport iterate(const StepContext& parts, Aim aim, double dt, const Array<double>& last);
 
     Vec3 gravity_;
-    const BodyResponse* response_ = nullptr;
+    const RigidCouplingTerm* response_ = nullptr;
     Array<double> q_{"treacle::iisph_q", 0};
     Array<double> product_{"treacle::iisph_product", 0};
     Array<double> diagonal_{"treacle::iisph_diagonal", 0};

@@ -1,5 +1,5 @@
 #pragma once
-#include "kokkos/quad.hpp"
+#include "kokkos/float4.hpp"
 #include "sph/iisph/iisph.hpp"
 
 #include <cstdint>
@@ -15,7 +15,7 @@ struct Gradients {
 
     // Gradients of as many pairs as there are SIMD elements [kg/m4].
     struct Near {
-        Lanes x, y, z; // in double precision
+        SimdDouble x, y, z; // in double precision
     };
     // Gradients of the pairs from entry k of the list on; lanes beyond the end of the row hold others.
     KOKKOS_INLINE_FUNCTION Near near(std::int64_t k) const {
@@ -51,12 +51,12 @@ struct PairLoop {
         const Constants& c = fluid.constants;
         const Row row = fluid.row(i);
         const std::int64_t first = fluid.liquid.offset(i);
-        Lanes square = 0.0, gx = 0.0, gy = 0.0, gz = 0.0;
+        SimdDouble square = 0.0, gx = 0.0, gy = 0.0, gz = 0.0;
         for (int k = 0; k < row.count; k += lanes) {
             const auto d = row.near(k);
             const auto along = distance(d.r2);
-            const Lanes gradient = row.within(k, c.mass * kernel.gradient(along.r, along.inverse));
-            const Lanes x = rounded(gradient * d.x), y = rounded(gradient * d.y), z = rounded(gradient * d.z);
+            const SimdDouble gradient = row.within(k, c.mass * kernel.gradient(along.r, along.inverse));
+            const SimdDouble x = rounded(gradient * d.x), y = rounded(gradient * d.y), z = rounded(gradient * d.z);
             store_floats(x, row.count - k, gradients.x.data() + first + k);
             store_floats(y, row.count - k, gradients.y.data() + first + k);
             store_floats(z, row.count - k, gradients.z.data() + first + k);
@@ -75,7 +75,7 @@ struct PairLoop {
         });
         for (int k = 0; k < 3; ++k) {
             own(i, k) = g[k];
-            force(i, k) = liquid[k] + c.wall_push * (g[k] - liquid[k]);
+            force(i, k) = liquid[k] + c.wall_pressure_factor * (g[k] - liquid[k]);
         }
         watched(i) = !bearing || bears(g, liquid) ? 1 : 0;
         diagonal(i) = (sum_lanes(square) + g[0] * g[0] + g[1] * g[1] + g[2] * g[2]) / relative(i);
@@ -101,7 +101,7 @@ struct SourceLoop {
         const double ux = u(i, 0), uy = u(i, 1), uz = u(i, 2);
         const Row row = fluid.row(i);
         const std::int64_t first = fluid.liquid.offset(i);
-        Lanes divergence = 0.0;
+        SimdDouble divergence = 0.0;
         for (int k = 0; k < row.count; k += lanes) {
             const auto w = fluid.motions(row, k);
             const auto g = gradients.near(first + k);
@@ -134,9 +134,9 @@ struct AccelerationLoop {
     KOKKOS_INLINE_FUNCTION void operator()(int i) const {
         const Row row = fluid.row(i);
         const std::int64_t first = fluid.liquid.offset(i);
-        Lanes fx = 0.0, fy = 0.0, fz = 0.0;
+        SimdDouble fx = 0.0, fy = 0.0, fz = 0.0;
         for (int k = 0; k < row.count; k += lanes) {
-            const Lanes q = row.within(k, gather_lanes(fluid.load.data(), load_ints(row.index + k)));
+            const SimdDouble q = row.within(k, gather_lanes(fluid.load.data(), load_ints(row.index + k)));
             const auto g = gradients.near(first + k);
             fx = fx + q * g.x;
             fy = fy + q * g.y;
@@ -164,7 +164,7 @@ struct DensityChangeLoop {
     KOKKOS_INLINE_FUNCTION void operator()(int i) const {
         const Row row = fluid.row(i);
         const std::int64_t first = fluid.liquid.offset(i);
-        Lanes sum = 0.0;
+        SimdDouble sum = 0.0;
         for (int k = 0; k < row.count; k += lanes) {
             const auto a = fluid.motions(row, k);
             const auto g = gradients.near(first + k);

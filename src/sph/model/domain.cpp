@@ -11,7 +11,7 @@ namespace treacle::sph {
 
 namespace {
 bool periodic(const scene::Domain& domain, int axis) {
-    return domain.faces[static_cast<std::size_t>(2 * axis)].kind == scene::FaceKind::periodic;
+    return domain.faces[static_cast<std::size_t>(2 * axis)].kind == scene::BoundaryKind::periodic;
 }
 
 // A power of two so small that twice the domain is counted in whole, exactly representable steps.

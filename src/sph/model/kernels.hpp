@@ -1,5 +1,5 @@
 #pragma once
-#include "kokkos/lanes.hpp"
+#include "kokkos/simd.hpp"
 
 namespace treacle::sph {
 

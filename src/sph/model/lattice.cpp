@@ -21,7 +21,7 @@ void for_lattice(int dimensions, int reach, const Visit& visit) {
 }
 } // namespace
 
-Lattice measure_lattice(KernelKind kind, int dimensions, double support, double spacing) {
+Lattice compute_lattice_sums(KernelKind kind, int dimensions, double support, double spacing) {
     Lattice out;
     const NumberKernel number(support, spacing);
     with_kernel(kind, dimensions, support, [&](const auto& kernel) {
@@ -52,7 +52,7 @@ namespace {
 template <class Kernel>
 PlanarWall measure_at(const Kernel& kernel, const WallSetup& setup, double gap, double u, double v) {
     const NumberKernel number(setup.support, setup.spacing);
-    const auto lattice = measure_lattice(setup.kind, setup.dimensions, setup.support, setup.spacing);
+    const auto lattice = compute_lattice_sums(setup.kind, setup.dimensions, setup.support, setup.spacing);
     const bool plane = setup.dimensions == 2;
     const double d = setup.spacing, s = setup.wall_spacing;
     PlanarWall out;
@@ -101,7 +101,7 @@ PlanarWall measure_at(const Kernel& kernel, const WallSetup& setup, double gap, 
 }
 } // namespace
 
-PlanarWall measure_wall(const WallSetup& setup, double gap) {
+PlanarWall compute_wall_sums(const WallSetup& setup, double gap) {
     PlanarWall mean;
     with_kernel(setup.kind, setup.dimensions, setup.support, [&](const auto& kernel) {
         const double half = setup.wall_spacing / 2;
@@ -132,7 +132,7 @@ PlanarWall measure_aligned(const WallSetup& setup, double gap) {
 }
 } // namespace
 
-double rest_gap(const WallSetup& setup, const DensityOptions& density) {
+double equilibrium_wall_distance(const WallSetup& setup, const DensityOptions& density) {
     double lo = 0.3 * setup.spacing, hi = setup.support;
     for (int k = 0; k < 60; ++k) {
         const double gap = (lo + hi) / 2;
@@ -144,13 +144,13 @@ double rest_gap(const WallSetup& setup, const DensityOptions& density) {
     return (lo + hi) / 2;
 }
 
-double wall_cover(const WallSetup& setup, const DensityOptions& density) {
-    const auto wall = measure_aligned(setup, rest_gap(setup, density));
+double wall_laplacian_factor(const WallSetup& setup, const DensityOptions& density) {
+    const auto wall = measure_aligned(setup, equilibrium_wall_distance(setup, density));
     return wall.missing / wall.laplacian;
 }
 
-double wall_push(const WallSetup& setup, const DensityOptions& density) {
-    const auto wall = measure_aligned(setup, rest_gap(setup, density));
+double wall_pressure_factor(const WallSetup& setup, const DensityOptions& density) {
+    const auto wall = measure_aligned(setup, equilibrium_wall_distance(setup, density));
     return 2 * wall.liquid_vector / wall.wall_vector;
 }
 
@@ -183,7 +183,7 @@ struct Layers {
 };
 template <class Kernel>
 Layers see_layers(const Kernel& kernel, const WallSetup& setup, double gap) {
-    const auto lattice = measure_lattice(setup.kind, setup.dimensions, setup.support, setup.spacing);
+    const auto lattice = compute_lattice_sums(setup.kind, setup.dimensions, setup.support, setup.spacing);
     const auto wall = measure_aligned(setup, gap);
     const double d = setup.spacing;
     Layers out{{{}}, {see_layer(kernel, setup, wall.wall_volume, setup.wall_spacing, gap)}, gap, d};
@@ -212,8 +212,8 @@ double layer_imbalance(const Layers& layers, double grip) {
 }
 } // namespace
 
-double wall_grip(const WallSetup& setup, const DensityOptions& density, double viscous_support) {
-    const double gap = rest_gap(setup, density);
+double wall_viscous_factor(const WallSetup& setup, const DensityOptions& density, double viscous_support) {
+    const double gap = equilibrium_wall_distance(setup, density);
     double lo = 0, hi = 10;
     with_kernel(setup.kind, setup.dimensions, viscous_support, [&](const auto& kernel) {
         const Layers layers = see_layers(kernel, setup, gap);

@@ -15,7 +15,7 @@ struct Lattice {
     double laplacian_factor = 0;   // SPH Laplacian of p = x^2 over 2 (cL)
     double laplacian_diagonal = 0; // sum_j a_ij [1/m^2]
 };
-Lattice measure_lattice(KernelKind kind, int dimensions, double support, double spacing);
+Lattice compute_lattice_sums(KernelKind kind, int dimensions, double support, double spacing);
 
 // One layer of wall particles of spacing `wall_spacing` facing a half space of lattice liquid.
 struct PlanarWall {
@@ -38,22 +38,22 @@ struct WallSetup {
     double wall_spacing; // [m]
 };
 // Mean over three lateral offsets of the two lattices: none, half a spacing along one and along both directions.
-PlanarWall measure_wall(const WallSetup& setup, double gap);
+PlanarWall compute_wall_sums(const WallSetup& setup, double gap);
 
 // The distance from a wall layer at which the first layer of a resting lattice has its rest density [m].
-double rest_gap(const WallSetup& setup, const DensityOptions& density);
+double equilibrium_wall_distance(const WallSetup& setup, const DensityOptions& density);
 
 // Factor on the a_is of such a wall so that the first layer at that distance lacks no neighbours: one layer of solid
 // particles stands for all that lies behind it.
-double wall_cover(const WallSetup& setup, const DensityOptions& density);
+double wall_laplacian_factor(const WallSetup& setup, const DensityOptions& density);
 
 // Factor on the one-sided pressure of such a wall so that the first layer at that distance is in balance when all
 // pressures are equal.
-double wall_push(const WallSetup& setup, const DensityOptions& density);
+double wall_pressure_factor(const WallSetup& setup, const DensityOptions& density);
 
 // Factor on the V_s of such a wall in the viscous sums so that the first layer at that distance is in balance when the
 // stress is uniform and the wall at rest (src/sph/theory.md, Implicit viscosity). These have a support of their
 // own [m].
-double wall_grip(const WallSetup& setup, const DensityOptions& density, double viscous_support);
+double wall_viscous_factor(const WallSetup& setup, const DensityOptions& density, double viscous_support);
 
 } // namespace treacle::sph

@@ -2,24 +2,24 @@
 
 namespace treacle::sph {
 
-void write_places(LiquidParticles& liquid, const Array<double>& number) {
+void pack_positions(LiquidParticles& liquid, const Array<double>& number) {
     const int n = liquid.store.total();
     reserve(liquid.place, static_cast<std::size_t>(n));
     const auto x = liquid.position();
     const auto to = liquid.place;
-    Kokkos::parallel_for("treacle::write_places", n, KOKKOS_LAMBDA(int i) {
+    Kokkos::parallel_for("treacle::pack_positions", n, KOKKOS_LAMBDA(int i) {
         for (int k = 0; k < 3; ++k) to(i, k) = x(i, k);
         to(i, 3) = number(i);
     });
 }
 
-void write_motions(LiquidParticles& liquid) {
+void pack_velocities(LiquidParticles& liquid) {
     const int n = liquid.store.total();
     reserve(liquid.motion, static_cast<std::size_t>(n));
     const auto u = liquid.velocity();
     const auto p = liquid.pressure();
     const auto to = liquid.motion;
-    Kokkos::parallel_for("treacle::write_motions", n, KOKKOS_LAMBDA(int i) {
+    Kokkos::parallel_for("treacle::pack_velocities", n, KOKKOS_LAMBDA(int i) {
         for (int k = 0; k < 3; ++k) to(i, k) = u(i, k);
         to(i, 3) = p(i);
     });

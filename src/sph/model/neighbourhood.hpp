@@ -1,6 +1,6 @@
 #pragma once
 #include "kokkos/neighbour_list.hpp"
-#include "sph/model/mixture.hpp"
+#include "sph/model/immiscible_liquids.hpp"
 #include "sph/model/options.hpp"
 #include "sph/model/particles.hpp"
 
@@ -10,20 +10,20 @@ namespace treacle::sph {
 struct Constants {
     double support = 0;        // h [m]
     double spacing = 0;        // d [m]
-    double mass = 0;           // m [kg], [kg/m] in the plane; of the first liquid
+    double mass = 0;           // m [kg], [kg/m] in 2D; of the first liquid
     double rest_density = 0;   // rho0 [kg/m3]; of the first liquid
     double rest_volume = 0;    // V0 [m^D]
     double number_density = 0; // n0
     double laplacian_diagonal = 0; // sum_j a_ij on the full lattice [1/m2]
-    double wall_cover = 1;         // how many times a_is count as cover (lattice.hpp)
-    double wall_push = 1;          // how many times Akinci's one-sided pressure of solids acts (lattice.hpp)
-    double wall_grip = 1;          // how many times V_s counts in the viscous sums (lattice.hpp)
-    double wall_wetting = 0;       // sum of V0 |W'|/r of the lattice over a particle of a plane wall [1/m2]
+    double wall_laplacian_factor = 1;         // how many times a_is count as cover (lattice.hpp)
+    double wall_pressure_factor = 1;          // how many times Akinci's one-sided pressure of solids acts (lattice.hpp)
+    double wall_viscous_factor = 1;          // how many times V_s counts in the viscous sums (lattice.hpp)
+    double wall_kernel_sum = 0;       // sum of V0 |W'|/r of the lattice over a particle of a plane wall [1/m2]
     double wall_volume = 0;        // V_s of a plane wall [m^D]
     double wall_packing = 1;       // factor on V_s of solids at rest in all but viscous sums (density.hpp)
     double wall_depth = 0;         // of the layer of solid particles below the surface [m]
     int dimensions = 3;
-    Mixture mixture;           // of several liquids, otherwise empty
+    ImmiscibleLiquids immiscible;           // of several liquids, otherwise empty
     int conveyors = 0;         // solids with numbers below it move along themselves: their particles stay, and carry no volume
 };
 
@@ -35,8 +35,8 @@ struct Neighbourhood {
 
 // Copies positions and a number of each owned and ghost particle, or velocities and pressures, to where pair sums
 // read them.
-void write_places(LiquidParticles& liquid, const Array<double>& number);
-void write_motions(LiquidParticles& liquid);
+void pack_positions(LiquidParticles& liquid, const Array<double>& number);
+void pack_velocities(LiquidParticles& liquid);
 
 // The liquid particles around one particle, several at a time: for (int k = 0; k < row.count; k += lanes).
 struct Row {
@@ -47,17 +47,17 @@ struct Row {
 
     // Differences of positions [m], their square [m2].
     struct Near {
-        Lanes x, y, z, r2; // from the neighbours to the particle
-        Lanes number;      // the fourth one of `place`
+        SimdDouble x, y, z, r2; // from the neighbours to the particle
+        SimdDouble number;      // the fourth one of `place`
     };
     // Neighbours from the k-th one on.
     KOKKOS_INLINE_FUNCTION Near near(int k) const {
         const Quads q = gather_quads(place, index + k);
-        const Lanes dx = x - q.x, dy = y - q.y, dz = z - q.z;
+        const SimdDouble dx = x - q.x, dy = y - q.y, dz = z - q.z;
         return {dx, dy, dz, dx * dx + dy * dy + dz * dz, q.w};
     }
     // Lanes beyond the end of the row hold some other pair: what is summed must be 0 there.
-    KOKKOS_INLINE_FUNCTION Lanes within(int k, Lanes term) const { return select(first_lanes(count - k), term, 0.0); }
+    KOKKOS_INLINE_FUNCTION SimdDouble within(int k, SimdDouble term) const { return select(tail_mask(count - k), term, 0.0); }
 };
 
 // Pair sums over a list, for kernels: visit(j, dx, dy, dz, r2) with the vector from x_j to x_i.
@@ -87,7 +87,7 @@ struct Pairs {
 
 // Ratio of each particle's rest density to the first liquid's; shares the fields.
 inline RelativeDensity relative_density(const Constants& constants, const LiquidParticles& liquid) {
-    return {constants.mixture.several(), liquid.liquid(), constants.mixture.density};
+    return {constants.immiscible.several(), liquid.liquid(), constants.immiscible.density};
 }
 
 // Pairs of the list from the particles `of` to those `among`; shares its arrays and their positions.
@@ -118,7 +118,7 @@ struct Fluid {
 };
 
 // Views of all that, without a copy.
-inline Fluid gather_fluid(const Constants& constants, const LiquidParticles& liquid, const SolidParticles& solid,
+inline Fluid make_views(const Constants& constants, const LiquidParticles& liquid, const SolidParticles& solid,
                           const Neighbourhood& neighbours) {
     return {constants,
             pairs(neighbours.liquid, liquid.store, liquid.store),

@@ -34,19 +34,19 @@ void DensityOptions::declare(Declaration& d) {
 void MultilevelOptions::declare(Declaration& d) {
     d.number("cell", cell, unit::none, range_at_least(0),
              "Width of the finest cells of `multilevel` in particle spacings; 0: the cells of the neighbour search, "
-             "one support radius. `multilevel_grids` always has those.");
+             "one support radius. `multilevel_rediscretised` always has those.");
     d.number("overcorrection", overcorrection, unit::none, range_between(1, 1.95),
              "What the coarse matrices of `multilevel` are divided by.");
     d.choice("smoother", smoother,
              {{"gauss_seidel", MultilevelSmoother::gauss_seidel}, {"jacobi", MultilevelSmoother::jacobi}},
-             "Smoother of `multilevel` on the particles. `multilevel_grids` always takes weighted Jacobi.");
+             "Smoother of `multilevel` on the particles. `multilevel_rediscretised` always takes weighted Jacobi.");
     d.number("jacobi_weight", jacobi_weight, unit::none, range_above_to(0, 1), "Weight of the Jacobi smoother.");
     d.choice("cycle", cycle, {{"v", MultilevelCycle::v}, {"w", MultilevelCycle::w}},
-             "Each coarse level of `multilevel` once, or twice for each time of the one above. `multilevel_grids` "
+             "Each coarse level of `multilevel` once, or twice for each time of the one above. `multilevel_rediscretised` "
              "always takes the V-cycle.");
     d.integer("coarse_sweeps", coarse_sweeps, range_at_least(1), "Smoothing sweeps each way on coarse levels.");
     d.number("grid_factor", grid_factor, unit::none, range_above(0),
-             "Factor lambda of `multilevel_grids` (dissertation, section 3.5.2).");
+             "Factor lambda of `multilevel_rediscretised` (dissertation, section 3.5.2).");
 }
 
 void PressureOptions::check_solver(Declaration& d) const {
@@ -127,8 +127,8 @@ void PressureOptions::declare_solids(Declaration& d) {
              "Whether a particle that would sink below the surface of a solid within the step loses the part of its velocity "
              "that leads there, or pressures alone hold it off, which they do only while it meets the solid in several "
              "steps.");
-    d.choice("body_coupling", body_coupling,
-             {{"implicit", BodyCoupling::implicit}, {"explicit", BodyCoupling::one_step_late}},
+    d.choice("coupling", coupling,
+             {{"strong", BodyCoupling::strong}, {"weak", BodyCoupling::weak}},
              "Whether the pressures know that dynamic bodies give way to them, or these feel the pressures that stop "
              "the liquid at a body at rest; bodies not much denser than the liquid fly off then.");
 }
@@ -143,7 +143,7 @@ void PressureOptions::declare_preconditioner(Declaration& d) {
               {"gamg", PressurePreconditioner::gamg},
               {"boomeramg", PressurePreconditioner::boomeramg},
               {"multilevel", PressurePreconditioner::multilevel},
-              {"multilevel_grids", PressurePreconditioner::multilevel_grids}},
+              {"multilevel_rediscretised", PressurePreconditioner::multilevel_rediscretised}},
              "Preconditioner of the conjugate gradients: `ssor` relaxes row by row on each rank, `sor_jacobi` all rows at "
              "once, twice, as the dissertation's SORCG; the two multilevel ones coarsen particles to cells, by sums "
              "of the matrix's entries or by finite differences (dissertation, section 3.5).");
@@ -154,8 +154,8 @@ void PressureOptions::declare_preconditioner(Declaration& d) {
                          preconditioner == PressurePreconditioner::sor_jacobi;
     d.check(relaxed || relaxation == 1, "relaxation",
             {"is read by preconditioner: ssor and sor_jacobi only", "another would ignore it", "leave it out"});
-    d.check(solid_term != SolidTerm::unknowns || preconditioner != PressurePreconditioner::multilevel_grids,
-            "preconditioner", {"cannot be multilevel_grids with solid_term: unknowns",
+    d.check(solid_term != SolidTerm::unknowns || preconditioner != PressurePreconditioner::multilevel_rediscretised,
+            "preconditioner", {"cannot be multilevel_rediscretised with solid_term: unknowns",
                                "its coarse grids know the liquid alone", "take multilevel"});
     d.check(solid_term != SolidTerm::unknowns || dirichlet != DirichletRule::ghosts, "dirichlet",
             {"cannot be ghosts with solid_term: unknowns",
@@ -205,7 +205,7 @@ void PressureOptions::check_complementarity(Declaration& d) const {
     const bool exact = dirichlet == DirichletRule::complementarity;
     const bool cut = preconditioner != PressurePreconditioner::gamg &&
                      preconditioner != PressurePreconditioner::boomeramg &&
-                     preconditioner != PressurePreconditioner::multilevel_grids;
+                     preconditioner != PressurePreconditioner::multilevel_rediscretised;
     d.check(!exact || clamping == Clamping::pressures, "clamping",
             {"cannot be sources with dirichlet: complementarity", "its pressures are not negative, whatever the sources are",
              "leave it out"});
@@ -240,12 +240,12 @@ void ViscosityOptions::declare_form(Declaration& d) {
               {"adjoint", ViscosityForm::adjoint},
               {"pairwise", ViscosityForm::pairwise},
               {"laplacian", ViscosityForm::laplacian},
-              {"printed", ViscosityForm::printed}},
+              {"as_published", ViscosityForm::as_published}},
              "The full stress (dissertation, chapter 4) of gradients that are exact for linear velocities; of the plain "
              "ones, made symmetric; forces along the lines between particles (Weiler et al. 2018), for support_ratio 3 "
-             "and more; the Laplacian of each component, which stops rotations; or equations 4.5 to 4.12 as printed, "
+             "and more; the Laplacian of each component, which stops rotations; or equations 4.5 to 4.12 as published, "
              "which are not symmetric.");
-    d.number("checkerboard_damping", checkerboard_damping, unit::none, range_between(0, 1),
+    d.number("hourglass_coefficient", hourglass_coefficient, unit::none, range_between(0, 1),
              "Share of the viscosity that acts on what `corrected` gradients do not see of the velocities around a "
              "particle.");
     d.number("support_ratio", support_ratio, unit::none, range_between(1.5, 4),
@@ -258,7 +258,7 @@ void ViscosityOptions::declare_form(Declaration& d) {
 void ViscosityOptions::declare_solver(Declaration& d) {
     d.choice("solver", solver,
              {{"conjugate_gradients", ViscositySolver::conjugate_gradients}, {"bicgstab", ViscositySolver::bicgstab}},
-             "Conjugate gradients need a symmetric matrix, and may fail on the printed form at high viscosities; "
+             "Conjugate gradients need a symmetric matrix, and may fail on that as published at high viscosities; "
              "`bicgstab` does not.");
     d.choice("preconditioner", preconditioner,
              {{"jacobi", ViscosityPreconditioner::jacobi},
@@ -272,8 +272,8 @@ void ViscosityOptions::declare_solver(Declaration& d) {
             {"needs assembled: true", "algebraic multigrid is made of a matrix", "take multilevel, or set assembled: true"});
     d.check(assembled || solver != ViscositySolver::bicgstab, "solver",
             {"bicgstab needs assembled: true", "the other forms are symmetric", "leave it out, or set assembled: true"});
-    d.check(assembled || form != ViscosityForm::printed || integration == ViscosityIntegration::explicit_form, "form",
-            {"printed needs assembled: true", "it is there to compare with, solved as the dissertation does",
+    d.check(assembled || form != ViscosityForm::as_published || integration == ViscosityIntegration::explicit_form, "form",
+            {"as_published needs assembled: true", "it is there to compare with, solved as the dissertation does",
              "set assembled: true, or take adjoint, which is symmetric"});
     d.choice("guess", guess, {{"velocity", ViscosityGuess::velocity}, {"last_change", ViscosityGuess::last_change}},
              "What the solve starts from: the velocities that it is given, or these and what the last solve changed.");
@@ -285,14 +285,14 @@ void ViscosityOptions::declare_solver(Declaration& d) {
 }
 
 void ViscosityOptions::declare_others(Declaration& d) {
-    d.choice("body_coupling", body_coupling,
-             {{"implicit", BodyCoupling::implicit}, {"explicit", BodyCoupling::one_step_late}},
+    d.choice("coupling", coupling,
+             {{"strong", BodyCoupling::strong}, {"weak", BodyCoupling::weak}},
              "Whether dynamic bodies move along in the viscous solve, or take the forces that the liquid would put on them "
              "if they did not; bodies that are light, or in very viscous liquid, are shaken to pieces then.");
-    d.number("rheology_residual", rheology_residual, unit::none, range_above_to(0, 1),
+    d.number("picard_residual", picard_residual, unit::none, range_above_to(0, 1),
              "Of liquids whose viscosity depends on the shear rate: the step is solved again with the viscosities of the "
              "velocities found, until these leave no larger a relative residual.");
-    d.integer("rheology_solves", rheology_solves, range_between(1, 1000),
+    d.integer("max_picard_iterations", max_picard_iterations, range_between(1, 1000),
               "Most solves of a step for that; what is left is taken up by the next step. 1: the viscosities are those of "
               "the last step.");
     d.number("bulk", bulk, unit::none, range_between(0, 1000),
@@ -336,7 +336,7 @@ void SphOptions::declare(Declaration& d) {
     d.check(viscosity.xsph == 0 || !pressure.recovers_places(), "viscosity.xsph",
             {"cannot go with pressure.recovery: positions", "either moves particles by more than their velocities", "leave one of the two out"});
     d.block("surface_tension", surface_tension, "The surface tension of the liquids against air.");
-    d.number("rebalance_above", rebalance_above, unit::none, range_at_least(1),
+    d.number("max_load_imbalance", max_load_imbalance, unit::none, range_at_least(1),
              "Largest over mean number of particles of a rank above which the domain is cut anew.");
 }
 

@@ -20,7 +20,7 @@ enum class WallForce { one_sided, balanced };
 // Particles that would sink below a solid's surface within a step (S8c).
 enum class WallContact { stop, none };
 // Bodies in a solve: unknowns of it, or at rest until their loads are known.
-enum class BodyCoupling { implicit, one_step_late };
+enum class BodyCoupling { strong, weak };
 // End of the pressure iterations: mean compression, or relative residual.
 enum class StoppingRule { density_error, residual };
 // Return of compressed liquid to its density: by velocities, or by a position shift (IS2).
@@ -37,7 +37,7 @@ enum class PressurePreconditioner {
     gamg,
     boomeramg,
     multilevel,      // Galerkin products on cells (src/solve/README.md)
-    multilevel_grids // the dissertation's grids, 3.5
+    multilevel_rediscretised // the dissertation's grids, 3.5
 };
 // Integration of the viscous force in time.
 enum class ViscosityIntegration {
@@ -52,7 +52,7 @@ enum class ViscosityForm {
     adjoint,   // the symmetric form of section 4.4
     pairwise,  // Weiler et al. 2018
     laplacian, // Brookshaw 1985, component by component
-    printed    // equations 4.5-4.12, not symmetric
+    as_published    // equations 4.5-4.12, not symmetric
 };
 // Preconditioner of the viscous system.
 enum class ViscosityPreconditioner {
@@ -117,7 +117,7 @@ struct PressureOptions {
     double amplification_limit = 2; // gamma of Eq. 3.3; the dissertation's 5 ejects lone particles (src/sph/measurements.md)
     WallForce wall_force = WallForce::one_sided;
     WallContact wall_contact = WallContact::stop;
-    BodyCoupling body_coupling = BodyCoupling::implicit;
+    BodyCoupling coupling = BodyCoupling::strong;
     PressurePreconditioner preconditioner = PressurePreconditioner::multilevel;
     double relaxation = 1;          // omega of ssor and sor_jacobi
     MultilevelOptions multilevel;
@@ -127,7 +127,7 @@ struct PressureOptions {
     double divergence_error = 1e-4; // of DFSPH: mean compression that the velocities would cause in a step
     double largest_residual = 0;    // relative, that the density rule must reach as well (src/sph/theory.md); 0: residual_tolerance()
     double residual = 1e-6;         // relative, for the residual rule
-    int corrections = 0;            // most of a step (density_correction.hpp)
+    int corrections = 0;            // most of a step (orthomin_correction.hpp)
     int max_iterations = 2000;      // of one solve; beyond: SimulationError
 
     // Tolerances for the two that are 0: with positions, pressures of the first solve gather no density error.
@@ -153,7 +153,7 @@ private:
 struct ViscosityOptions {
     ViscosityIntegration integration = ViscosityIntegration::automatic;
     ViscosityForm form = ViscosityForm::corrected;
-    double checkerboard_damping = 1;   // kappa of the corrected form (src/sph/theory.md)
+    double hourglass_coefficient = 1;   // kappa of the corrected form (src/sph/theory.md)
     double support_ratio = 2.2;        // of the corrected form's sums, h / d
     bool assembled = false;            // the matrix with its second ring, in place of products without one
     ViscositySolver solver = ViscositySolver::conjugate_gradients;
@@ -162,9 +162,9 @@ struct ViscosityOptions {
     ViscosityPrecision precision = ViscosityPrecision::mixed;
     double residual = 1e-6;            // relative
     int max_iterations = 5000;         // of one solve; beyond: SimulationError
-    BodyCoupling body_coupling = BodyCoupling::implicit;
-    double rheology_residual = 0.01;   // relative, with the viscosities of the velocities that were found
-    int rheology_solves = 4;           // most in a step, when viscosities depend on the shear rate
+    BodyCoupling coupling = BodyCoupling::strong;
+    double picard_residual = 0.01;   // relative, with the viscosities of the velocities that were found
+    int max_picard_iterations = 4;           // most in a step, when viscosities depend on the shear rate
     double artificial = 0.2;      // Monaghan's alpha
     double reference_speed = 0;   // [m/s]; 0: sqrt(g H) of the initial liquid
     double bulk = 4;              // zeta / mu of liquid that is stretched
@@ -193,7 +193,7 @@ struct SphOptions {
     PressureOptions pressure;
     ViscosityOptions viscosity;
     SurfaceTensionOptions surface_tension;
-    double rebalance_above = 1.15;  // largest over mean load of the ranks
+    double max_load_imbalance = 1.15;  // largest over mean load of the ranks
 
     void declare(Declaration& d); // keys of `method`
 };

@@ -123,17 +123,17 @@ KOKKOS_INLINE_FUNCTION Symmetric apply_above(const Symmetric& a, double least, c
 }
 
 // The inverse on the span of the eigenvectors whose eigenvalues exceed `least`, 0 across it.
-KOKKOS_INLINE_FUNCTION Symmetric invert_above(const Symmetric& a, double least) {
+KOKKOS_INLINE_FUNCTION Symmetric truncated_pseudo_inverse(const Symmetric& a, double least) {
     if (surely_above(a, least)) return inverse(a); // spares the eigenvectors of nearly all
     return apply_above(a, least, [](double value) { return 1 / value; });
 }
 
 // The projector on the range of a positive semidefinite matrix whose eigenvalues are 0 or comparable.
-KOKKOS_INLINE_FUNCTION Symmetric range_of(const Symmetric& a) {
+KOKKOS_INLINE_FUNCTION Symmetric range_projector(const Symmetric& a) {
     constexpr double comparable = 1e-6;
     const double trace = a.xx + a.yy + a.zz, least = comparable * trace;
     if (surely_above(a, least)) return {1, 1, 1, 0, 0, 0};
-    if (a.zz == 0 && a.xx * a.yy - a.xy * a.xy > least * trace) return {1, 1, 0, 0, 0, 0}; // of a plane scene
+    if (a.zz == 0 && a.xx * a.yy - a.xy * a.xy > least * trace) return {1, 1, 0, 0, 0, 0}; // of a 2D scene
     return apply_above(a, least, [](double) { return 1.0; });
 }
 

@@ -10,13 +10,13 @@ constexpr int most_rounds = 8;
 Complementarity::Complementarity(const Comm& comm, const solve::KrylovOptions& options)
     : solver_(comm, "pressure", options) {}
 
-std::int64_t Complementarity::anchor(const ComplementarityParts& parts) {
+std::int64_t Complementarity::anchor(const ComplementarityContext& parts) {
     auto& liquid = parts.liquid;
     const auto n = static_cast<std::size_t>(liquid.store.owned());
     std::vector<int> before(n);
     const auto role = on_host(liquid.role());
     for (std::size_t i = 0; i < n; ++i) before[i] = role(i);
-    const auto held = parts.anchoring.anchor(parts.options, parts.constants, parts.comm, liquid, parts.neighbours,
+    const auto held = parts.pinning.anchor(parts.options, parts.constants, parts.comm, liquid, parts.neighbours,
                                              parts.halo);
     const auto after = on_host(liquid.role());
     held_.assign(n, 0);
@@ -38,7 +38,7 @@ std::vector<solve::RowState> Complementarity::states(const LiquidParticles& liqu
 }
 
 // Poisson: particles with pressure, and held ones that would have some.
-void Complementarity::write_roles(const ComplementarityParts& parts, const PressureSystem::HostSystem& host,
+void Complementarity::write_roles(const ComplementarityContext& parts, const PressureSystem::HostSystem& host,
                                   int first_row) {
     auto& liquid = parts.liquid;
     const auto role = on_host(liquid.role()), row = on_host(liquid.row());
@@ -53,9 +53,9 @@ void Complementarity::write_roles(const ComplementarityParts& parts, const Press
     parts.halo.gather(liquid.store, {liquid.role_field()});
 }
 
-solve::SolveReport Complementarity::solve(const ComplementarityParts& parts, solve::Matrix& matrix,
+solve::SolveReport Complementarity::solve(const ComplementarityContext& parts, solve::Matrix& matrix,
                                           const PressureSystem::HostSystem& host, const solve::ConvergenceTest& test,
-                                          std::int64_t& anchored) {
+                                          std::int64_t& pinned) {
     const auto rows = static_cast<std::size_t>(matrix.rows());
     auto& liquid = parts.liquid;
     std::vector<int> first(held_.size());
@@ -80,7 +80,7 @@ solve::SolveReport Complementarity::solve(const ComplementarityParts& parts, sol
         if (!total.converged() && !singular) return total;
         write_roles(parts, host, matrix.first_row());
         const auto held = held_;
-        anchored = anchor(parts);
+        pinned = anchor(parts);
         if (!parts.comm.any(held != held_)) break;
         if (round + 1 == most_rounds) {
             if (singular) return total;

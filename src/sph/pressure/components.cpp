@@ -49,14 +49,14 @@ struct JoinLoop {
     Pairs pairs;
     Forest forest; // parents of Poisson particles, -1 for all others, ghosts included
     Array<double> wall, diagonal;
-    Array<int> anchored;
+    Array<int> has_datum;
 
     KOKKOS_INLINE_FUNCTION double weight(int i, int j) const {
         const auto& x = pairs.of;
         const double dx = x(i, 0) - x(j, 0), dy = x(i, 1) - x(j, 1), dz = x(i, 2) - x(j, 2);
         const double r2 = dx * dx + dy * dy + dz * dz;
         return laplacian.weight(laplacian.volume(i) + laplacian.volume(j), r2, math::sqrt(r2)) *
-               liquids.conductance(i, j);
+               liquids.inverse_density(i, j);
     }
     KOKKOS_INLINE_FUNCTION void operator()(int i) const {
         const auto& parent = forest.parent;
@@ -67,7 +67,7 @@ struct JoinLoop {
         const int* around = pairs.index.data() + pairs.offset(i);
         int previous = -1; // neighbours follow one another in their cells: most have just been joined
         for (int k = 0; k < count; k += lanes) {
-            const IntLanes index = load_ints(around + k), up = gather_ints(parent.data(), index);
+            const SimdInt index = load_ints(around + k), up = gather_ints(parent.data(), index);
             const unsigned all = first_bits(count - k);
             const unsigned fixed = all & bits_below(up, 0);
             for (unsigned left = fixed; left != 0 && held < needed; left &= left - 1) {
@@ -81,57 +81,57 @@ struct JoinLoop {
                 previous = above;
             }
         }
-        anchored(i) = static_cast<int>(held >= needed);
+        has_datum(i) = static_cast<int>(held >= needed);
     }
 };
 } // namespace
 
-std::int64_t Anchoring::label(const SphOptions& options, const Constants& constants, const LiquidParticles& liquid,
+std::int64_t PressurePinning::label(const SphOptions& options, const Constants& constants, const LiquidParticles& liquid,
                               const Neighbourhood& neighbours) {
     const int n = liquid.store.owned();
     reserve(root_, static_cast<std::size_t>(liquid.store.total()));
-    reserve(anchored_, static_cast<std::size_t>(n));
-    const auto root = root_, anchored = anchored_;
+    reserve(has_datum_, static_cast<std::size_t>(n));
+    const auto root = root_, has_datum = has_datum_;
     const auto role = liquid.role();
     const Forest forest{root_};
     Kokkos::parallel_for("treacle::start_components", liquid.store.total(), KOKKOS_LAMBDA(int i) {
         root(i) = role(i) == Role::poisson ? i : -1;
-        if (i < n) anchored(i) = 0;
+        if (i < n) has_datum(i) = 0;
     });
     with_kernel(options.kernel, constants.dimensions, constants.support, [&](const auto& kernel) {
         using Kernel = std::decay_t<decltype(kernel)>;
-        with_liquids(constants.mixture, liquid.liquid(), 0, [&](const auto& liquids) {
+        with_liquids(constants.immiscible, liquid.liquid(), 0, [&](const auto& liquids) {
             using Liquids = std::decay_t<decltype(liquids)>;
             Kokkos::parallel_for("treacle::join_components", n,
                                  JoinLoop<Kernel, Liquids>{laplacian_weight(kernel, constants, liquid), liquids,
                                                            pairs(neighbours.liquid, liquid.store, liquid.store),
-                                                           forest, liquid.wall_term(), liquid.diagonal(), anchored_});
+                                                           forest, liquid.wall_term(), liquid.diagonal(), has_datum_});
         });
     });
     Kokkos::parallel_for("treacle::flatten_components", n, KOKKOS_LAMBDA(int i) {
         if (role(i) != Role::poisson) return;
         root(i) = forest.find(i);
-        if (anchored(i) == 1) Kokkos::atomic_exchange(&anchored(root(i)), 1);
+        if (has_datum(i) == 1) Kokkos::atomic_exchange(&has_datum(root(i)), 1);
     });
     int loose = 0;
     Kokkos::parallel_reduce("treacle::count_loose", n, KOKKOS_LAMBDA(int i, int& sum) {
-        sum += static_cast<int>(role(i) == Role::poisson && root(i) == i && anchored(i) == 0);
+        sum += static_cast<int>(role(i) == Role::poisson && root(i) == i && has_datum(i) == 0);
     }, loose);
     return loose;
 }
 
 // Lowers the label of each component to the least of the components that it touches on other ranks.
-void Anchoring::merge_across_ranks(const Comm& comm, LiquidParticles& liquid, const Neighbourhood& neighbours,
+void PressurePinning::merge_across_ranks(const Comm& comm, LiquidParticles& liquid, const Neighbourhood& neighbours,
                                    Halo& halo) {
     const int n = liquid.store.owned();
     const int first = static_cast<int>(comm.exclusive_sum(static_cast<std::int64_t>(n)));
     reserve(label_, static_cast<std::size_t>(n));
-    const auto root = root_, anchored = anchored_, label = label_;
+    const auto root = root_, has_datum = has_datum_, label = label_;
     const auto role = liquid.role(), component = liquid.component();
     const auto offset = neighbours.liquid.offset;
     const auto index = neighbours.liquid.index;
     Kokkos::parallel_for("treacle::start_labels", n, KOKKOS_LAMBDA(int i) {
-        label(i) = anchored(i) == 1 ? -1 : first + i;
+        label(i) = has_datum(i) == 1 ? -1 : first + i;
     });
     for (bool changing = true; changing;) {
         Kokkos::parallel_for("treacle::spread_labels", n, KOKKOS_LAMBDA(int i) {
@@ -154,7 +154,7 @@ void Anchoring::merge_across_ranks(const Comm& comm, LiquidParticles& liquid, co
 
 // The particle of least source of each component that is still loose, least id on ties. Candidates of all
 // ranks are compared on every rank: one per component and rank, and such components are rare.
-std::int64_t Anchoring::choose_anchors(const Comm& comm, LiquidParticles& liquid) {
+std::int64_t PressurePinning::choose_anchors(const Comm& comm, LiquidParticles& liquid) {
     const int n = liquid.store.owned();
     const auto root = on_host(root_);
     const auto label = on_host(label_);
@@ -202,13 +202,13 @@ std::int64_t Anchoring::choose_anchors(const Comm& comm, LiquidParticles& liquid
     return chosen;
 }
 
-std::int64_t Anchoring::anchor(const SphOptions& options, const Constants& constants, const Comm& comm,
+std::int64_t PressurePinning::anchor(const SphOptions& options, const Constants& constants, const Comm& comm,
                                LiquidParticles& liquid, const Neighbourhood& neighbours, Halo& halo) {
     std::int64_t all = 0;
     while (comm.any(label(options, constants, liquid, neighbours) > 0)) {
         merge_across_ranks(comm, liquid, neighbours, halo);
         const std::int64_t chosen = choose_anchors(comm, liquid);
-        // A component that is loose on this rank may be anchored on another rank; and a new anchor may itself hold too
+        // A component that is loose on this rank may have its datum on another rank; and a new anchor may itself hold too
         // little.
         if (!comm.any(chosen > 0)) break;
         halo.gather(liquid.store, {liquid.role_field()});

@@ -8,8 +8,8 @@ namespace treacle::sph {
 // form connected components, across ranks; a component without an anchor - Dirichlet neighbours or a wall term of
 // some weight - is singular or nearly so, such as a compressed blob in free flight. Its particle of least source
 // becomes Dirichlet. One union-find pass over the edges; what crosses ranks is touched only when some rank has
-// components that are not anchored by themselves.
-class Anchoring {
+// components without a datum of their own.
+class PressurePinning {
 public:
     // Collective. Ghost roles and volumes must be current; changes roles of owned and ghost particles. Returns the number
     // of this rank's particles that became Dirichlet.
@@ -25,8 +25,8 @@ public:
 private:
     std::int64_t choose_anchors(const Comm& comm, LiquidParticles& liquid);
     Array<int> root_{"treacle::root", 0};         // per Poisson particle: least index of its component; else -1
-    Array<int> anchored_{"treacle::anchored", 0}; // per root: 0 or 1
-    Array<int> label_{"treacle::label", 0};       // per root: -1 anchored, else global number of the component
+    Array<int> has_datum_{"treacle::has_datum", 0}; // per root: 0 or 1
+    Array<int> label_{"treacle::label", 0};       // per root: -1 with a datum, else global number of the component
 };
 
 } // namespace treacle::sph

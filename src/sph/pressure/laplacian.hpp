@@ -5,7 +5,7 @@ namespace treacle::sph {
 
 // The pair coefficient of the SPH Laplacian, a_ij = -(V_i + V_j) x.grad W / (r^2 + 0.01 h^2) > 0 [1/m2].
 // Symmetric bit for bit: r2 and the sum of the volumes do not depend on the order, and pairs of liquid particles are
-// all computed as Lanes.
+// all computed as SimdDouble.
 template <class Kernel>
 struct LaplacianWeight {
     Kernel kernel;

@@ -39,7 +39,7 @@ struct PredictionLoop {
     PressureOptions options;
     LastPressures pressures;
     double dt;
-    Answer answer;
+    BodyCoupling coupling;
     Array<double> response;
     Array<double> blended, source, diagonal, wall_term;
     Array<int> role;
@@ -52,7 +52,7 @@ struct PredictionLoop {
         const double ux = u(i, 0), uy = u(i, 1), uz = u(i, 2);
         const bool decomposed = options.solid_term == SolidTerm::decomposed && fluid.solid.count(i) > 0;
         RowSums out;
-        Lanes divergence = 0.0, weights = 0.0, weighted = 0.0;
+        SimdDouble divergence = 0.0, weights = 0.0, weighted = 0.0;
         const Row row = fluid.row(i);
         const auto partners = liquids.partners(i);
         for (int k = 0; k < row.count; k += lanes) {
@@ -60,8 +60,8 @@ struct PredictionLoop {
             const auto m = fluid.motions(row, k);
             const auto along = distance(d.r2);
             // W' r is grad r^2 here; the matrix computes its a_ij without the division.
-            const Lanes gradient = row.within(k, laplacian.kernel.gradient(along.r, along.inverse));
-            const Lanes a =
+            const SimdDouble gradient = row.within(k, laplacian.kernel.gradient(along.r, along.inverse));
+            const SimdDouble a =
                 partners.conduct(row.index + k, laplacian.weight_of(volume + d.number, d.r2, gradient * d.r2));
             divergence = divergence + gradient * ((ux - m.x) * d.x + (uy - m.y) * d.y + (uz - m.z) * d.z);
             weights = weights + a;
@@ -105,7 +105,7 @@ struct PredictionLoop {
         fluid.solid.each(i, [&](int s, double, double, double, double r2) {
             walls += laplacian.weight(rest + fluid.solid_volume(s), r2, math::sqrt(r2));
         });
-        return sum + fluid.constants.wall_cover * walls;
+        return sum + fluid.constants.wall_laplacian_factor * walls;
     }
 
     KOKKOS_INLINE_FUNCTION double solid_term(int i, const RowSums& sum) const {
@@ -115,7 +115,7 @@ struct PredictionLoop {
         if (starting && sum.weights > 0) return 0;
         if (options.solid_term == SolidTerm::decomposed) return sum.decomposed() / liquids.density(i);
         const double ratio = fluid.constants.rest_density / fluid.constants.mass * fluid.volume(i);
-        return fluid.constants.wall_push * ratio * ratio * sum.wall_square() / liquids.density(i); // alpha_i of Eq. 3.2
+        return fluid.constants.wall_pressure_factor * ratio * ratio * sum.wall_square() / liquids.density(i); // alpha_i of Eq. 3.2
     }
 
     // Addition to the diagonal by neighbours at zero pressure in the place of those that lack (src/sph/theory.md).
@@ -167,7 +167,7 @@ struct PredictionLoop {
         const bool pushed = b > 0;
         if (options.clamping == Clamping::sources) b = math::max(b, 0.0);
         const double alpha = solid_term(i, sum);
-        const double answered = answer == Answer::bodies ? response(i) : 0;
+        const double answered = coupling == BodyCoupling::strong ? response(i) : 0;
         const bool linked = options.solid_term == SolidTerm::unknowns && sum.solid_weights > 0;
         const double ghosts = sum.weights > 0 || linked ? ghost_term(i, sum) : 0;
         const double weights = sum.weights + ghosts;
@@ -185,23 +185,23 @@ struct PredictionLoop {
 };
 } // namespace
 
-RoleCounts predict(const StepParts& parts, LastPressures pressures, double dt, Answer answer) {
+RoleCounts predict(const StepContext& parts, LastPressures pressures, double dt, BodyCoupling coupling) {
     const auto& options = parts.options;
     const auto& constants = parts.constants;
     auto& liquid = parts.liquid;
-    write_places(liquid, liquid.volume());
-    write_motions(liquid);
+    pack_positions(liquid, liquid.volume());
+    pack_velocities(liquid);
     if (options.pressure.dirichlet == DirichletRule::surface) mark_surface(constants, liquid, parts.solid, parts.neighbours);
-    const auto fluid = gather_fluid(constants, liquid, parts.solid, parts.neighbours);
+    const auto fluid = make_views(constants, liquid, parts.solid, parts.neighbours);
     int poissons = 0, separates = 0;
     with_kernel(options.kernel, constants.dimensions, constants.support, [&](const auto& kernel) {
         using Kernel = std::decay_t<decltype(kernel)>;
-        with_liquids(constants.mixture, liquid.liquid(), 0, [&](const auto& liquids) {
+        with_liquids(constants.immiscible, liquid.liquid(), 0, [&](const auto& liquids) {
             using Liquids = std::decay_t<decltype(liquids)>;
             Kokkos::parallel_reduce("treacle::predict", fluid.count,
                                     PredictionLoop<Kernel, Liquids>{
                                         laplacian_weight(kernel, constants, liquid), liquids, fluid, options.pressure,
-                                        pressures, dt, answer, liquid.response(), liquid.blended_density(),
+                                        pressures, dt, coupling, liquid.response(), liquid.blended_density(),
                                         liquid.source(), liquid.diagonal(), liquid.wall_term(), liquid.role()},
                                     poissons, separates);
         });

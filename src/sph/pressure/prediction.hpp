@@ -1,5 +1,5 @@
 #pragma once
-#include "sph/model/step_parts.hpp"
+#include "sph/model/step_context.hpp"
 
 namespace treacle::sph {
 
@@ -17,13 +17,12 @@ enum class LastPressures { none, known };
 // particle by one projected Jacobi step from gamma p^t (Eq. 2.6), the solid term and the right-hand side of the
 // pressure system -lap p = (rho* - rho0) / dt^2 (signs of chapter 3: a_ij > 0).
 // With the response of bodies, the field `response` has the bodies' part of each row with p^t
-// (body_response.hpp).
+// (rigid_coupling_term.hpp).
 // Reads ghost velocities u*, densities and pressures p^t. Writes role, source (right-hand side), diagonal
 // (sum_j a_ij + wall term), wall_term: what walls and ghosts add. With solids as unknowns the diagonal has their a_is
 // too, and wall_term is left to SolidRows. Other rules than Eq. 2.6 and clamped sources: src/sph/theory.md.
 // Returns this rank's counts.
-enum class Answer { none, bodies };
-RoleCounts predict(const StepParts& parts, LastPressures pressures, double dt, Answer answer = Answer::none);
+RoleCounts predict(const StepContext& parts, LastPressures pressures, double dt, BodyCoupling coupling = BodyCoupling::weak);
 
 // This rank's particles by their present roles.
 RoleCounts count_roles(const LiquidParticles& liquid);

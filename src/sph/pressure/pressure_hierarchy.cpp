@@ -19,7 +19,7 @@ enum Content : unsigned { holds_poisson = 1, holds_dirichlet = 2, holds_solid = 
 CellGrid finest_grid(const SphOptions& options, const Constants& constants, const CellGrid& search) {
     CellGrid grid = search;
     const double cell = options.pressure.multilevel.cell;
-    if (cell == 0 || options.pressure.preconditioner == PressurePreconditioner::multilevel_grids) return grid;
+    if (cell == 0 || options.pressure.preconditioner == PressurePreconditioner::multilevel_rediscretised) return grid;
     for (double& inverse : grid.inverse_width) inverse = 1 / (cell * constants.spacing);
     return grid;
 }
@@ -33,7 +33,7 @@ solve::MultilevelOptions algebra(const SphOptions& options, const Constants& con
     out.cycle = given.cycle == MultilevelCycle::w ? solve::Cycle::w : solve::Cycle::v;
     out.jacobi_weight = given.jacobi_weight;
     out.coarse_sweeps = given.coarse_sweeps;
-    if (options.pressure.preconditioner == PressurePreconditioner::multilevel_grids) {
+    if (options.pressure.preconditioner == PressurePreconditioner::multilevel_rediscretised) {
         out.coarse = solve::CoarseMatrices::grids;
         out.smoother = solve::Smoother::jacobi;
         out.cycle = solve::Cycle::v;
@@ -49,7 +49,7 @@ solve::MultilevelOptions algebra(const SphOptions& options, const Constants& con
 
 PressureHierarchy::PressureHierarchy(const Comm& comm, const SphOptions& options, const Constants& constants,
                                      const DomainBox& domain, const CellGrid& grid)
-    : grid_(finest_grid(options, constants, grid)), domain_(domain), mixture_(constants.mixture),
+    : grid_(finest_grid(options, constants, grid)), domain_(domain), immiscible_(constants.immiscible),
       solids_unknown_(options.pressure.solid_term == SolidTerm::unknowns),
       multilevel_(comm, algebra(options, constants, grid)),
       bounded_(options.pressure.dirichlet == DirichletRule::complementarity) {}
@@ -83,7 +83,7 @@ void PressureHierarchy::find_walls(int first_row) {
 
 void PressureHierarchy::find_densities(int first_row) {
     const auto row = liquid_->row(), of = liquid_->liquid();
-    const auto density = mixture_.density, densities = densities_;
+    const auto density = immiscible_.density, densities = densities_;
     Kokkos::parallel_for("treacle::find_densities", liquid_->store.owned(), KOKKOS_LAMBDA(int i) {
         if (row(i) >= 0) densities(row(i) - first_row) = density(of(i));
     });
@@ -146,7 +146,7 @@ void PressureHierarchy::set_up(solve::Matrix& matrix) {
         reserve(walls_, rows);
         find_walls(matrix.first_row());
     }
-    const bool several = grids && mixture_.several();
+    const bool several = grids && immiscible_.several();
     if (several) {
         reserve(densities_, rows);
         find_densities(matrix.first_row());
@@ -187,7 +187,7 @@ solve::Preconditioner translate(PressurePreconditioner kind) {
     case PressurePreconditioner::gamg: return solve::Preconditioner::gamg;
     case PressurePreconditioner::boomeramg: return solve::Preconditioner::boomeramg;
     case PressurePreconditioner::multilevel:
-    case PressurePreconditioner::multilevel_grids: break; // called by the solver for the hierarchy
+    case PressurePreconditioner::multilevel_rediscretised: break; // called by the solver for the hierarchy
     }
     return solve::Preconditioner::ic0;
 }
@@ -198,7 +198,7 @@ std::unique_ptr<PressureHierarchy> make_hierarchy(const Comm& comm, const SphOpt
                                                   const CellGrid& grid) {
     if (options.pressure.solver != PressureSolver::isph) return nullptr;
     const auto kind = options.pressure.preconditioner;
-    if (kind != PressurePreconditioner::multilevel && kind != PressurePreconditioner::multilevel_grids) return nullptr;
+    if (kind != PressurePreconditioner::multilevel && kind != PressurePreconditioner::multilevel_rediscretised) return nullptr;
     return std::make_unique<PressureHierarchy>(comm, options, constants, domain, grid);
 }
 

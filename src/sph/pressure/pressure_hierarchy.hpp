@@ -41,7 +41,7 @@ private:
 
     CellGrid grid_;      // of the finest level
     DomainBox domain_;
-    Mixture mixture_;
+    ImmiscibleLiquids immiscible_;
     bool solids_unknown_;
     const LiquidParticles* liquid_ = nullptr;
     const SolidParticles* solid_ = nullptr;

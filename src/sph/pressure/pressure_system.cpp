@@ -71,7 +71,7 @@ struct CountLoop {
         const int count = static_cast<int>(offset(i + 1) - offset(i));
         const int* around = index.data() + offset(i);
         for (int k = 0; k < count; k += lanes) {
-            const IntLanes column = gather_ints(row.data(), load_ints(around + k));
+            const SimdInt column = gather_ints(row.data(), load_ints(around + k));
             const unsigned unknown = first_bits(count - k) & ~bits_below(column, 0);
             here += count_bits(unknown & bits_below(column, first + rows) & ~bits_below(column, first));
             unknowns += count_bits(unknown);
@@ -103,10 +103,10 @@ struct FillLoop {
         bool diagonal_written = false, rising = true;
         for (int k = 0; k < around.count; k += lanes) {
             const auto d = around.near(k);
-            const Lanes value = -partners.conduct(around.index + k,
+            const SimdDouble value = -partners.conduct(around.index + k,
                                                   laplacian.weight(volume + d.number, d.r2, distance(d.r2).r));
-            const IntLanes index = load_ints(around.index + k), global = gather_ints(row.data(), index);
-            const IntLanes column = shift_ints(global, -first);
+            const SimdInt index = load_ints(around.index + k), global = gather_ints(row.data(), index);
+            const SimdInt column = shift_ints(global, -first);
             const unsigned unknown = first_bits(around.count - k) & ~bits_below(global, 0);
             const unsigned inside = unknown & bits_below(column, rows) & ~bits_below(column, 0);
             // A periodic image of a particle of this rank has a row anywhere in the block.
@@ -150,7 +150,7 @@ void PressureSystem::assemble(const SphOptions& options, const Constants& consta
     connect_halo(comm, {{liquid.store, liquid.row()}});
     place_ghosts(liquid);
     count_entries(liquid, neighbours);
-    write_places(liquid, liquid.volume());
+    pack_positions(liquid, liquid.volume());
     for (const auto& [block, entries] : {std::pair(&own_, own_entries_), std::pair(&other_, other_entries_)}) {
         reserve(block->column, static_cast<std::size_t>(entries));
         reserve(block->value, static_cast<std::size_t>(entries));
@@ -159,7 +159,7 @@ void PressureSystem::assemble(const SphOptions& options, const Constants& consta
     reserve(solution_, static_cast<std::size_t>(rows_));
     with_kernel(options.kernel, constants.dimensions, constants.support, [&](const auto& kernel) {
         using Kernel = std::decay_t<decltype(kernel)>;
-        with_liquids(constants.mixture, liquid.liquid(), 0, [&](const auto& liquids) {
+        with_liquids(constants.immiscible, liquid.liquid(), 0, [&](const auto& liquids) {
             using Liquids = std::decay_t<decltype(liquids)>;
             Kokkos::parallel_for(
                 "treacle::fill_matrix", liquid.store.owned(),

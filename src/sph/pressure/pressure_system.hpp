@@ -34,7 +34,7 @@ public:
         }
     };
     // Liquid and solid particles, both with unknowns.
-    struct JointParticles {
+    struct CoupledParticles {
         LiquidParticles& liquid;
         SolidParticles& solid;
         const Neighbourhood& neighbours;
@@ -50,8 +50,8 @@ public:
     // The same with solid particles as unknowns: on each rank the liquid's rows, then the solids',
     //     sum_j a_ij (p_i - p_j) + sum_s a_is (p_i - p_s) = b_i,  sum_j a_sj (p_s - p_j) + sum_t a_st (p_s - p_t) = 0
     // Roles of owned and ghost particles of both must be current (SolidRows::predict).
-    void assemble_joint(const SphOptions& options, const Constants& constants, const Comm& comm,
-                        const JointParticles& joint);
+    void assemble_with_solids(const SphOptions& options, const Constants& constants, const Comm& comm,
+                        const CoupledParticles& joint);
     void store_solid_pressure(SolidParticles& solid) const;
 
     // Writes the solution back as pressures [Pa], negative ones clamped to zero (Algorithm 2); Dirichlet and
@@ -94,7 +94,7 @@ public:
 
     // Parts of the above; not private, since nvcc takes no kernel in a private function.
     void number_rows(const SphOptions& options, const Comm& comm, LiquidParticles& liquid, Halo& halo);
-    void number_joint_rows(const Comm& comm, const JointParticles& joint);
+    void number_joint_rows(const Comm& comm, const CoupledParticles& joint);
     // Particles whose ghosts may be other ranks' columns, whether or not they are near enough to be neighbours.
     struct RowsOf {
         const ParticleStore& store;

@@ -1,5 +1,5 @@
 #pragma once
-#include "kokkos/lanes.hpp"
+#include "kokkos/simd.hpp"
 
 namespace treacle::sph {
 
@@ -21,12 +21,12 @@ struct RowWriter {
         value[k] = v;
     }
     // Entries of the SIMD elements whose bits are set.
-    KOKKOS_INLINE_FUNCTION void add_each(unsigned bits, IntLanes columns, Lanes values) {
+    KOKKOS_INLINE_FUNCTION void add_each(unsigned bits, SimdInt columns, SimdDouble values) {
         add_each(bits, columns, values, [](int column) { return column; });
     }
     // The same with the columns column(key).
     template <class ColumnOf>
-    KOKKOS_INLINE_FUNCTION void add_each(unsigned bits, IntLanes keys, Lanes values, const ColumnOf& column) {
+    KOKKOS_INLINE_FUNCTION void add_each(unsigned bits, SimdInt keys, SimdDouble values, const ColumnOf& column) {
         int c[lanes];
         double v[lanes];
         store_ints(keys, c);
@@ -34,8 +34,8 @@ struct RowWriter {
         for (; bits != 0; bits &= bits - 1) add(column(c[lowest_bit(bits)]), v[lowest_bit(bits)]);
     }
     // The columns rise and lie behind those that are there.
-    KOKKOS_INLINE_FUNCTION void append(unsigned bits, IntLanes columns, Lanes values) {
-        size += write_lanes(bits, columns, values, column + size, value + size);
+    KOKKOS_INLINE_FUNCTION void append(unsigned bits, SimdInt columns, SimdDouble values) {
+        size += compress_store(bits, columns, values, column + size, value + size);
     }
 };
 

@@ -171,7 +171,7 @@ std::int64_t SolidRows::predict(const SphOptions& options, const Constants& cons
     return unknowns;
 }
 
-void PressureSystem::number_joint_rows(const Comm& comm, const JointParticles& joint) {
+void PressureSystem::number_joint_rows(const Comm& comm, const CoupledParticles& joint) {
     const auto& l = joint.liquid;
     const auto& s = joint.solid;
     const int n = l.store.owned(), walls = s.store.owned();
@@ -185,8 +185,8 @@ void PressureSystem::number_joint_rows(const Comm& comm, const JointParticles& j
     joint.solid_halo.gather(s.store, {s.row_field()});
 }
 
-void PressureSystem::assemble_joint(const SphOptions& options, const Constants& constants, const Comm& comm,
-                                    const JointParticles& joint) {
+void PressureSystem::assemble_with_solids(const SphOptions& options, const Constants& constants, const Comm& comm,
+                                    const CoupledParticles& joint) {
     number_joint_rows(comm, joint);
     const auto& l = joint.liquid;
     const auto& s = joint.solid;

@@ -21,7 +21,7 @@ Bodies::Bodies(rigid::BodiesSetup setup, const std::vector<double>& scale, int f
     points_.centre = Array<double>("treacle::body_centres", static_cast<std::size_t>(4 * count));
     for (int k = 0; k < 3; ++k) points_.period[k] = domain.period[k];
     frames_ = Array<double>("treacle::body_frames", static_cast<std::size_t>(count) * frame_width);
-    points_.scale = Array<double>("treacle::solid_scale", static_cast<std::size_t>(count));
+    points_.scale = Array<double>("treacle::boundary_volume_factor", static_cast<std::size_t>(count));
     auto factors = Kokkos::create_mirror_view(points_.scale);
     for (int k = 0; k < count; ++k) {
         const int body = k - first;

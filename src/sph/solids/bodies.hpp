@@ -1,7 +1,7 @@
 #pragma once
 #include "rigid/bodies.hpp"
 #include "sph/model/domain.hpp"
-#include "sph/model/load_points.hpp"
+#include "sph/model/moment_reference_points.hpp"
 #include "sph/model/particles.hpp"
 
 namespace treacle::sph {
@@ -22,7 +22,7 @@ public:
     bool any_moves() const { return rigid.any_moves(); }
     bool any_dynamic() const { return rigid.any_dynamic(); }
     int first() const { return first_; }                      // number of body 0 of `rigid` among the solids with loads
-    const LoadPoints& load_points() const { return points_; } // of all solids with loads, where they are now
+    const MomentReferencePoints& moment_reference_points() const { return points_; } // of all solids with loads, where they are now
 
     // Marks the particles' positions at the start of the run, as long as none has moved.
     void mark_start(const SolidParticles& solid) const;
@@ -43,7 +43,7 @@ private:
 
     DomainBox domain_{};
     int first_ = 0;
-    LoadPoints points_;
+    MomentReferencePoints points_;
     std::vector<Vec3> sides_;
     Array<double> motion_{"treacle::solid_motion", 0}; // [count][6]
     Array<double> frames_{"treacle::body_frames", 0};  // [count][frame_width]

@@ -5,9 +5,9 @@
 namespace treacle::sph {
 
 void measure_slip(const WallSetup& wall, const DensityOptions& density, double viscous_support, Constants& constants) {
-    const double gap = rest_gap(wall, density), d = wall.spacing;
-    const auto lattice = measure_lattice(wall.kind, wall.dimensions, wall.support, d);
-    constants.wall_volume = measure_wall(wall, gap).wall_volume;
+    const double gap = equilibrium_wall_distance(wall, density), d = wall.spacing;
+    const auto lattice = compute_lattice_sums(wall.kind, wall.dimensions, wall.support, d);
+    constants.wall_volume = compute_wall_sums(wall, gap).wall_volume;
     const int reach = static_cast<int>(std::ceil(viscous_support / d)), depth = wall.dimensions == 3 ? reach : 0;
     double wetting = 0;
     with_kernel(wall.kind, wall.dimensions, viscous_support, [&](const auto& kernel) {
@@ -20,7 +20,7 @@ void measure_slip(const WallSetup& wall, const DensityOptions& density, double v
             }
         }
     });
-    constants.wall_wetting = wetting;
+    constants.wall_kernel_sum = wetting;
 }
 
 } // namespace treacle::sph

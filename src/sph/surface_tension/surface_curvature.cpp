@@ -140,9 +140,9 @@ const Array<double>& SurfaceCurvature::curvature(const LiquidParticles& liquid) 
     return liquid.store.get<Array<double>>(curvature_[last_curvature_]);
 }
 
-void SurfaceCurvature::measure(const StepParts& parts) {
+void SurfaceCurvature::measure(const StepContext& parts) {
     const auto& [options, c, comm, liquid, solid, neighbours, halo, cells, driven] = parts;
-    const auto fluid = gather_fluid(c, liquid, solid, neighbours);
+    const auto fluid = make_views(c, liquid, solid, neighbours);
     const auto& around = fluid.liquid;
     with_kernel(options.kernel, c.dimensions, c.support, [&](const auto& kernel) {
         using Kernel = std::decay_t<decltype(kernel)>;

@@ -1,5 +1,5 @@
 #pragma once
-#include "sph/model/step_parts.hpp"
+#include "sph/model/step_context.hpp"
 
 namespace treacle::sph {
 
@@ -16,7 +16,7 @@ public:
     SurfaceCurvature(LiquidParticles& liquid, const SphOptions& options, const Constants& constants);
 
     // Collective: of the owned particles.
-    void measure(const StepParts& parts);
+    void measure(const StepContext& parts);
 
     const Array3& normal(const LiquidParticles& liquid) const;           // N [1/m]
     const Array<double>& curvature(const LiquidParticles& liquid) const; // k [1/m]

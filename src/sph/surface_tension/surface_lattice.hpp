@@ -20,7 +20,7 @@ FlatSurface measure_flat_surface(const SurfaceSetup& setup, int passes);
 
 // Surface energy of pairs that attract each other by W(r) r, each of unit strength, for a unit number of particles per
 // volume: half the work over the area that takes two half spaces apart [m^2 per unit of strength]; pi/8 of the integral
-// of r^5 W in space, 1/3 of that of r^4 W in the plane.
+// of r^5 W in 3D, 1/3 of that of r^4 W in 2D.
 double cohesion_energy(const SurfaceSetup& setup);
 
 } // namespace treacle::sph

@@ -1,6 +1,6 @@
 #include "sph/surface_tension/surface_tension.hpp"
 
-#include "sph/model/load_points.hpp"
+#include "sph/model/moment_reference_points.hpp"
 #include "sph/model/symmetric.hpp"
 #include "sph/surface_tension/surface_lattice.hpp"
 
@@ -81,7 +81,7 @@ struct BalanceLoop : LoadReduction {
     }
 };
 
-std::vector<double> surface_sums(const StepParts& parts, const SurfaceCurvature& surface, const std::array<double, 3>& centre) {
+std::vector<double> surface_sums(const StepContext& parts, const SurfaceCurvature& surface, const std::array<double, 3>& centre) {
     const auto& liquid = parts.liquid;
     std::vector<double> sums(BalanceLoop::sums, 0.0);
     const BalanceLoop loop{{sums.size()},
@@ -97,7 +97,7 @@ std::vector<double> surface_sums(const StepParts& parts, const SurfaceCurvature&
 }
 
 // Takes off the accelerations what their forces and, where `turns`, their torques add up to.
-void balance(const StepParts& parts, const SurfaceCurvature& surface, bool turns) {
+void balance(const StepContext& parts, const SurfaceCurvature& surface, bool turns) {
     using Sums = BalanceLoop;
     auto sums = surface_sums(parts, surface, {0, 0, 0});
     const double weight = sums[Sums::weight];
@@ -110,7 +110,7 @@ void balance(const StepParts& parts, const SurfaceCurvature& surface, bool turns
     if (turns) {
         const double* a = &sums[Sums::inertia];
         const Symmetric inertia{a[0], a[1], a[2], a[5], a[4], a[3]};
-        const auto inverse = invert_above(inertia, 1e-9 * (a[0] + a[1] + a[2])); // none about the axis of a row
+        const auto inverse = truncated_pseudo_inverse(inertia, 1e-9 * (a[0] + a[1] + a[2])); // none about the axis of a row
         inverse.times(&sums[Sums::torque], turn);
     }
     const auto x = parts.liquid.position(), n = surface.normal(parts.liquid), out = parts.liquid.acceleration();
@@ -128,7 +128,7 @@ void balance(const StepParts& parts, const SurfaceCurvature& surface, bool turns
 
 SurfaceTension::SurfaceTension(LiquidParticles& liquid, const SphOptions& options, const Constants& constants,
                                const DomainBox& domain, double tension)
-    : tension_(tension), turns_(domain.period[0] == 0 && domain.period[1] == 0 && domain.period[2] == 0) {
+    : tension_(tension), conserves_torque_(domain.period[0] == 0 && domain.period[1] == 0 && domain.period[2] == 0) {
     if (options.surface_tension.model == SurfaceTensionModel::curvature) {
         curvature_.emplace(liquid, options, constants);
     } else {
@@ -136,7 +136,7 @@ SurfaceTension::SurfaceTension(LiquidParticles& liquid, const SphOptions& option
     }
 }
 
-void SurfaceTension::accelerate(const StepParts& parts, double dt) {
+void SurfaceTension::accelerate(const StepContext& parts, double dt) {
     const auto& c = parts.constants;
     const auto relative = relative_density(c, parts.liquid);
     const auto a = parts.liquid.acceleration(), u = parts.liquid.velocity();
@@ -144,7 +144,7 @@ void SurfaceTension::accelerate(const StepParts& parts, double dt) {
     if (curvature_) {
         curvature_->measure(parts);
         set_curvature_forces(*curvature_, parts.liquid, relative, tension_ / (c.rest_density * curvature_->rise()));
-        balance(parts, *curvature_, turns_);
+        balance(parts, *curvature_, conserves_torque_);
     } else {
         Kokkos::deep_copy(a, 0.0);
     }
@@ -165,7 +165,7 @@ void SurfaceTension::accelerate(const StepParts& parts, double dt) {
 double capillary_step_limit(const SurfaceTensionOptions& options, const Constants& constants, double tension) {
     if (options.model == SurfaceTensionModel::none) return 1e300;
     const double d = constants.spacing, share = options.model == SurfaceTensionModel::cohesion ? cohesion_share : 1;
-    return share * constants.mixture.step_share *
+    return share * constants.immiscible.step_share *
            std::sqrt(constants.rest_density * d * d * d / (4 * math::pi * tension));
 }
 

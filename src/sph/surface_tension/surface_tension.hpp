@@ -21,11 +21,11 @@ public:
                    double tension);
 
     // Collective: u += dt a for the owned particles. Writes the field acceleration.
-    void accelerate(const StepParts& parts, double dt);
+    void accelerate(const StepContext& parts, double dt);
 
 private:
     double tension_;
-    bool turns_; // no axis is periodic: torques have a meaning
+    bool conserves_torque_; // no axis is periodic: torques have a meaning
     double cohesion_ = 0; // A [N/m^(D+2)], sigma in N/m
     std::optional<SurfaceCurvature> curvature_;
 };

@@ -22,7 +22,7 @@ void add(std::vector<double>& a, double c, const std::vector<double>& b) {
 }
 
 // Fraction of the residual that directions must have left to be begun anew in single precision.
-constexpr double worthwhile = 0.5;
+constexpr double min_reduction = 0.5;
 
 // True when it has broken down.
 bool breaks_down(double product, solve::Outcome indefinite, solve::SolveReport& report) {
@@ -41,8 +41,8 @@ bool resists_expansion(const ViscosityOptions& options) {
 
 ImplicitViscosity::ImplicitViscosity(const Comm& comm, LiquidParticles& liquid, const ViscosityOptions& options,
                                      const CellGrid& grid, const std::vector<double>& friction,
-                                     const std::vector<double>& slip_lengths, const std::vector<flow::FlowCurve>& rheology)
-    : operator_(liquid, slip_lengths, resists_expansion(options) ? options.bulk : 0), friction_(upload(friction)), rheology_("treacle::flow_curves", rheology.size()),
+                                     const std::vector<double>& slip_lengths, const std::vector<flow::ViscosityModel>& rheology)
+    : operator_(liquid, slip_lengths, resists_expansion(options) ? options.bulk : 0), friction_(upload(friction)), rheology_("treacle::viscosity_models", rheology.size()),
       direction_(liquid.store.add<Array3>("viscous_direction", "m/s", FieldRole::work)) {
     auto host = Kokkos::create_mirror_view(rheology_);
     for (std::size_t k = 0; k < rheology.size(); ++k) host(k) = rheology[k];
@@ -65,7 +65,7 @@ std::size_t ImplicitViscosity::bytes() const {
     if (multilevel_) out += multilevel_->bytes();
     if (matrix_) out += matrix_->bytes();
     for (const auto* array : {&residual_, &product_, &before_}) out += sizeof(double) * array->span();
-    out += movers_.bytes() + sizeof(double) * friction_.span();
+    out += body_unknowns_.bytes() + sizeof(double) * friction_.span();
     for (const auto* vector : {&body_.q, &body_.residual, &body_.scaled, &body_.direction}) out += sizeof(double) * vector->capacity();
     return out;
 }
@@ -74,14 +74,14 @@ ImplicitViscosity::Result ImplicitViscosity::solve(const ViscousScene& step, con
     const auto start = Clock::now();
     dt_ = dt;
     const ViscousScene scene = near_.among(step);
-    const ViscousParts parts{scene, bodies.load_points(), friction_, bodies.motion()};
+    const ViscousContext parts{scene, bodies.moment_reference_points(), friction_, bodies.motion()};
     Result out;
     if (operator_.prepare(parts, dt) == 0) return out;
     const bool freely = scene.options.viscosity.integration == ViscosityIntegration::explicit_form;
-    if (!freely) movers_.prepare(bodies, scene);
-    body_.q.assign(movers_.unknowns(), 0.0);
+    if (!freely) body_unknowns_.prepare(bodies, scene);
+    body_.q.assign(body_unknowns_.unknowns(), 0.0);
     out.solve = freely ? step_explicitly(parts) : solve_implicitly(parts, bodies);
-    const ViscousParts after{scene, bodies.load_points(), friction_, moved(bodies)};
+    const ViscousContext after{scene, bodies.moment_reference_points(), friction_, moved(bodies)};
     if (!freely && !last_product_is_of_u_) { // an explicit step's forces are those of its start
         multiply_velocities(after, false);
         ++out.solve.products;
@@ -95,11 +95,11 @@ ImplicitViscosity::Result ImplicitViscosity::solve(const ViscousScene& step, con
 
 // Motion of the solids with what the solve has found for the bodies so far.
 const Array<double>& ImplicitViscosity::moved(const Bodies& bodies) {
-    return movers_.any() ? movers_.moved(bodies, body_.q) : bodies.motion();
+    return body_unknowns_.any() ? body_unknowns_.moved(bodies, body_.q) : bodies.motion();
 }
 
 // (4.3) and (4.4) at the velocities before.
-solve::SolveReport ImplicitViscosity::step_explicitly(const ViscousParts& parts) {
+solve::SolveReport ImplicitViscosity::step_explicitly(const ViscousContext& parts) {
     auto& liquid = parts.liquid;
     const int n = liquid.store.owned();
     reserve(product_, static_cast<std::size_t>(n));
@@ -127,7 +127,7 @@ bool ImplicitViscosity::Progress::ended(double square) {
     return report.relative_residual <= std::max(parts.options.viscosity.residual, report.iterations == 0 ? enough : 0);
 }
 
-solve::SolveReport ImplicitViscosity::solve_implicitly(const ViscousParts& parts, const Bodies& bodies) {
+solve::SolveReport ImplicitViscosity::solve_implicitly(const ViscousContext& parts, const Bodies& bodies) {
     auto& liquid = parts.liquid;
     const int n = liquid.store.owned();
     for (auto* array : {&residual_, &product_}) reserve(*array, static_cast<std::size_t>(n));
@@ -139,25 +139,25 @@ solve::SolveReport ImplicitViscosity::solve_implicitly(const ViscousParts& parts
     }
     const auto& before = guessing || verified ? before_ : liquid.velocity();
     const auto report = rated ? solve_by_rates(parts, bodies) : solve_once({parts, bodies, before});
-    if (guessing) keep_change(liquid);
+    if (guessing) store_increment(liquid);
     return report;
 }
 
 // Fixed point on the viscosities: each solve has those of the velocities of the one before, the first one those of the
 // last step.
-solve::SolveReport ImplicitViscosity::solve_by_rates(const ViscousParts& parts, const Bodies& bodies) {
+solve::SolveReport ImplicitViscosity::solve_by_rates(const ViscousContext& parts, const Bodies& bodies) {
     auto& liquid = parts.liquid;
     const auto& options = parts.options.viscosity;
     solve::SolveReport sum;
-    for (int k = 0; k < options.rheology_solves; ++k) {
+    for (int k = 0; k < options.max_picard_iterations; ++k) {
         Progress progress{parts, bodies, before_};
         if (k > 0) {
-            const ViscousParts now{parts, parts.points, parts.friction, moved(bodies)};
+            const ViscousContext now{parts, parts.points, parts.friction, moved(bodies)};
             operator_.multiply(now, liquid.velocity_field(), ViscousOperator::Walls::moving, product_);
             operator_.thin(now, rheology_);
             operator_.prepare(parts, dt_);
             ++sum.products;
-            progress.enough = options.rheology_residual;
+            progress.enough = options.picard_residual;
             progress.first = false;
         }
         const auto one = solve_once(progress);
@@ -172,10 +172,10 @@ solve::SolveReport ImplicitViscosity::solve_by_rates(const ViscousParts& parts, 
 }
 
 // L^T (dt/m) F of the velocities of the last multiply, of which the parts have the motion of the bodies. Collective.
-std::vector<double> ImplicitViscosity::pull(const ViscousParts& parts) {
+std::vector<double> ImplicitViscosity::pull(const ViscousContext& parts) {
     auto loads = operator_.loads(parts);
     parts.comm.sum(std::span(loads));
-    auto out = movers_.project(loads);
+    auto out = body_unknowns_.project(loads);
     for (double& entry : out) entry *= dt_ / parts.constants.mass;
     return out;
 }
@@ -185,12 +185,12 @@ double ImplicitViscosity::find_residual(Progress& progress, bool nearly) {
     const auto& parts = progress.parts;
     auto& liquid = parts.liquid;
     const auto inertia = relative_density(parts.constants, liquid);
-    const ViscousParts now{parts, parts.points, parts.friction, moved(progress.bodies)};
+    const ViscousContext now{parts, parts.points, parts.friction, moved(progress.bodies)};
     multiply_velocities(now, nearly);
     hold_rows(liquid, inertia, liquid.velocity(), product_);
     ++progress.report.products;
     last_product_is_of_u_ = !nearly;
-    if (movers_.any()) {
+    if (body_unknowns_.any()) {
         body_.residual = pull(now);
         add(body_.residual, -1, body_.q);
     }
@@ -221,7 +221,7 @@ solve::SolveReport ImplicitViscosity::solve_once(Progress progress) {
     return progress.report;
 }
 
-void ImplicitViscosity::keep_change(const LiquidParticles& liquid) {
+void ImplicitViscosity::store_increment(const LiquidParticles& liquid) {
     const int n = liquid.store.owned();
     const auto change = liquid.store.get<Array3>(last_change_);
     copy(liquid.velocity(), n, change);
@@ -234,10 +234,10 @@ void ImplicitViscosity::set_up(Progress& progress) {
     const auto& parts = progress.parts;
     if (multilevel_) multilevel_->set_up(parts, operator_);
     if (matrix_) matrix_->assemble(parts, operator_);
-    if (movers_.any()) {
+    if (body_unknowns_.any()) {
         auto held = operator_.stiffness(parts);
         parts.comm.sum(std::span(held));
-        movers_.factorise(held);
+        body_unknowns_.factorise(held);
     }
     progress.report.set_up_seconds = seconds_since(start);
 }
@@ -273,7 +273,7 @@ void ImplicitViscosity::solve_assembled(Progress& progress) {
     report.set_up_seconds += progress.report.set_up_seconds;
     report.relative_residual *= start / progress.norm;
     if (report.outcome == solve::Outcome::indefinite_matrix) {
-        report.reason = "the viscous matrix is not positive definite, as that of the printed form may be";
+        report.reason = "the viscous matrix is not positive definite, as that of the published form may be";
     }
     progress.report = report;
 }
@@ -283,30 +283,30 @@ bool ImplicitViscosity::multiplies_nearly(const ViscosityOptions& options) const
 }
 
 // Into product_.
-void ImplicitViscosity::multiply(const ViscousParts& parts, int u_field, ViscousOperator::Walls walls, bool nearly) {
-    if (nearly) operator_.multiply_nearly(parts, u_field, walls, product_);
+void ImplicitViscosity::multiply(const ViscousContext& parts, int u_field, ViscousOperator::Walls walls, bool nearly) {
+    if (nearly) operator_.multiply_single_precision(parts, u_field, walls, product_);
     else operator_.multiply(parts, u_field, walls, product_);
 }
 
 // The product with the liquid's velocities, beside what does not depend on them: walls that move, and the tension.
-void ImplicitViscosity::multiply_velocities(const ViscousParts& parts, bool nearly) {
+void ImplicitViscosity::multiply_velocities(const ViscousContext& parts, bool nearly) {
     operator_.let_tension_act(true);
     multiply(parts, parts.liquid.velocity_field(), ViscousOperator::Walls::moving, nearly);
     operator_.let_tension_act(false);
 }
 
 // Products with the directions; returns p.C p of all ranks.
-double ImplicitViscosity::multiply_directions(const ViscousParts& parts, bool nearly, std::vector<double>& body_product) {
+double ImplicitViscosity::multiply_directions(const ViscousContext& parts, bool nearly, std::vector<double>& body_product) {
     using Walls = ViscousOperator::Walls;
     const auto p = parts.liquid.store.get<Array3>(direction_);
     const auto inertia = relative_density(parts.constants, parts.liquid);
     const int n = parts.liquid.store.owned();
-    if (!movers_.any()) {
+    if (!body_unknowns_.any()) {
         multiply(parts, direction_, Walls::resting, nearly);
         hold_rows(parts.liquid, inertia, p, product_);
         return parts.comm.sum(dot(p, product_, n));
     }
-    const ViscousParts trial{parts, parts.points, parts.friction, movers_.trial(body_.direction)};
+    const ViscousContext trial{parts, parts.points, parts.friction, body_unknowns_.trial(body_.direction)};
     multiply(trial, direction_, Walls::moving, nearly);
     hold_rows(parts.liquid, inertia, p, product_);
     body_product = body_.direction;
@@ -316,9 +316,9 @@ double ImplicitViscosity::multiply_directions(const ViscousParts& parts, bool ne
 
 // z = M r of particles and bodies, where C p was, which is in r by now; returns this rank's r.z of the particles.
 double ImplicitViscosity::precondition(const LiquidParticles& liquid) {
-    const double product = precondition(liquid, residual_, product_); // held particles have no residual
+    const double product = precondition(liquid, residual_, product_); // buffer particles have no residual
     clear_held(liquid, product_);
-    if (movers_.any()) body_.scaled = movers_.precondition(body_.residual);
+    if (body_unknowns_.any()) body_.scaled = body_unknowns_.precondition(body_.residual);
     return product;
 }
 
@@ -330,19 +330,19 @@ void ImplicitViscosity::iterate(Progress& progress) {
     bool nearly = multiplies_nearly(progress.parts.options.viscosity);
     for (;;) {
         const double before = report.error_measure;
-        follow_directions(progress, nearly);
+        iterate_cg(progress, nearly);
         const bool broken = report.outcome == solve::Outcome::indefinite_matrix ||
                             report.outcome == solve::Outcome::indefinite_preconditioner;
         if (!nearly || (!report.converged() && !broken)) return;
         report.outcome = solve::Outcome::converged;
         report.reason.clear();
         if (progress.ended(find_residual(progress, false))) return;
-        nearly = !broken && report.error_measure < worthwhile * before;
+        nearly = !broken && report.error_measure < min_reduction * before;
     }
 }
 
 // Preconditioned conjugate gradients (Saad 2003, algorithm 9.1).
-void ImplicitViscosity::follow_directions(Progress& progress, bool nearly) {
+void ImplicitViscosity::iterate_cg(Progress& progress, bool nearly) {
     const auto& parts = progress.parts;
     const auto& comm = parts.comm;
     auto& report = progress.report;

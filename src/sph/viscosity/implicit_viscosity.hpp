@@ -20,7 +20,7 @@ public:
     // Friction and slip length per solid and flow curves per liquid, as in ForceOptions.
     ImplicitViscosity(const Comm& comm, LiquidParticles& liquid, const ViscosityOptions& options, const CellGrid& grid,
                       const std::vector<double>& friction, const std::vector<double>& slip_lengths = {},
-                      const std::vector<flow::FlowCurve>& rheology = {});
+                      const std::vector<flow::ViscosityModel>& rheology = {});
 
     // No particle has been through a step: what the last solve changed is nothing. Before the first step of a run.
     void start(const LiquidParticles& liquid);
@@ -42,7 +42,7 @@ public:
 private:
     // C u = before as it goes: the report, and the norm that the residual is a share of.
     struct Progress {
-        const ViscousParts& parts;
+        const ViscousContext& parts;
         const Bodies& bodies;
         const Array3& before; // u*
         double enough = 0;    // relative residual of the present velocities that spares all iterations
@@ -56,33 +56,33 @@ private:
         std::vector<double> q, residual, scaled, direction;
     };
     const Array<double>& moved(const Bodies& bodies);
-    solve::SolveReport step_explicitly(const ViscousParts& parts);
-    solve::SolveReport solve_implicitly(const ViscousParts& parts, const Bodies& bodies);
-    solve::SolveReport solve_by_rates(const ViscousParts& parts, const Bodies& bodies);
+    solve::SolveReport step_explicitly(const ViscousContext& parts);
+    solve::SolveReport solve_implicitly(const ViscousContext& parts, const Bodies& bodies);
+    solve::SolveReport solve_by_rates(const ViscousContext& parts, const Bodies& bodies);
     solve::SolveReport solve_once(Progress progress);
     double find_residual(Progress& progress, bool nearly);
     void set_up(Progress& progress);
     bool start_from_last_change(Progress& progress, double square);
-    void keep_change(const LiquidParticles& liquid);
+    void store_increment(const LiquidParticles& liquid);
     void iterate(Progress& progress);
-    void follow_directions(Progress& progress, bool nearly);
+    void iterate_cg(Progress& progress, bool nearly);
     void solve_assembled(Progress& progress);
     bool multiplies_nearly(const ViscosityOptions& options) const;
-    void multiply(const ViscousParts& parts, int u_field, ViscousOperator::Walls walls, bool nearly);
-    void multiply_velocities(const ViscousParts& parts, bool nearly);
-    double multiply_directions(const ViscousParts& parts, bool nearly, std::vector<double>& body_product);
+    void multiply(const ViscousContext& parts, int u_field, ViscousOperator::Walls walls, bool nearly);
+    void multiply_velocities(const ViscousContext& parts, bool nearly);
+    double multiply_directions(const ViscousContext& parts, bool nearly, std::vector<double>& body_product);
     double precondition(const LiquidParticles& liquid, const Array3& r, const Array3& z);
     double precondition(const LiquidParticles& liquid);
-    std::vector<double> pull(const ViscousParts& parts);
+    std::vector<double> pull(const ViscousContext& parts);
 
     NearPairs near_;
     ViscousOperator operator_;
     std::optional<ViscousMultilevel> multilevel_; // empty: the diagonal blocks alone precondition
     std::optional<ViscousMatrix> matrix_; // empty: products without a matrix
-    ViscousBodies movers_;
+    ViscousBodies body_unknowns_;
     BodyVectors body_;
     Array<double> friction_;
-    Array<flow::FlowCurve> rheology_{"treacle::flow_curves", 0};
+    Array<flow::ViscosityModel> rheology_{"treacle::viscosity_models", 0};
     double dt_ = 0;
     bool last_product_is_of_u_ = false;
     int direction_ = -1;   // field

@@ -106,8 +106,8 @@ void Lanes::look_at(Running& run) {
     if (limits_.hang_factor <= 0) return;
     const double mean = run.steps > 0 ? (since(run.start) - since(run.last_step)) / run.steps : 0;
     const bool steps_go_on = run.steps > 0 && !std::filesystem::exists(run.task.folder / "run" / "summary.json", failed);
-    const double patience = steps_go_on ? std::max(limits_.hang_least, limits_.hang_factor * mean) : beside_steps * limits_.hang_least;
-    if (since(run.last_step) > patience) end(run, LaneEnd::hang);
+    const double timeout = steps_go_on ? std::max(limits_.hang_least, limits_.hang_factor * mean) : beside_steps * limits_.hang_least;
+    if (since(run.last_step) > timeout) end(run, LaneEnd::hang);
 }
 
 std::vector<LaneResult> Lanes::collect() {
@@ -141,14 +141,14 @@ std::vector<LaneResult> Lanes::wait(double seconds) {
     }
 }
 
-std::vector<LaneResult> Lanes::stop(double patience) {
+std::vector<LaneResult> Lanes::stop(double timeout) {
     for (auto& run : running_) end(run, LaneEnd::stop);
     std::vector<LaneResult> out;
     const auto start = Clock::now();
     bool killed = false;
     while (!running_.empty()) {
         for (auto& one : collect()) out.push_back(std::move(one));
-        if (!killed && since(start) > patience) {
+        if (!killed && since(start) > timeout) {
             for (auto& run : running_) run.process->kill();
             killed = true;
         }

@@ -7,7 +7,7 @@ namespace treacle::surface {
 inline constexpr int tile_edge = 8;  // lattice cells along the edge of a tile
 inline constexpr int bins_edge = 4;  // bins along the edge of a tile: two lattice cells each
 
-// The lattice on which the implicit function stands: fixed in space. Nodes are numbered from `origin`; along axes with a
+// The lattice on which the implicit function stands: stationary. Nodes are numbered from `origin`; along axes with a
 // wall or a period both faces of the domain are planes of nodes. Tiles of 8 cells an edge are the cells of the
 // decomposition. Node numbers below are those from the grid's first tile: global number = number + 8 base.
 struct Lattice {

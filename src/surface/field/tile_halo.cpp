@@ -86,7 +86,7 @@ int TileHalo::connect(const Decomposition& decomposition, const CellBox& window,
     std::vector<int> sent, received;
     outgoing_ = {};
     incoming_ = {};
-    const auto list = [&](const CellBox& box, std::vector<int>& slots_of, Slices& slices, int rank) {
+    const auto list = [&](const CellBox& box, std::vector<int>& slots_of, ExchangePlan& slices, int rank) {
         const auto before = slots_of.size();
         for_each_tile(box, [&](int x, int y, int z) {
             if (code(x, y, z) >= 0) slots_of.push_back(code(x, y, z));

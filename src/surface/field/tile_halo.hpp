@@ -18,7 +18,7 @@ public:
 
 private:
     Comm comm_ = Comm::self();
-    Slices outgoing_, incoming_;
+    ExchangePlan outgoing_, incoming_;
     Array<int> sent_{"treacle::sent_tiles", 0}, received_{"treacle::received_tiles", 0}; // slots
     Array<double> send_{"treacle::tile_send", 0}, receive_{"treacle::tile_receive", 0};
 };

@@ -145,7 +145,7 @@ void Mesher::cut_domain() {
             cells.insert(cells.end(), c, c + 3);
             weights.push_back(weight[t]);
         }
-        decomposition_->recut(cells, weights);
+        decomposition_->repartition(cells, weights);
     }
 }
 

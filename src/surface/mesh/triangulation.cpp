@@ -1,7 +1,7 @@
 #include "surface/mesh/triangulation.hpp"
 
 #include "kokkos/scan.hpp"
-#include "mpi/shared_rows.hpp"
+#include "mpi/shared_node_sum.hpp"
 #include "surface/mesh/cell_polygons.hpp"
 
 #include <algorithm>

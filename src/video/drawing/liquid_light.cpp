@@ -9,7 +9,7 @@ namespace {
 constexpr float clearest = 0.35f; // share of the light from behind that the thinnest film lets through
 
 // The mirrored surroundings: a dim floor, a bright sky and the lamp as a soft disc.
-float mirrored(const Vec3f& direction, const Lamp& lamp, float lit) {
+float mirrored(const Vec3f& direction, const DirectionalLight& lamp, float lit) {
     const float height = 0.5f + 0.5f * dot(direction, lamp.up);
     const float sky = 0.50f + 0.60f * height * height;
     const float disc = std::clamp((dot(direction, lamp.towards) - 0.88f) / 0.08f, 0.0f, 1.0f);
@@ -24,18 +24,18 @@ Vec3f deepened(const Vec3f& albedo, float share) {
 }
 } // namespace
 
-Vec3f shade_liquid(const Fragment& f, const Lamp& lamp, const Vec3f& behind, float thickness, float clarity) {
+Vec3f shade_liquid(const Fragment& f, const DirectionalLight& lamp, const Vec3f& behind, float thickness, float attenuation_length) {
     const Vec3f into = normalised(f.point);
     const float facing = std::clamp(-dot(into, f.normal), 0.0f, 1.0f);
     // Light scatters inside the liquid before it leaves: the lamp reaches a little round the edge.
     const float wrapped = std::max(0.0f, (dot(f.normal, lamp.towards) + 0.35f) / 1.35f);
     const float sky = 0.34f + 0.18f * dot(f.normal, lamp.up) + 0.12f * facing;
     const Vec3f deep =
-        clarity > 0 ? deepened(f.albedo, 1 - std::exp(-0.12f * thickness / clarity)) : f.albedo;
+        attenuation_length > 0 ? deepened(f.albedo, 1 - std::exp(-0.12f * thickness / attenuation_length)) : f.albedo;
     const Vec3f own = (0.80f * wrapped * (0.35f + 0.65f * f.lit) + 1.1f * sky * f.open) * deep;
     Vec3f colour = own;
-    if (clarity > 0) {
-        const float path = thickness / clarity;
+    if (attenuation_length > 0) {
+        const float path = thickness / attenuation_length;
         const float through = clearest * std::exp(-path);
         Vec3f tinted = behind;
         for (int k = 0; k < 3; ++k)

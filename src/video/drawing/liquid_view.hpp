@@ -16,7 +16,7 @@ struct CutPlane {
     Vec3 point{0, 0, 0};  // [m]
     Vec3 normal{0, 0, 1}; // of any length, to either side
 };
-// The plane with its unit normal towards the camera. InputError for a normal without length and a camera in the plane.
+// The plane with its unit normal towards the camera. InputError for a normal without length and a camera on it.
 CutPlane facing(const CutPlane& cut, const Camera& camera);
 
 // A part of a closed, oriented surface of liquid. The spans must stay valid during the call.
@@ -24,10 +24,10 @@ struct LiquidMesh {
     std::span<const double> vertices, normals; // [n][3] [m], unit and outward
     std::span<const int> liquid;               // [n] index of the scene's liquid
     std::span<const double> values;            // [n], or none
-    std::span<const std::array<int, 3>> triangles; // plane scenes: segments with the liquid on their left, the third is -1
+    std::span<const std::array<int, 3>> triangles; // 2D scenes: segments with the liquid on their left, the third is -1
 };
 
-// Particles, from which sections of liquid and plane scenes take their values.
+// Particles, from which sections of liquid and 2D scenes take their values.
 struct LiquidPoints {
     std::span<const double> positions;        // [n][3] [m]
     std::span<const std::int64_t> liquid;     // [n], or none
@@ -68,7 +68,7 @@ public:
         float value = 0;        // place in the range, in [0, 1]
         int liquid = 0;
         float thickness = 0;    // [m] of liquid along the camera's axis
-        bool section = false;   // where the cut passes through liquid, and in plane scenes
+        bool section = false;   // where the cut passes through liquid, and in 2D scenes
     };
     Seen at(int column, int row) const; // of samples
 
@@ -110,7 +110,7 @@ private:
     std::optional<CutPlane> cut_;
     Vec3f cut_normal_{0, 0, -1}; // camera axes
     float cut_offset_ = 0;       // [m] normal . x of the section's points
-    std::optional<scene::CameraModel> model_; // in space
+    std::optional<scene::CameraModel> model_; // in 3D
     ShadowMap shadows_;
     std::vector<Sample> samples_; // [height][width] of samples
     std::vector<Mean> means_;     // [height][width] of pixels; empty without a section

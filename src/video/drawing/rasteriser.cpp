@@ -18,7 +18,7 @@ namespace treacle::video {
 namespace {
 constexpr int samples = LiquidView::samples; // per pixel along each side
 constexpr float plane_relief =
-    0.45f; // share of the lamp in plane scenes, where value matters more than shape
+    0.45f; // share of the lamp in 2D scenes, where value matters more than shape
 
 // A layer's balls in camera axes.
 struct PreparedLayer {
@@ -107,7 +107,7 @@ struct Scene {
     const RenderRequest& request;
     Camera camera, fine; // per pixel and per sample
     Palette palette;
-    Lamp lamp;
+    DirectionalLight lamp;
     std::optional<CutPlane> cut; // towards the camera
     std::vector<PreparedLayer> layers;
     ShadowMap shadows;
@@ -206,7 +206,7 @@ void composite_liquid(const Scene& scene, std::vector<float>& depth, Canvas& can
         open = ambient_occlusion(scene.camera, reduce_depth(nearest, canvas.width, canvas.height, samples),
                                  6 * float(layer.spacing));
     const Vec3 size = scene.request.domain.max - scene.request.domain.min;
-    const float clarity = layer.has_values ? 0 : 0.045f * float(length(size));
+    const float attenuation_length = layer.has_values ? 0 : 0.045f * float(length(size));
     // Balls that cast the shadows touch the surface from within; none of them may shade its own place.
     const float lift = float(layer.spacing);
     const Canvas behind = canvas;
@@ -233,7 +233,7 @@ void composite_liquid(const Scene& scene, std::vector<float>& depth, Canvas& can
             const int c = std::clamp(int(column + bend * f.normal[0]), 0, canvas.width - 1);
             const int r = std::clamp(int(row + bend * f.normal[1]), 0, canvas.height - 1);
             canvas.light[i] = shade_liquid(f, scene.lamp, behind.light[std::size_t(r) * canvas.width + c],
-                                           seen.thickness * length(ray.direction), clarity);
+                                           seen.thickness * length(ray.direction), attenuation_length);
         }
 }
 
@@ -304,7 +304,7 @@ Scene set_scene(const RenderRequest& request) {
     if (request.cut) cut = facing(*request.cut, camera);
     std::vector<PreparedLayer> layers;
     for (const auto& layer : request.layers) layers.push_back(prepare(layer, request, camera, cut));
-    const Lamp lamp = lamp_of(camera, up_of(request.domain));
+    const DirectionalLight lamp = lamp_of(camera, up_of(request.domain));
     // Opaque layers first, so that translucent ones find what shines through them.
     std::stable_sort(layers.begin(), layers.end(), [](const PreparedLayer& a, const PreparedLayer& b) {
         return (a.source->opacity == 1) > (b.source->opacity == 1);

@@ -43,7 +43,7 @@ enum class Lighting {
 // Objects that are drawn around the particles.
 enum class Scenery {
     none,
-    box_and_floor, // edges of the domain; in space also its floor, which catches shadows
+    box_and_floor, // edges of the domain; in 3D also its floor, which catches shadows
 };
 
 // Liquids drawn by their surfaces.

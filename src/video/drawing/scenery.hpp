@@ -15,7 +15,7 @@ struct Canvas {
 // Index of the floor among a DepthBuffer's spheres.
 constexpr std::int32_t floor_plane = -2;
 
-// Adds the domain's floor (z = min) wherever nothing else is seen. Nothing from below, nor in the plane.
+// Adds the domain's floor (z = min) wherever nothing else is seen. Nothing from below, nor in 2D.
 void add_floor(const Camera& camera, const DomainBox& box, DepthBuffer& buffer);
 
 // Draws the edges of the domain as lines of the given width [pixels], hidden by what is nearer than they.

@@ -8,7 +8,7 @@ namespace treacle::video {
 namespace {
 constexpr int shadow_pixels = 1400;
 
-View shadow_view(const Lamp& lamp, std::span<const Sphere> around) {
+View shadow_view(const DirectionalLight& lamp, std::span<const Sphere> around) {
     Vec3 low{1e30, 1e30, 1e30}, high{-1e30, -1e30, -1e30};
     double largest = 0;
     for (const auto& [centre, radius] : around) {
@@ -32,7 +32,7 @@ View shadow_view(const Lamp& lamp, std::span<const Sphere> around) {
 }
 } // namespace
 
-Lamp lamp_of(const Camera& camera, const Vec3& world_up) {
+DirectionalLight lamp_of(const Camera& camera, const Vec3& world_up) {
     const Vec3f up = normalised(single(camera.direction_to_camera(world_up)));
     const Vec3f towards = normalised(1.0f * up + 0.5f * Vec3f{-1, 0, 0} + 0.85f * Vec3f{0, 0, -1});
     return {towards, up};
@@ -40,7 +40,7 @@ Lamp lamp_of(const Camera& camera, const Vec3& world_up) {
 
 Vec3 up_of(const DomainBox& domain) { return domain.dimensions == 2 ? Vec3{0, 1, 0} : Vec3{0, 0, 1}; }
 
-Vec3f shade(const Fragment& f, const Lamp& lamp) {
+Vec3f shade(const Fragment& f, const DirectionalLight& lamp) {
     const Vec3f towards_camera = normalised(-1.0f * f.point);
     const float facing = dot(f.normal, lamp.towards);
     const float lamp_light = 0.95f * std::max(0.0f, facing) * f.lit;
@@ -56,7 +56,7 @@ Vec3f shade(const Fragment& f, const Lamp& lamp) {
     return (lamp_light + sky * f.open) * f.albedo + Vec3f{highlight, highlight, highlight};
 }
 
-ShadowMap::ShadowMap(const Lamp& lamp, std::span<const Sphere> around)
+ShadowMap::ShadowMap(const DirectionalLight& lamp, std::span<const Sphere> around)
     : camera_(shadow_view(lamp, around)), buffer_(shadow_pixels, shadow_pixels) {
     float radius = 0;
     for (const auto& sphere : around) radius = std::max(radius, sphere.radius);

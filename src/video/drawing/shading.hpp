@@ -7,12 +7,12 @@
 namespace treacle::video {
 
 // One distant lamp over the left shoulder of the camera, and a bright sky. Camera axes, unit length.
-struct Lamp {
+struct DirectionalLight {
     Vec3f towards; // the lamp
     Vec3f up;      // the sky
 };
-Lamp lamp_of(const Camera& camera, const Vec3& world_up);
-Vec3 up_of(const DomainBox& domain); // z; in plane scenes y
+DirectionalLight lamp_of(const Camera& camera, const Vec3& world_up);
+Vec3 up_of(const DomainBox& domain); // z; in 2D scenes y
 
 // Point that a ray meets, in camera axes.
 struct Fragment {
@@ -25,14 +25,14 @@ struct Fragment {
 };
 
 // Linear light that the fragment sends to the camera; diffuse, with a soft highlight.
-Vec3f shade(const Fragment& fragment, const Lamp& lamp);
+Vec3f shade(const Fragment& fragment, const DirectionalLight& lamp);
 
 // Map of the points that the lamp reaches.
 class ShadowMap {
 public:
     // Shadows on what is among the spheres `around`, with casters of no larger radius than theirs. Points farther out
     // are lit.
-    ShadowMap(const Lamp& lamp, std::span<const Sphere> around);
+    ShadowMap(const DirectionalLight& lamp, std::span<const Sphere> around);
     void add(std::span<const Sphere> casters);
     // Depths of the lamp's nearest casters; the nearer of two maps of one lamp.
     const std::vector<float>& depth() const { return buffer_.depth; }

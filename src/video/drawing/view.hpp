@@ -23,13 +23,13 @@ struct View {
     std::optional<scene::CameraModel> model = {}; // a measured camera in the place of all but the size
 };
 
-// The part of space that a scene fills. Plane scenes lie in x, y.
+// The part of space that a scene fills. 2D scenes lie in x, y.
 struct DomainBox {
     Vec3 min{0, 0, 0}, max{1, 1, 1}; // [m]
     int dimensions = 3;
 };
 
-// A view of the whole domain: in space from the front, right and slightly above, z up; in the plane straight
+// A view of the whole domain: in 3D from the front, right and slightly above, z up; in 2D straight
 // onto it, y up. InputError for an empty or non-finite box and for a picture without pixels.
 View automatic_view(const DomainBox& box, int width, int height);
 

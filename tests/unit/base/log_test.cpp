@@ -10,7 +10,7 @@ using test::content;
 
 TEST(Log, WritesLinesAndWarnings) {
     std::FILE* file = std::tmpfile();
-    Log log(Voice::speaks, file);
+    Log log(LogOutput::enabled, file);
     log.line("one");
     log.warn("two");
     EXPECT_EQ(content(file), "one\nwarning: two\n");
@@ -20,7 +20,7 @@ TEST(Log, WritesLinesAndWarnings) {
 TEST(Log, DrawsNoBarIntoAFile) {
     std::FILE* file = std::tmpfile();
     {
-        Log log(Voice::speaks, file);
+        Log log(LogOutput::enabled, file);
         EXPECT_FALSE(log.is_terminal());
         log.progress(0.5, "half");
     }
@@ -30,7 +30,7 @@ TEST(Log, DrawsNoBarIntoAFile) {
 
 TEST(Log, IsSilentOnOtherRanks) {
     std::FILE* file = std::tmpfile();
-    Log log(Voice::silent, file);
+    Log log(LogOutput::disabled, file);
     log.line("one");
     log.warn("two");
     EXPECT_EQ(content(file), "");

@@ -182,7 +182,7 @@ struct Plane {
     Vec3 point{0, 0, 0};
     Vec3 axis{0, 0, 1};
     void declare(Declaration& d) {
-        d.allow_plane_vectors();
+        d.allow_2d_vectors();
         d.vec3("point", point, unit::length, "A point.");
         d.direction("axis", axis, "An axis.");
     }

@@ -11,7 +11,7 @@ using test::content;
 
 TEST(Progress, EndsWithALineForScriptsWhereThereIsNoTerminal) {
     std::FILE* file = std::tmpfile();
-    Log log(Voice::speaks, file);
+    Log log(LogOutput::enabled, file);
     Progress progress(log, "film", "frames");
     progress.report(1, 4); // too soon for a line
     progress.report(4, 4);
@@ -24,7 +24,7 @@ TEST(Progress, EndsWithALineForScriptsWhereThereIsNoTerminal) {
 
 TEST(Progress, SaysNothingWhereNothingWasDoneOrOnOtherRanks) {
     std::FILE* file = std::tmpfile();
-    Log log(Voice::speaks, file), silent(Voice::silent, file);
+    Log log(LogOutput::enabled, file), silent(LogOutput::disabled, file);
     Progress(log, "film", "frames").finish();
     Progress other(silent, "film", "frames");
     other.report(1, 1);

@@ -151,7 +151,7 @@ TEST_P(TransferCase, FacesHaveTheNumbersOfOneRank) {
     FaceField mass, velocity, mass1, velocity1;
     particles_to_faces(liquid.grid, {liquid.particles, liquid.cells, liquid.mass}, liquid.faces.window(), mass, velocity);
     particles_to_faces(one.grid, {one.particles, one.cells, one.mass}, one.faces.window(), mass1, velocity1);
-    FaceMarks known, known1;
+    FaceValidity known, known1;
     mark_faces(liquid.grid, liquid.faces.window(), mass, 0, known);
     mark_faces(one.grid, one.faces.window(), mass1, 0, known1);
     extrapolate(liquid.grid, liquid.faces, velocity, known, 4);
@@ -247,9 +247,9 @@ TEST_P(TransferCase, ChordsTurnParticlesAndTheirGradientsExactly) {
 
 TEST_P(TransferCase, WallsPushParticlesBackAndOpenSidesLetThemGo) {
     auto domain = test::make_domain(dimensions, {1, 1, 1}, dx);
-    domain.faces[1].kind = scene::FaceKind::open;
+    domain.faces[1].kind = scene::BoundaryKind::open;
     domain.faces[1].outflow = true;
-    domain.faces[2].kind = domain.faces[3].kind = scene::FaceKind::periodic;
+    domain.faces[2].kind = domain.faces[3].kind = scene::BoundaryKind::periodic;
     Liquid tank(Comm::world(), domain);
     Seeding seeding;
     seeding.liquids = {{test::box({0, 0, -1}, {1, 1, dimensions == 3 ? 0.2 : 1}, dimensions)}};
@@ -327,7 +327,7 @@ TEST_P(TransferCase, WallsPushParticlesBackAndOpenSidesLetThemGo) {
 // A ball in the middle: what the border of another rank's part of the domain cuts is no solid at the sides.
 TEST_P(TransferCase, BeyondAPeriodicSideParticlesMeetTheSolidsThatAreThere) {
     auto domain = test::make_domain(dimensions, {1, 1, 1}, dx);
-    domain.faces[0].kind = domain.faces[1].kind = scene::FaceKind::periodic;
+    domain.faces[0].kind = domain.faces[1].kind = scene::BoundaryKind::periodic;
     rigid::BodySetup ball;
     ball.centre = {0.5, 0.5, dimensions == 3 ? 0.5 : 0};
     ball.region = {test::ball(ball.centre, 0.4, dimensions)};

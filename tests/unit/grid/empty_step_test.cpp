@@ -35,7 +35,7 @@ const std::vector<EmptyCase>& empty_cases() {
 }
 
 void prepare(StepSample& sample, const EmptyCase& scene, double viscosity) {
-    for (auto& face : sample.setup.domain.faces) face.kind = scene::FaceKind::open;
+    for (auto& face : sample.setup.domain.faces) face.kind = scene::BoundaryKind::open;
     sample.liquid = scene.liquid;
     sample.setup.viscosity = viscosity;
     sample.velocity = [](const Vec3&) { return Vec3{-1, -2, 0}; };
@@ -123,7 +123,7 @@ TEST_F(EmptySteps, LeaveLiquidInClosedGapsAlone) {
 TEST_F(EmptySteps, SolveForStressesWithoutAnyPressure) {
     for (const double viscosity : {1.0, 1e4}) {
         auto sample = sample_of(8, 2);
-        for (auto& face : sample.setup.domain.faces) face.kind = scene::FaceKind::open;
+        for (auto& face : sample.setup.domain.faces) face.kind = scene::BoundaryKind::open;
         rigid::BodySetup plug;
         scene::Shape shape;
         shape.kind = scene::ShapeKind::box;

@@ -156,12 +156,12 @@ TEST_P(FractionCase, APlaneAtAnyAngleHasItsExactVolumeAtEveryPlace) {
             });
         };
         check(f.cell_fluid, f.cell_liquid, [&](const int* c, double* x) { block.grid.centre(c, x); });
-        check(f.cell_wet, f.cell_wet, [&](const int* c, double* x) { block.grid.centre(c, x); });
+        check(f.cell_liquid_clipped, f.cell_liquid_clipped, [&](const int* c, double* x) { block.grid.centre(c, x); });
         for (int a = 0; a < dimensions; ++a) {
-            check(f.face_fluid.axis[a], f.face_wet.axis[a], [&](const int* c, double* x) { block.grid.face(a, c, x); });
+            check(f.face_fluid.axis[a], f.face_liquid_clipped.axis[a], [&](const int* c, double* x) { block.grid.face(a, c, x); });
         }
         for (int a = dimensions == 2 ? 2 : 0; a < 3; ++a) {
-            check(f.edge_wet.axis[a], f.edge_liquid.axis[a], [&](const int* c, double* x) { block.grid.edge(a, c, x); });
+            check(f.edge_liquid_clipped.axis[a], f.edge_liquid.axis[a], [&](const int* c, double* x) { block.grid.edge(a, c, x); });
         }
     }
 }
@@ -173,13 +173,13 @@ TEST_P(FractionCase, LiquidIsClippedByTheSolidAndNotMultiplied) {
         Block block(dimensions, {3, 3, dimensions == 3 ? 3 : 1});
         const double low = -0.06, high = 0.05;
         block.build(plane(n, low), plane(n, high));
-        const auto wet = on_host(block.fractions.cell_wet), fluid = on_host(block.fractions.cell_fluid),
+        const auto wet = on_host(block.fractions.cell_liquid_clipped), fluid = on_host(block.fractions.cell_fluid),
                    liquid = on_host(block.fractions.cell_liquid);
         block.for_cells([&](const int*, std::size_t i) {
             ASSERT_NEAR(wet(i), fluid(i) + liquid(i) - 1, exact); // all of space is fluid or liquid
         });
         block.build(plane(n, high), plane(n, low));
-        EXPECT_NEAR(block.sum(block.fractions.cell_wet), 0, exact);
+        EXPECT_NEAR(block.sum(block.fractions.cell_liquid_clipped), 0, exact);
     }
     // A wedge of 45 degrees is an eighth of the cube, where the product of two halves is a quarter.
     Block block(dimensions, {3, 3, dimensions == 3 ? 3 : 1});
@@ -187,7 +187,7 @@ TEST_P(FractionCase, LiquidIsClippedByTheSolidAndNotMultiplied) {
     if (dimensions == 2) block.grid.lower[2] = -0.125;
     block.nodes = FineNodes(block.grid, block.nodes.window);
     block.build(plane({1, 0, 0}, 0), plane({1, 1, 0}, 0)); // fluid: x > 0; liquid: x + y < 0
-    const auto wet = on_host(block.fractions.cell_wet);
+    const auto wet = on_host(block.fractions.cell_liquid_clipped);
     EXPECT_NEAR(wet(std::size_t(block.nodes.window.index(1, 1, dimensions == 3 ? 1 : 0))), 0.125, exact);
 }
 
@@ -201,17 +201,17 @@ TEST_P(FractionCase, FacesEdgesAndCentresSumToOneVolume) {
     for (const auto method : {FractionMethod::consistent, FractionMethod::supersampled}) {
         block.build(solid, liquid, method);
         const auto& f = block.fractions;
-        const double liquid_volume = block.sum(f.cell_liquid), wet = block.sum(f.cell_wet);
+        const double liquid_volume = block.sum(f.cell_liquid), wet = block.sum(f.cell_liquid_clipped);
         const double dry = block.cells.size() - block.sum(f.cell_fluid);
         const double tolerance = exact * liquid_volume; // relative, of sums of hundreds of numbers
         for (int a = 0; a < dimensions; ++a) {
             EXPECT_NEAR(block.sum(f.face_liquid.axis[a]), liquid_volume, tolerance);
-            EXPECT_NEAR(block.sum(f.face_wet.axis[a]), wet, tolerance);
+            EXPECT_NEAR(block.sum(f.face_liquid_clipped.axis[a]), wet, tolerance);
             EXPECT_NEAR(block.cells.size() - block.sum(f.face_fluid.axis[a]), dry, tolerance);
         }
         for (int a = dimensions == 2 ? 2 : 0; a < 3; ++a) {
             EXPECT_NEAR(block.sum(f.edge_liquid.axis[a]), liquid_volume, tolerance);
-            EXPECT_NEAR(block.sum(f.edge_wet.axis[a]), wet, tolerance);
+            EXPECT_NEAR(block.sum(f.edge_liquid_clipped.axis[a]), wet, tolerance);
             EXPECT_NEAR(block.cells.size() - block.sum(f.edge_fluid.axis[a]), dry, tolerance);
         }
         EXPECT_LT(wet, 0.99 * liquid_volume);
@@ -327,7 +327,7 @@ TEST_P(FractionCase, BuildingAgainGivesWhatBuildingOnceGives) {
         block.build(ball({0.2 * step - 0.4, 0, 0}, 0.5), ball({0.1 * step, -0.2 * step, 0}, 0.7));
     }
     once.build(ball({0.4, 0, 0}, 0.5), ball({0.4, -0.8, 0}, 0.7));
-    const auto a = on_host(block.fractions.face_wet.axis[1]), b = on_host(once.fractions.face_wet.axis[1]);
+    const auto a = on_host(block.fractions.face_liquid_clipped.axis[1]), b = on_host(once.fractions.face_liquid_clipped.axis[1]);
     const auto c = on_host(block.fractions.edge_fluid.axis[2]), d = on_host(once.fractions.edge_fluid.axis[2]);
     for (std::size_t i = 0; i < std::size_t(block.nodes.window.size()); ++i) {
         ASSERT_EQ(a(i), b(i));

@@ -33,12 +33,12 @@ flow::InletSetup square_inlet(const Vec3& centre, const Vec3& direction, const V
 StepSample pouring(int dimensions, const flow::InletSetup& inlet) {
     auto sample = sample_of(16, dimensions);
     auto& setup = sample.setup;
-    for (auto& face : setup.domain.faces) face.kind = scene::FaceKind::open;
+    for (auto& face : setup.domain.faces) face.kind = scene::BoundaryKind::open;
     setup.domain.gravity = setup.rigid.gravity = {0, 0, 0};
     setup.options.pressure.residual = setup.options.viscosity.residual = 1e-12;
     setup.inflow.inlets = {inlet};
     setup.inflow.first_id = 100000;
-    setup.rigid.bodies = make_plugs(setup.inflow, make_mac_grid(setup.domain));
+    setup.rigid.bodies = make_inlet_bodies(setup.inflow, make_mac_grid(setup.domain));
     setup.slip = {{scene::Slip::no_slip}, {0}};
     sample.liquid = [](const Vec3&) { return 1.0; };
     return sample;
@@ -118,10 +118,10 @@ TEST_F(Inlet, FillsATankByItsFlowRate) {
     auto sample = pouring(2, inlet);
     sample.setup.options.pressure.residual = sample.setup.options.viscosity.residual = 1e-8; // nothing is compared to more
     const double end = 3; // [s]
-    for (auto& face : sample.setup.domain.faces) face.kind = scene::FaceKind::wall;
+    for (auto& face : sample.setup.domain.faces) face.kind = scene::BoundaryKind::wall;
     sample.setup.domain.gravity = sample.setup.rigid.gravity = {0, -9.81, 0};
     sample.setup.inflow.inlets[0].end = end;
-    sample.setup.rigid.bodies = make_plugs(sample.setup.inflow, make_mac_grid(sample.setup.domain));
+    sample.setup.rigid.bodies = make_inlet_bodies(sample.setup.inflow, make_mac_grid(sample.setup.domain));
     sample.setup.viscosity = 50;
     auto step = started(comm, sample);
     double time = 0;
@@ -144,7 +144,7 @@ TEST_F(Inlet, IsTheSameOnOneRankAndOnAll) {
     auto sample = pouring(3, square_inlet({0.45, 0.52, 0.7}, {0, 0, -1}, {1, 0, 0}, 6, 3));
     sample.setup.domain.gravity = sample.setup.rigid.gravity = {0, 0, -9.81};
     for (auto& face : sample.setup.domain.faces) {
-        face.kind = scene::FaceKind::wall;
+        face.kind = scene::BoundaryKind::wall;
         face.slip = scene::Slip::no_slip;
     }
     sample.setup.viscosity = 3;

@@ -62,7 +62,7 @@ struct Liquid {
             grid.cells.locate(x(row, 0), x(row, 1), x(row, 2), c);
             where.insert(where.end(), c, c + 3);
         }
-        decomposition.recut(where, std::vector<double>(where.size() / 3, 1.0));
+        decomposition.repartition(where, std::vector<double>(where.size() / 3, 1.0));
         halo.connect(decomposition);
         settle();
     }

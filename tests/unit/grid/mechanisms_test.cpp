@@ -25,7 +25,7 @@ ViscousSample ragged_ball() {
         return least;
     };
     sample.viscosity = [](const Vec3&) { return 1e5; };
-    sample.options.least_wet = 0.1; // many stresses stand alone then
+    sample.options.min_liquid_fraction = 0.1; // many stresses stand alone then
     return sample;
 }
 

@@ -45,7 +45,7 @@ Errors error_of(const Comm& comm, const Layers& layers) {
         const bool wall = k == layers.across;
         if (!wall) domain.max[axis] = 4.0 / layers.cells;
         for (std::size_t face = 2 * axis; face < 2 * axis + 2; ++face) {
-            domain.faces[face].kind = wall ? scene::FaceKind::wall : scene::FaceKind::periodic;
+            domain.faces[face].kind = wall ? scene::BoundaryKind::wall : scene::BoundaryKind::periodic;
             domain.faces[face].slip = scene::Slip::no_slip;
         }
     }
@@ -117,7 +117,7 @@ double oblique_error(const Comm& comm, int cells, int p, int q, double ratio, do
     constexpr int steps = 10;
     auto sample = sample_of(cells, 2);
     auto& domain = sample.setup.domain;
-    for (std::size_t face = 0; face < 4; ++face) domain.faces[face].kind = scene::FaceKind::periodic;
+    for (std::size_t face = 0; face < 4; ++face) domain.faces[face].kind = scene::BoundaryKind::periodic;
     domain.gravity = sample.setup.rigid.gravity = {0, 0, 0};
     sample.liquid = [](const Vec3&) { return -1.0; };
     sample.jitter = jitter;

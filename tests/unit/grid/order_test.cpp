@@ -47,7 +47,7 @@ StepSample smooth(int cells) {
     auto sample = sample_of(cells, 2);
     sample.jitter = 0;
     sample.setup.options.correction.method = PositionMethod::none;
-    sample.setup.options.contraction.steps = 0;
+    sample.setup.options.density_relaxation.steps = 0;
     return sample;
 }
 
@@ -73,7 +73,7 @@ TEST(OrderInTime, OfATaylorGreenVortex) {
         const auto sample = [=](int cells) {
             auto out = smooth(cells);
             out.setup.viscosity = viscosity;
-            for (auto& face : out.setup.domain.faces) face.kind = scene::FaceKind::periodic;
+            for (auto& face : out.setup.domain.faces) face.kind = scene::BoundaryKind::periodic;
             out.setup.domain.gravity = out.setup.rigid.gravity = {0, 0, 0};
             out.liquid = [](const Vec3&) { return -1.0; };
             out.velocity = [=](const Vec3& x) { return Vec3{std::sin(k * x[0]) * std::cos(k * x[1]), -std::cos(k * x[0]) * std::sin(k * x[1]), 0}; };
@@ -87,7 +87,7 @@ TEST(OrderInTime, OfATaylorGreenVortex) {
 
 TEST(OrderInTime, OfFreeFall) {
     auto sample = smooth(16);
-    for (auto& face : sample.setup.domain.faces) face.kind = scene::FaceKind::open;
+    for (auto& face : sample.setup.domain.faces) face.kind = scene::BoundaryKind::open;
     sample.liquid = [](const Vec3& x) { return std::hypot(x[0] - 0.5, x[1] - 0.7) - 0.15; };
     auto step = started(Comm::world(), sample);
     const double first = centre(*step, 1);

@@ -144,7 +144,7 @@ TEST_P(CorrectionCase, APoolInATankKeepsItsVolumeAndItsPotentialEnergy) {
     Fractions fractions;
     const auto volume = [&] {
         builder.build(liquid.solids.nodes(), liquid.solids.distance(), liquid.surface.distance(), FractionMethod::consistent, fractions);
-        return liquid.sum(fractions.cell_wet);
+        return liquid.sum(fractions.cell_liquid_clipped);
     };
     PositionOptions options;
     options.tolerance = 0.05;

@@ -79,8 +79,8 @@ std::array<double, 6> momentum(const PressureCase& test) {
             const auto before = test.below(a, at);
             if (!test.wet(at) && !test.wet(before)) continue;
             double mass = 1000 * std::pow(test.grid.dx, 3) * faces.open(a, at);
-            if (!test.wet(at)) mass *= faces.wet_share(before, at);
-            if (!test.wet(before)) mass *= faces.wet_share(at, before);
+            if (!test.wet(at)) mass *= faces.theta(before, at);
+            if (!test.wet(before)) mass *= faces.theta(at, before);
             add_load(a, test.face(a, c).data(), mass * test.velocity.axis[a](at), sum.data());
         }
     });

@@ -103,7 +103,7 @@ public:
         double most = 0;
         each_owned([&](std::size_t at, const int*) {
             for (int a = 0; a < grid.dimensions; ++a) {
-                if (fractions.open.axis[a](at) >= sample_.options.least_opening && (wet(at) || wet(below(a, at)))) {
+                if (fractions.open.axis[a](at) >= sample_.options.min_face_area_fraction && (wet(at) || wet(below(a, at)))) {
                     most = std::max(most, std::fabs(velocity.axis[a](at)));
                 }
             }
@@ -145,7 +145,7 @@ private:
         domain.dimensions = sample.dimensions;
         domain.spacing = 1.0 / sample.cells;
         for (std::size_t k = 0; k < 6; ++k) {
-            if (sample.periodic[k / 2]) domain.faces[k].kind = scene::FaceKind::periodic;
+            if (sample.periodic[k / 2]) domain.faces[k].kind = scene::BoundaryKind::periodic;
         }
         return make_mac_grid(domain);
     }
@@ -160,7 +160,7 @@ private:
             }
         }
         const std::vector<double> weights(cells.size() / 3, 1.0);
-        decomposition.recut(cells, weights);
+        decomposition.repartition(cells, weights);
     }
     template <class Use>
     void each(const CellBox& box, const Use& use) const {

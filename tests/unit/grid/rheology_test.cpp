@@ -9,21 +9,21 @@ namespace {
 constexpr double density = 1000, pull = 1; // [kg/m3], [m/s2] along x
 constexpr double half_width = 0.5;         // [m]
 
-flow::FlowCurve curve_of(scene::ShearLaw law, double viscosity, double exponent) {
+flow::ViscosityModel curve_of(scene::ViscosityModelKind law, double viscosity, double exponent) {
     scene::Liquid liquid;
     liquid.viscosity = viscosity;
     liquid.rheology.law = law;
     liquid.rheology.exponent = exponent;
-    return flow::make_flow_curve(liquid);
+    return flow::make_viscosity_model(liquid);
 }
 
 // A channel along x between walls that hold the liquid.
-StepSample channel(int cells, const flow::FlowCurve& curve) {
+StepSample channel(int cells, const flow::ViscosityModel& curve) {
     auto sample = sample_of(cells, 2);
     auto& domain = sample.setup.domain;
     domain.max = {8.0 / cells, 1, 1};
     domain.gravity = {pull, 0, 0};
-    domain.faces[0].kind = domain.faces[1].kind = scene::FaceKind::periodic;
+    domain.faces[0].kind = domain.faces[1].kind = scene::BoundaryKind::periodic;
     domain.faces[2].slip = domain.faces[3].slip = scene::Slip::no_slip;
     sample.setup.rigid.gravity = domain.gravity;
     sample.setup.rheology = {curve};
@@ -64,7 +64,7 @@ protected:
 TEST_F(Channel, APowerLawLiquidTakesItsProfile) {
     for (const double n : {0.5, 1.5}) {
         const double consistency = 400; // [Pa s^n]
-        const auto step = run(channel(20, curve_of(scene::ShearLaw::power_law, consistency, n)), 0.02, 120);
+        const auto step = run(channel(20, curve_of(scene::ViscosityModelKind::power_law, consistency, n)), 0.02, 120);
         const auto profile = [&](double y) {
             const double power = 1 + 1 / n;
             return n / (n + 1) * std::pow(density * pull / consistency, 1 / n) *
@@ -76,7 +76,7 @@ TEST_F(Channel, APowerLawLiquidTakesItsProfile) {
 
 // A Bingham liquid: a plug where the stress rho g |y| is below the yield stress, a parabola beyond.
 TEST_F(Channel, ALiquidWithAYieldStressHasAPlug) {
-    auto curve = curve_of(scene::ShearLaw::herschel_bulkley, 400, 1);
+    auto curve = curve_of(scene::ViscosityModelKind::herschel_bulkley, 400, 1);
     curve.yield_stress = 200;
     curve.regularisation = 1000; // the plug creeps by a thousandth of the largest velocity
     const auto step = run(channel(20, curve), 0.02, 150);
@@ -90,9 +90,9 @@ TEST_F(Channel, ALiquidWithAYieldStressHasAPlug) {
 
 // Two liquids, the one newtonian, side by side: each has its own stress.
 TEST_F(Channel, OfTwoLiquidsEachHasItsOwnViscosity) {
-    auto sample = channel(20, curve_of(scene::ShearLaw::power_law, 400, 0.5));
+    auto sample = channel(20, curve_of(scene::ViscosityModelKind::power_law, 400, 0.5));
     sample.setup.liquids = 2;
-    sample.setup.rheology.push_back(curve_of(scene::ShearLaw::newtonian, 200, 1));
+    sample.setup.rheology.push_back(curve_of(scene::ViscosityModelKind::newtonian, 200, 1));
     auto step = started(comm, sample);
     auto& particles = step->particles();
     for (int i = 0; i < particles.store.owned(); ++i) {
@@ -140,7 +140,7 @@ TEST_F(Channel, IsTheSameOnOneRankAndOnAll) {
     auto sample = sample_of(12, 3);
     sample.setup.options.pressure.residual = sample.setup.options.viscosity.residual = 1e-12;
     for (auto& face : sample.setup.domain.faces) face.slip = scene::Slip::no_slip;
-    sample.setup.rheology = {curve_of(scene::ShearLaw::power_law, 30, 0.5)};
+    sample.setup.rheology = {curve_of(scene::ViscosityModelKind::power_law, 30, 0.5)};
     sample.setup.viscosity_varies = true;
     sample.liquid = [](const Vec3& x) { return std::max({x[0] - 0.42, x[2] - 0.55}); };
     auto together = started(comm, sample), alone = started(Comm::self(), sample);
@@ -189,10 +189,10 @@ TEST_F(Channel, ShearRatesOfLinearVelocitiesAreExact) {
         free.cell_fluid = Array<double>("treacle::all", std::size_t(window.size()));
         Kokkos::deep_copy(free.cell_fluid, 1.0);
         for (int a = 0; a < 3; ++a) free.face_fluid.axis[a] = free.edge_fluid.axis[a] = free.cell_fluid;
-        Rheology rheology({curve_of(scene::ShearLaw::power_law, 1, 0.5)});
+        Rheology rheology({curve_of(scene::ViscosityModelKind::power_law, 1, 0.5)});
         const FaceShares none;
         const BodyMotion motion;
-        rheology.find_rates({tank.grid, tank.faces, fractions, free, none, motion, {}}, u);
+        rheology.compute_rates({tank.grid, tank.faces, fractions, free, none, motion, {}}, u);
         double square = 0;
         for (int a = 0; a < 3; ++a) {
             for (int k = 0; k < 3; ++k) square += 0.5 * std::pow(gradient(a, k) + gradient(k, a), 2);
@@ -205,11 +205,11 @@ TEST_F(Channel, ShearRatesOfLinearVelocitiesAreExact) {
             int c[3];
             owned.cell(n, c);
             const auto i = std::size_t(window.index(c[0], c[1], c[2]));
-            if (fractions.cell_wet(i) < 0.5) continue;
+            if (fractions.cell_liquid_clipped(i) < 0.5) continue;
             ++looked_at;
             EXPECT_NEAR(centre(i), expected, 1e-12);
             for (int e = 0; e < 3; ++e) {
-                if (fractions.edge_wet.axis[e](i) < 0.5) continue;
+                if (fractions.edge_liquid_clipped.axis[e](i) < 0.5) continue;
                 EXPECT_NEAR(rheology.edge_rate().axis[e](i), expected, 1e-12);
             }
         }

@@ -79,7 +79,7 @@ TEST(Cells, BeginAtAWallAndAsFarBeyondOneOpenSideAsBeyondTheOther) {
     for (int k = 0; k < 30; ++k) {
         const double dx = 0.0035 + 0.00012 * k;
         auto domain = test::make_domain(3, {0.09, 0.06, 0.08}, dx);
-        domain.faces[0].kind = domain.faces[1].kind = domain.faces[3].kind = scene::FaceKind::open;
+        domain.faces[0].kind = domain.faces[1].kind = domain.faces[3].kind = scene::BoundaryKind::open;
         const MacGrid grid = make_mac_grid(domain);
         const auto begin = [&](int axis) { return grid.lower[axis] + MacGrid::padding * dx; };
         const auto end = [&](int axis) { return grid.lower[axis] + (grid.cells.count[axis] - MacGrid::padding) * dx; };

@@ -37,7 +37,7 @@ TEST(FreeSlip, LetsABlockSlideDownARamp) {
         const double angle = degrees * math::pi / 180;
         const Vec3 normal{std::sin(angle), std::cos(angle), 0}, point{0.4, 0.5 + 0.04 * shift, 0};
         sample.setup.domain.max = {1.2, 1.2, 0};
-        for (auto& face : sample.setup.domain.faces) face.kind = scene::FaceKind::open;
+        for (auto& face : sample.setup.domain.faces) face.kind = scene::BoundaryKind::open;
         sample.setup.viscosity = viscosity;
         scene::Shape plane;
         plane.kind = scene::ShapeKind::plane;

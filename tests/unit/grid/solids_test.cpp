@@ -36,7 +36,7 @@ protected:
     double dx = 0.05;
     scene::Domain domain = test::make_domain(dimensions, {1, 1, 1}, dx);
 
-    void SetUp() override { domain.faces[0].kind = domain.faces[1].kind = scene::FaceKind::periodic; }
+    void SetUp() override { domain.faces[0].kind = domain.faces[1].kind = scene::BoundaryKind::periodic; }
     static CellBox block(const MacGrid& grid, int first, int last) {
         CellBox out = grid.cells.all();
         out.lo[1] = first;

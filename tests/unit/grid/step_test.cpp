@@ -17,7 +17,7 @@ double from(const Vec3& centre, const Vec3& x) {
 // In free space.
 StepSample ball_of_liquid(int cells, double radius) {
     auto sample = sample_of(cells, 3);
-    for (auto& face : sample.setup.domain.faces) face.kind = scene::FaceKind::open;
+    for (auto& face : sample.setup.domain.faces) face.kind = scene::BoundaryKind::open;
     sample.setup.domain.gravity = {0, 0, 0};
     sample.liquid = [=](const Vec3& x) { return from({0.5, 0.5, 0.5}, x) - radius; };
     return sample;
@@ -134,7 +134,7 @@ TEST_F(Steps, GiveEachLiquidItsSurfaceTension) {
 TEST_F(Steps, LetADropOscillateAsItsSurfaceTensionSays) {
     const double radius = 0.3, density = 1000;
     auto sample = sample_of(40, 2);
-    for (auto& face : sample.setup.domain.faces) face.kind = scene::FaceKind::open;
+    for (auto& face : sample.setup.domain.faces) face.kind = scene::BoundaryKind::open;
     sample.setup.domain.gravity = {0, 0, 0};
     sample.setup.density = density;
     sample.setup.surface_tension = {density * radius * radius * radius / 6}; // omega is 1
@@ -229,7 +229,7 @@ TEST_P(StepsOf, AreTheSameOnOneRankAndOnAll) {
 TEST_F(Steps, AreHeldUpByABodyAtRest) {
     auto sample = sample_of(16, 3);
     auto& setup = sample.setup;
-    for (auto& face : setup.domain.faces) face.kind = scene::FaceKind::periodic;
+    for (auto& face : setup.domain.faces) face.kind = scene::BoundaryKind::periodic;
     setup.domain.gravity = setup.rigid.gravity = {0.1, 0, 0};
     setup.viscosity = 1000;
     auto ball = ball_body({0.513, 0.513, 0.513}, 0.25, 1000);
@@ -308,7 +308,7 @@ TEST_F(Steps, KeepTheMomentumOfLiquidAndBody) {
     };
     for (const auto& [slip, viscosity, dimensions] : {Case{scene::Slip::no_slip, 5, 3}, Case{scene::Slip::free_slip, 1e5, 2}, Case{scene::Slip::no_slip, 0, 2}, Case{scene::Slip::slip_length, 100, 2}}) {
         auto sample = sample_of(20, dimensions);
-        for (auto& face : sample.setup.domain.faces) face.kind = scene::FaceKind::open;
+        for (auto& face : sample.setup.domain.faces) face.kind = scene::BoundaryKind::open;
         sample.setup.domain.gravity = sample.setup.rigid.gravity = {0, 0, 0};
         sample.setup.viscosity = viscosity;
         const double z = dimensions == 3 ? 0.5 : 0;
@@ -343,7 +343,7 @@ TEST_F(Steps, KeepTheMomentumOfLiquidAndBody) {
 // 1.2 %, the transfers too much by 0.8 %.
 TEST_F(Steps, DampATaylorGreenVortexAtItsRate) {
     auto sample = sample_of(32, 2);
-    for (auto& face : sample.setup.domain.faces) face.kind = scene::FaceKind::periodic;
+    for (auto& face : sample.setup.domain.faces) face.kind = scene::BoundaryKind::periodic;
     sample.setup.domain.gravity = {0, 0, 0};
     sample.setup.viscosity = 100;
     sample.liquid = [](const Vec3&) { return -1.0; };

@@ -76,7 +76,7 @@ TEST(StokesFlows, AViscousLayerLevels) {
         EXPECT_TRUE(run.step(100).solve.converged());
         // a' = -k times the volume that flows across x = 1/4.
         const double rate = k / amplitude / 64 * run.sum([&](int a, std::size_t at, const Vec3& x) {
-            return a == 0 && std::fabs(x[0] - 0.25) < 1e-6 ? run.velocity.axis[0](at) * run.fractions.face_wet.axis[0](at) : 0.0;
+            return a == 0 && std::fabs(x[0] - 0.25) < 1e-6 ? run.velocity.axis[0](at) * run.fractions.face_liquid_clipped.axis[0](at) : 0.0;
         });
         const double q = k * height;
         const double expected = 1000 * 9.81 / (2 * eta * k) * (std::sinh(2 * q) - 2 * q) / (1 + 2 * q * q + std::cosh(2 * q));
@@ -106,7 +106,7 @@ TEST(StokesFlows, AStandingWaveSwingsAndDiesDown) {
         sample.setup.viscosity = viscosity;
         sample.setup.options.stokes.solve = solve;
         sample.setup.options.correction.method = PositionMethod::none; // it gives energy
-        sample.setup.options.contraction.steps = 0;
+        sample.setup.options.density_relaxation.steps = 0;
         sample.liquid = [=](const Vec3& x) { return x[1] - height - 0.1 / k * std::cos(k * x[0]); };
         auto step = started(Comm::world(), sample);
         const auto middle = [&] {

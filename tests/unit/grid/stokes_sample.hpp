@@ -48,7 +48,7 @@ public:
         closed.open = &open;
         pressure.build(closed);
     }
-    void project(double dt, Pressure::Surface surface = Pressure::Surface::tense) {
+    void project(double dt, Pressure::SurfaceTension surface = Pressure::SurfaceTension::include) {
         pressure.project(velocity, bodies, dt, surface);
         gather_faces(grid, halo, velocity);
     }
@@ -66,7 +66,7 @@ public:
         project(dt);
         ViscousCase::solve(dt);
         gather_faces(grid, halo, velocity);
-        project(dt, Pressure::Surface::relaxed);
+        project(dt, Pressure::SurfaceTension::omit);
     }
     // Linear and angular momentum about the origin of bodies and liquid, with the masses of the solve.
     std::array<double, 6> momentum(double dt) {
@@ -94,7 +94,7 @@ public:
         const auto& role = viscosity.problem().places().role;
         double out = 0;
         each_owned([&](int a, std::size_t at, const Vec3&) {
-            if (role[a](at) != idle_face) out = std::max(out, std::fabs(velocity.axis[a](at)));
+            if (role[a](at) != inactive_face) out = std::max(out, std::fabs(velocity.axis[a](at)));
         });
         return decomposition.comm().max(out);
     }
@@ -120,7 +120,7 @@ private:
             for (int a = 0; a < grid.dimensions; ++a) use(a, static_cast<std::size_t>(halo.window().index(c[0], c[1], c[2])), face(a, c));
         }
     }
-    PressureScene scene() {
+    PressureContext scene() {
         return {grid, halo, distance, fractions, sample.solid_slips ? all_shares : shares, bodies, sample.density, sample.surface_tension};
     }
     ViscousScene viscous_scene() {

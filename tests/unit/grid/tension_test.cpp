@@ -27,7 +27,7 @@ StepSample sample_of_drop(const Drop& drop) {
     const double dx = radius / drop.cells, half = std::ceil(1.4 * drop.cells + 3) * dx;
     domain.spacing = sample.setup.rigid.spacing = dx;
     domain.gravity = sample.setup.rigid.gravity = {0, 0, 0};
-    for (auto& face : domain.faces) face.kind = scene::FaceKind::open;
+    for (auto& face : domain.faces) face.kind = scene::BoundaryKind::open;
     for (std::size_t k = 0; k < 3; ++k) {
         const bool used = k < static_cast<std::size_t>(drop.dimensions);
         domain.min[k] = used ? -half : 0;

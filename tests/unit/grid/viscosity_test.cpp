@@ -118,7 +118,7 @@ TEST_F(GridViscosity, poiseuille_flow_is_right_with_walls_anywhere) {
         const double dt = 1e5; // no inertia is left
         run.set_velocity([&](int a, const Vec3&) { return a == 0 ? dt : 0.0; });
         run.solve(dt);
-        const double most = run.most([&](int a, std::size_t at, const Vec3&) { return a == 0 && run.fractions.face_wet.axis[a](at) > 0 ? run.velocity.axis[a](at) : 0.0; });
+        const double most = run.most([&](int a, std::size_t at, const Vec3&) { return a == 0 && run.fractions.face_liquid_clipped.axis[a](at) > 0 ? run.velocity.axis[a](at) : 0.0; });
         EXPECT_NEAR(most, height * height / 8, 0.01 * height * height / 8) << low;
     }
 }
@@ -142,7 +142,7 @@ double rotated_error(const Comm& comm, int cells, double shift) {
     run.set_velocity([&](int a, const Vec3&) { return dt * along(a); });
     run.solve(dt);
     const double sum = run.sum([&](int a, std::size_t at, const Vec3& x) {
-        const double wet = run.fractions.face_wet.axis[a](at);
+        const double wet = run.fractions.face_liquid_clipped.axis[a](at);
         if (!(wet > 0)) return 0.0;
         const double y = across(x), exact = along(a) * std::max(0.0, half * half - y * y) / 2;
         return wet * std::fabs(run.velocity.axis[a](at) - exact);
@@ -189,7 +189,7 @@ TEST_F(GridViscosity, free_slip_leaves_flow_along_a_tilted_wall_alone) {
     run.set_velocity([&](int a, const Vec3&) { return along(a); });
     run.solve(0.1);
     const double change = run.most([&](int a, std::size_t at, const Vec3&) {
-        return run.fractions.face_wet.axis[a](at) > 1e-6 ? std::fabs(run.velocity.axis[a](at) - along(a)) : 0.0;
+        return run.fractions.face_liquid_clipped.axis[a](at) > 1e-6 ? std::fabs(run.velocity.axis[a](at) - along(a)) : 0.0;
     });
     EXPECT_LT(change, 1e-10); // of 1 m/s: the solve's
 }
@@ -205,7 +205,7 @@ TEST_F(GridViscosity, navier_slip_moves_the_wall_by_the_slip_length) {
         run.set_velocity([&](int a, const Vec3&) { return a == 0 ? dt : 0.0; });
         run.solve(dt);
         const double most = run.most([&](int a, std::size_t at, const Vec3&) {
-            return a == 0 && run.fractions.face_wet.axis[a](at) > 0 ? run.velocity.axis[a](at) : 0.0;
+            return a == 0 && run.fractions.face_liquid_clipped.axis[a](at) > 0 ? run.velocity.axis[a](at) : 0.0;
         });
         const double expected = height * height / 8 + height * slip / 2;
         EXPECT_NEAR(most, expected, 0.01 * expected) << low;
@@ -222,7 +222,7 @@ TEST_F(GridViscosity, slip_walls_hold_liquid_off) {
         run.set_velocity([&](int a, const Vec3&) { return a == 1 ? 1.0 : 0.0; });
         run.solve(1.0);
         const double most = run.most([&](int a, std::size_t at, const Vec3&) {
-            return a == 1 && run.fractions.face_wet.axis[a](at) > 0.01 ? std::fabs(run.velocity.axis[a](at)) : 0.0;
+            return a == 1 && run.fractions.face_liquid_clipped.axis[a](at) > 0.01 ? std::fabs(run.velocity.axis[a](at)) : 0.0;
         });
         EXPECT_LT(most, 1e-2) << low; // about h^2 / (8 nu dt) = 6e-4, more at the walls' own cells
     }

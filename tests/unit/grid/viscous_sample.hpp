@@ -80,7 +80,7 @@ public:
         std::array<double, 6> sums{};
         each(halo.owned(), [&](std::size_t at, const int c[3]) {
             for (int a = 0; a < grid.dimensions; ++a) {
-                const double m = sample_.density * std::pow(grid.dx, grid.dimensions) * fractions.face_wet.axis[a](at);
+                const double m = sample_.density * std::pow(grid.dx, grid.dimensions) * fractions.face_liquid_clipped.axis[a](at);
                 const auto x = face(a, c);
                 add_load(a, x.data(), m * velocity.axis[a](at), sums.data());
             }
@@ -131,7 +131,7 @@ private:
         domain.dimensions = sample.dimensions;
         domain.spacing = 1.0 / sample.cells;
         for (std::size_t k = 0; k < 6; ++k) {
-            if (sample.periodic[k / 2]) domain.faces[k].kind = scene::FaceKind::periodic;
+            if (sample.periodic[k / 2]) domain.faces[k].kind = scene::BoundaryKind::periodic;
         }
         return make_mac_grid(domain);
     }
@@ -146,7 +146,7 @@ private:
             }
         }
         const std::vector<double> weights(cells.size() / 3, 1.0);
-        decomposition.recut(cells, weights);
+        decomposition.repartition(cells, weights);
     }
     template <class Use>
     static void each(const CellBox& box, const CellBox& window, const Use& use) {

@@ -21,7 +21,7 @@ StepSample channel(int cells, double viscosity) {
     auto& domain = sample.setup.domain;
     domain.max = {0.5, 1, 0};
     domain.gravity = {0, 0, 0};
-    for (std::size_t side = 0; side < 2; ++side) domain.faces[side].kind = scene::FaceKind::periodic;
+    for (std::size_t side = 0; side < 2; ++side) domain.faces[side].kind = scene::BoundaryKind::periodic;
     for (std::size_t side = 2; side < 4; ++side) domain.faces[side].slip = scene::Slip::no_slip;
     sample.setup.viscosity = viscosity;
     sample.liquid = [](const Vec3&) { return -1.0; };

@@ -28,7 +28,7 @@ Material lotion() {
     out.name = "lotion";
     out.density = 987.6;
     out.viscosity = 31.4159265358979;
-    out.rheology.law = scene::ShearLaw::herschel_bulkley;
+    out.rheology.law = scene::ViscosityModelKind::herschel_bulkley;
     out.rheology.exponent = 0.37;
     out.rheology.yield_stress = 21.5;
     out.temperature = "22.5 C +- 0.5 C";

@@ -39,7 +39,7 @@ TEST(PairProducts, AreThoseOfTheRowAlone) {
     for (int count = 0; count <= 11; ++count) {
         std::vector<float> weights(index.size(), 1e30f);
         for (int k = 0; k < count; ++k) weights[static_cast<std::size_t>(k)] = 0.1f * static_cast<float>(k + 1);
-        const Tile sum = sum_pair_products(rows.data(), 14, index.data(), weights.data(), count);
+        const Float4x4 sum = sum_pair_products(rows.data(), 14, index.data(), weights.data(), count);
         float found[16];
         sum.store(found);
         const auto wanted = sum_one_by_one(rows, 14, index, weights, count);

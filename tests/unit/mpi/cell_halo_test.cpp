@@ -43,7 +43,7 @@ protected:
                 }
             }
         }
-        decomposition.recut(cells, weights);
+        decomposition.repartition(cells, weights);
         halo.connect(decomposition, GetParam().active, GetParam().layers);
     }
     static CellGrid grid_of(const Case& c) {

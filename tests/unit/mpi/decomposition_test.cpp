@@ -80,7 +80,7 @@ TEST(Decomposition, BoxesAndTreePartitionTheGrid) {
         expect_partition(decomposition);
         const auto skewed =
             share(comm, decomposition.grid(), [](int x, int y, int) { return x == 0 ? 1.0 + y : 0.0; });
-        decomposition.recut(skewed.cells, skewed.weights);
+        decomposition.repartition(skewed.cells, skewed.weights);
         expect_partition(decomposition);
     }
 }
@@ -91,7 +91,7 @@ TEST(Decomposition, MoreRanksThanCellsLeaveEmptyBoxes) {
         Decomposition decomposition(comm, test::make_grid(3, {cells, 1, 1}));
         expect_partition(decomposition);
         const auto weighted = share(comm, decomposition.grid(), [](int, int, int) { return 1.0; });
-        decomposition.recut(weighted.cells, weighted.weights);
+        decomposition.repartition(weighted.cells, weighted.weights);
         expect_partition(decomposition);
         int occupied = 0;
         for (const auto& box : decomposition.boxes()) occupied += static_cast<int>(!box.empty());
@@ -118,7 +118,7 @@ TEST(Decomposition, BalancesASkewedWeight) {
     const auto weighted = share(comm, decomposition.grid(), [](int x, int y, int z) {
         return x + y + 2 * z < 60 ? std::exp(-0.05 * x - 0.03 * y) : 0.0;
     });
-    decomposition.recut(weighted.cells, weighted.weights);
+    decomposition.repartition(weighted.cells, weighted.weights);
     expect_partition(decomposition);
     const auto load = loads(decomposition, weighted);
     double most = 0, all = 0;
@@ -141,7 +141,7 @@ TEST(Decomposition, ALoadInOneCellGoesToOneRank) {
     Decomposition decomposition(comm, test::make_grid(3, {8, 8, 8}));
     const auto weighted = share(comm, decomposition.grid(),
                                 [](int x, int y, int z) { return x == 3 && y == 6 && z == 1 ? 5.0 : 0.0; });
-    decomposition.recut(weighted.cells, weighted.weights);
+    decomposition.repartition(weighted.cells, weighted.weights);
     expect_partition(decomposition);
     const auto load = loads(decomposition, weighted);
     EXPECT_EQ(*std::max_element(load.begin(), load.end()), 5.0);
@@ -153,7 +153,7 @@ TEST(Decomposition, StateRestoresBoxesAndTree) {
     Decomposition cut(comm, grid), restored(comm, grid);
     const auto weighted =
         share(comm, grid, [](int x, int y, int z) { return 1.0 / (1 + x * x + y + 3 * z); });
-    cut.recut(weighted.cells, weighted.weights);
+    cut.repartition(weighted.cells, weighted.weights);
     restored.restore(cut.state());
     EXPECT_EQ(restored.state(), cut.state());
     expect_partition(restored);

@@ -75,7 +75,7 @@ TEST(ExchangeSlices, PairsSlicesOfTwoRanksInOrder) {
     const int next = (comm.rank() + 1) % comm.size(),
               previous = (comm.rank() + comm.size() - 1) % comm.size();
     // Two slices to the next rank, of two rows and one, and an empty one between them.
-    Slices outgoing{{next, next, next}, {0, 2, 2, 3}}, incoming{{previous, previous, previous}, {0, 2, 2, 3}};
+    ExchangePlan outgoing{{next, next, next}, {0, 2, 2, 3}}, incoming{{previous, previous, previous}, {0, 2, 2, 3}};
     const Array<double> send("treacle::send", 6), receive("treacle::receive", 6);
     test::edit(send, [&](auto& v) {
         for (int k = 0; k < 6; ++k) v(k) = 10 * comm.rank() + k;

@@ -56,7 +56,7 @@ struct Distributed {
             const auto cell = test::cell_of(grid, all[k]);
             where.insert(where.end(), cell.begin(), cell.end());
         }
-        decomposition.recut(where, std::vector<double>(mine.size(), 1.0));
+        decomposition.repartition(where, std::vector<double>(mine.size(), 1.0));
         test::fill(store, mine);
         test::edit(store.get<Array<double>>(value), [&](auto& v) {
             for (std::size_t i = 0; i < mine.size(); ++i) v(i) = 1.0 / double(mine[i].id);
@@ -280,7 +280,7 @@ TEST_P(HaloCase, RebuildsAfterParticlesMovedAndTheDomainWasCutAnew) {
             where.insert(where.end(), cell.begin(), cell.end());
         }
         if (round == 1) {
-            d.decomposition.recut(where, std::vector<double>(rows.size(), 1.0));
+            d.decomposition.repartition(where, std::vector<double>(rows.size(), 1.0));
             d.halo.connect(d.decomposition);
         }
         migration.to_owner(d.store, d.decomposition);

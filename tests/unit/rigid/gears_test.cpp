@@ -77,7 +77,7 @@ BodiesSetup train(double spacing) {
         axle.body = b;
         axle.point = axles[b];
         axle.axis = {0, 1, 0};
-        axle.lever = 0.12;
+        axle.length_scale = 0.12;
         setup.joints.push_back(axle);
     }
     std::filesystem::remove(file);

@@ -16,7 +16,7 @@ JointSetup joint_of(scene::JointKind kind, std::size_t body, int other, const Ve
     joint.other = other;
     joint.point = point;
     joint.axis = axis;
-    joint.lever = 0.3;
+    joint.length_scale = 0.3;
     return joint;
 }
 
@@ -89,7 +89,7 @@ TEST(Joint, APendulumHasThePeriodOfItsInertiaAndItsPointStays) {
         // claim.
         EXPECT_NEAR(period_of(bodies, 0, 5), expected, 1e-3 * expected);
         // Closed to 1e-12 spacings in every step.
-        EXPECT_LT(bodies.joint_gap(), 1e-9 * 0.4);
+        EXPECT_LT(bodies.constraint_error(), 1e-9 * 0.4);
     }
 }
 
@@ -145,7 +145,7 @@ TEST(Joint, TwoBodiesLinkedByABallFallFreelyWithTheirMomentum) {
     for (const double p : before) scale = std::max(scale, std::abs(p));
     for (int k = 0; k < 2000; ++k) {
         run(bodies, dt, 1);
-        gap = std::max(gap, bodies.joint_gap());
+        gap = std::max(gap, bodies.constraint_error());
     }
     const auto after = bodies.momentum();
     // Round-off of 2000 steps in sums of this size; the angular momentum has a lever arm of two metres by
@@ -191,7 +191,7 @@ TEST(Joint, AFourBarLinkageThatIsHeldTwiceMovesAndStaysClosed) {
         loads[5] = k < 500 ? 1e-3 : 0;
         bodies.push(loads, dt);
         bodies.move(dt);
-        gap = std::max(gap, bodies.joint_gap());
+        gap = std::max(gap, bodies.constraint_error());
         turned = std::max(turned, length(rotation_vector(bodies.pose(2).turn)));
     }
     EXPECT_LT(gap, 1e-6 * 0.4);
@@ -208,7 +208,7 @@ TEST(Joint, AHingeOnAKinematicBodyIsCarriedAlong) {
     setup.joints = {joint_of(scene::JointKind::hinge, 1, 0, {0, 0, 0}, {0, 1, 0})};
     RigidBodies bodies(setup);
     run(bodies, dt, 1000);
-    EXPECT_LT(bodies.joint_gap(), 1e-12);
+    EXPECT_LT(bodies.constraint_error(), 1e-12);
     EXPECT_NEAR(bodies.pose(0).centre[0], 0.5, 1e-12);
     EXPECT_NEAR(bodies.pose(1).centre[0], 0.5, 0.16) << "it swings below the cart";
     const auto loads = bodies.joint_loads();
@@ -296,7 +296,7 @@ TEST(Loads, OfGravityContactsJointsAndLocksAddUpToTheChangeOfMomentum) {
     EXPECT_GT(met, 1) << "they did meet";
 }
 
-TEST(Mobility, IsSymmetricPositiveAndAnswersNothingAlongItsConditions) {
+TEST(ConstrainedInverseMass, IsSymmetricPositiveAndAnswersNothingAlongItsConditions) {
     auto left = make_body(box({0, 0, 0}, {0.4, 0.1, 0.1})),
          right = make_body(box({0.4, 0, 0}, {0.6, 0.1, 0.3}));
     left.locked = {false, true, false, false, false, false};
@@ -336,7 +336,7 @@ TEST(Mobility, IsSymmetricPositiveAndAnswersNothingAlongItsConditions) {
     EXPECT_TRUE(mobility.can_move(0));
 }
 
-TEST(Mobility, KnowsABodyThatCannotMove) {
+TEST(ConstrainedInverseMass, KnowsABodyThatCannotMove) {
     auto setup =
         world({make_body(box({0, 0, 0}, {0.4, 0.1, 0.1})), make_body(box({1, 0, 0}, {1.4, 0.1, 0.1}))});
     using scene::JointKind;

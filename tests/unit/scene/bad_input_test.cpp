@@ -277,7 +277,7 @@ TEST(BadScene, CamerasAndMeasurementsAreConsistent) {
                            "liquids: [{shapes: [{sphere: {centre: [0, 0], radius: 1}}]}]\n"
                            "measurements: [{kind: front, axis: z}]\n",
                            "scene.yaml:4: measurements.0.axis = z: must be x or y"));
-    EXPECT_TRUE(is_problem(start + "lost_limit: 2\n", "scene.yaml:4: lost_limit = 2: must be in [0, 1]"));
+    EXPECT_TRUE(is_problem(start + "max_lost_fraction: 2\n", "scene.yaml:4: max_lost_fraction = 2: must be in [0, 1]"));
 }
 
 // A good scene with a value, key or line replaced at random: success or an InputError, nothing else.

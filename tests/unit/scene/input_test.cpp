@@ -10,7 +10,7 @@ TEST(SceneInput, TheSmallestSceneHasTheDefaults) {
     EXPECT_EQ(scene.domain.dimensions, 3);
     EXPECT_EQ(scene.domain.spacing, 0.01);
     EXPECT_EQ(scene.domain.gravity, (Vec3{0, 0, -9.81}));
-    EXPECT_EQ(scene.domain.faces[0].kind, FaceKind::wall);
+    EXPECT_EQ(scene.domain.faces[0].kind, BoundaryKind::wall);
     ASSERT_EQ(scene.liquids.size(), 1u);
     EXPECT_EQ(scene.liquids[0].name, "water");
     EXPECT_EQ(scene.liquids[0].where, "scene.yaml:3");
@@ -40,11 +40,11 @@ TEST(SceneInput, SidesAreWordsOrBlocks) {
                     "  boundaries:\n    x_min: periodic\n    x_max: periodic\n    z_max: open\n"
                     "    z_min: {kind: open, outflow: true}\n"
                     "    y_min: {slip: slip_length, slip_length: 2 mm}\n"));
-    EXPECT_EQ(scene.domain.faces[0].kind, FaceKind::periodic);
-    EXPECT_EQ(scene.domain.faces[5].kind, FaceKind::open);
+    EXPECT_EQ(scene.domain.faces[0].kind, BoundaryKind::periodic);
+    EXPECT_EQ(scene.domain.faces[5].kind, BoundaryKind::open);
     EXPECT_FALSE(scene.domain.faces[5].outflow);
     EXPECT_TRUE(scene.domain.faces[4].outflow);
-    EXPECT_EQ(scene.domain.faces[2].kind, FaceKind::wall);
+    EXPECT_EQ(scene.domain.faces[2].kind, BoundaryKind::wall);
     EXPECT_EQ(scene.domain.faces[2].slip, Slip::slip_length);
     EXPECT_EQ(scene.domain.faces[2].slip_length, 0.002);
 }
@@ -201,7 +201,7 @@ TEST(SceneInput, TheEffectiveSceneParsesToTheSameOne) {
         EXPECT_EQ(again.liquids[0].shapes[0].rotation_angle, scene.liquids[0].shapes[0].rotation_angle);
         EXPECT_EQ(again.bodies.size(), scene.bodies.size());
         EXPECT_EQ(again.cameras.size(), scene.cameras.size());
-        EXPECT_EQ(again.lost_limit, scene.lost_limit);
+        EXPECT_EQ(again.max_lost_fraction, scene.max_lost_fraction);
     }
 }
 

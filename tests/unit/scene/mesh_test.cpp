@@ -27,7 +27,7 @@ TEST(Mesh, ACubeIsClosedAndMeasuredExactly) {
     EXPECT_EQ(report.components, 1u);
     EXPECT_NEAR(report.volume, 1, 1e-14); // round-off of 12 terms
     EXPECT_NEAR(report.area, 6, 1e-14);
-    EXPECT_NEAR(report.thinnest, 1, 1e-12);
+    EXPECT_NEAR(report.thickness_p01, 1, 1e-12);
     EXPECT_TRUE(report.notes().empty());
 }
 
@@ -113,7 +113,7 @@ TEST(Mesh, TwoCubesAreTwoComponents) {
 TEST(Mesh, AThinPlateIsReportedAsThin) {
     auto plate = cube_mesh();
     for (Vec3& v : plate.vertices) v[1] *= 0.01;
-    EXPECT_NEAR(check_mesh(plate).report.thinnest, 0.01, 1e-9);
+    EXPECT_NEAR(check_mesh(plate).report.thickness_p01, 0.01, 1e-9);
 }
 
 TEST(Mesh, AFileThatIsNoMeshIsRefused) {
@@ -141,8 +141,8 @@ TEST_P(Models, AreClosedAndLoadedWithinTwoSeconds) {
     EXPECT_LT(taken, 2.0);
     std::string notes;
     for (const auto& note : report.notes()) notes += note + "; ";
-    std::printf("%s: %zu triangles, volume %g, thinnest %g, %.2f s; %s\n", GetParam(), report.triangles,
-                report.volume, report.thinnest, taken, notes.c_str());
+    std::printf("%s: %zu triangles, volume %g, thickness_p01 %g, %.2f s; %s\n", GetParam(), report.triangles,
+                report.volume, report.thickness_p01, taken, notes.c_str());
 }
 
 INSTANTIATE_TEST_SUITE_P(Mesh, Models, ::testing::Values("bunny.ply", "dragon_50k.obj"));

@@ -87,6 +87,6 @@ inline const std::string everything =
     "output: {interval: 20 ms, fields: [velocity], checkpoints_kept: 3}\n"
     "cameras: [{}, {name: side, position: [0, -3, 1], field_of_view: 40 deg}]\n"
     "measurements: [{kind: flow, axis: z, position: [0, 0, 0.1]}]\n"
-    "lost_limit: 1 %\n";
+    "max_lost_fraction: 1 %\n";
 
 } // namespace treacle::scene

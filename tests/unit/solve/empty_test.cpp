@@ -1,6 +1,6 @@
 #include "fixture.hpp"
 #include "solve/krylov/complementarity.hpp"
-#include "solve/krylov/component_split.hpp"
+#include "solve/krylov/field_split_preconditioner.hpp"
 #include "solve/krylov/idr.hpp"
 #include "solve/multigrid/multilevel.hpp"
 #include "solve/multigrid/rigid_multilevel.hpp"
@@ -100,17 +100,17 @@ TEST_F(EmptySystems, of_some_ranks_take_part_in_all_exchanges) {
     const auto cells = cells_of(system, width);
     const std::vector<double> places(cells.begin(), cells.end());
     const std::vector<signed char> axes(static_cast<std::size_t>(system.rows), 0);
-    Multilevel multilevel(comm, {.dense_rows = 10});
+    Multilevel multilevel(comm, {.max_coarse_size = 10});
     multilevel.set_up(matrix, {.cells = cells});
     expect_symmetric_and_positive(comm, system, [&](auto from, auto to) { multilevel.apply(from, to); });
-    RigidMultilevel rigid(comm, {.dense_rows = 10});
+    RigidMultilevel rigid(comm, {.max_coarse_size = 10});
     rigid.set_up(matrix, {3, 1.0, cells, places, axes, {}});
     expect_symmetric_and_positive(comm, system, [&](auto from, auto to) { rigid.apply(from, to); });
 }
 
 TEST_F(EmptySystems, may_be_one_component_of_several) {
     for (const auto kind : kinds) {
-        ComponentSplit split(comm, "test", kind);
+        FieldSplitPreconditioner split(comm, "test", kind);
         auto system = poisson(comm, width, Border::dirichlet);
         Matrix matrix(comm, system.blocks());
         const std::vector<signed char> second(static_cast<std::size_t>(system.rows), 1);

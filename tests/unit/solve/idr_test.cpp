@@ -53,11 +53,11 @@ TEST(Idr, solves_what_is_neither_symmetric_nor_definite) {
 
 TEST(Idr, takes_fewer_iterations_with_more_shadows_and_no_more_than_rows_with_many) {
     std::vector<int> iterations;
-    for (const int shadows : {1, 4, 16, unknowns + 5}) {
+    for (const int shadow_space_dimension : {1, 4, 16, unknowns + 5}) {
         Case c;
-        Idr idr(c.comm, {500, shadows});
+        Idr idr(c.comm, {500, shadow_space_dimension});
         const auto report = idr.solve(c.all, c.b, c.x, 1e-8);
-        EXPECT_TRUE(report.converged()) << shadows << " " << report.reason;
+        EXPECT_TRUE(report.converged()) << shadow_space_dimension << " " << report.reason;
         iterations.push_back(report.iterations);
     }
     EXPECT_LT(iterations[1], iterations[0]);

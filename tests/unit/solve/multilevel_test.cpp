@@ -65,10 +65,10 @@ struct Variant {
 Variant variant(const std::string& name) {
     Variant out{name, {}};
     auto& options = out.options;
-    options.dense_rows = 30; // several levels even on small systems
-    options.rows_per_rank = 100;
-    if (name == "relaxed" || name == "relaxed_border_sweeps") options.relaxation = 1.2;
-    options.border_sweeps = name == "relaxed_border_sweeps";
+    options.max_coarse_size = 30; // several levels even on small systems
+    options.min_rows_per_rank = 100;
+    if (name == "relaxed" || name == "relaxed_interface_sweeps") options.relaxation = 1.2;
+    options.interface_sweeps = name == "relaxed_interface_sweeps";
     if (name == "jacobi") options.smoother = Smoother::jacobi;
     if (name == "v_cycle") options.cycle = Cycle::v;
     if (name == "v_cycle_two_sweeps") {
@@ -108,7 +108,7 @@ protected:
     const Variant chosen = variant(GetParam());
 };
 INSTANTIATE_TEST_SUITE_P(all, EachMultilevel,
-                         testing::Values("w_cycle", "relaxed", "relaxed_border_sweeps", "v_cycle", "v_cycle_two_sweeps", "jacobi", "grids"),
+                         testing::Values("w_cycle", "relaxed", "relaxed_interface_sweeps", "v_cycle", "v_cycle_two_sweeps", "jacobi", "grids"),
                          [](const auto& info) { return std::string(info.param); });
 
 TEST_P(EachMultilevel, is_symmetric_and_positive) {
@@ -130,7 +130,7 @@ TEST_P(EachMultilevel, needs_iterations_that_hardly_grow_with_the_system) {
     // Measured on 1, 2, 4 ranks: 9, 12, 10, 14 and 20 or 21; a few more are left to other arithmetic. Three ranks cut
     // cells here, each part of which counts as a whole cell of the grid: 21 become 28.
     const std::map<std::string, int> limits{
-        {"w_cycle", 10}, {"relaxed", 10}, {"relaxed_border_sweeps", 10}, {"v_cycle", 14}, {"v_cycle_two_sweeps", 12},
+        {"w_cycle", 10}, {"relaxed", 10}, {"relaxed_interface_sweeps", 10}, {"v_cycle", 14}, {"v_cycle_two_sweeps", 12},
         {"jacobi", 16},  {"grids", 30}};
     EXPECT_LE(large, limits.at(chosen.name));
     EXPECT_LE(large, (chosen.name == "grids" ? 1.5 : 1.3) * small);
@@ -215,7 +215,7 @@ TEST(Multilevel, with_a_cell_for_each_row_and_no_overcorrection_is_the_inverse) 
     const auto comm = Comm::world();
     MultilevelOptions options;
     options.overcorrection = 1;
-    options.dense_rows = 1000;
+    options.max_coarse_size = 1000;
     const Index n = 7;
     Sample sample(comm, poisson(comm, n, Border::dirichlet),
                   [](Index i) { return Place{int(i % n), int(i / n % n), int(i / (n * n))}; }, options);
@@ -242,7 +242,7 @@ TEST(Multilevel, on_grids_with_a_cell_for_each_row_of_several_densities_is_the_i
         return entries;
     };
     auto chosen = variant("grids");
-    chosen.options.dense_rows = 1000;
+    chosen.options.max_coarse_size = 1000;
     chosen.options.grid_coupling = 1;
     Sample sample(comm, TestSystem(comm, n * n * n, row), place, chosen.options);
     for (const int low : {-1, int(n)}) {

@@ -89,8 +89,8 @@ struct Sample {
 RigidMultilevelOptions several_levels() {
     RigidMultilevelOptions options;
     options.box = 2;
-    options.dense_rows = 30;
-    options.rows_per_rank = 60;
+    options.max_coarse_size = 30;
+    options.min_rows_per_rank = 60;
     return options;
 }
 

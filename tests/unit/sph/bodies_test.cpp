@@ -1,5 +1,5 @@
 #include "parts.hpp"
-#include "sph/pressure/body_response.hpp"
+#include "sph/pressure/rigid_coupling_term.hpp"
 
 #include <functional>
 
@@ -19,7 +19,7 @@ SphOptions tight() {
 // A brick of 3 x 3 x 5 spacings, as solid number 1, inside a block of liquid in free space.
 Sample brick_in_liquid(const Vec3& velocity, double density_ratio) {
     auto sample = Sample{make_setup(make_domain(3, {0, 0, 0}, {24 * spacing, 12 * spacing, 12 * spacing},
-                                                {scene::FaceKind::open, {false, false, false}}),
+                                                {scene::BoundaryKind::open, {false, false, false}}),
                                     tight()),
                          {},
                          {}};
@@ -124,7 +124,7 @@ TEST(Bodies, ThatAreLinkedKeepTheMomentumOfAllTogether) {
     const auto before = total_momentum(*step);
     for (int k = 0; k < 10; ++k) {
         step->advance(dt);
-        EXPECT_LT(step->bodies().joint_gap(), 1e-11 * spacing);
+        EXPECT_LT(step->bodies().constraint_error(), 1e-11 * spacing);
     }
     const auto after = total_momentum(*step);
     for (std::size_t k = 0; k < 6; ++k) EXPECT_NEAR(after[k], before[k], 1e-12 * std::abs(before[0])) << k;
@@ -152,7 +152,7 @@ TEST(Bodies, ThatAreHingedGiveTheWorldWhatTheirJointsReport) {
     const auto after = total_momentum(*step);
     for (std::size_t k = 0; k < 6; ++k) EXPECT_NEAR(after[k], expected[k], 1e-12 * scale) << k;
     EXPECT_GT(std::abs(given), 0.01 * scale) << "the hinge holds something";
-    EXPECT_LT(step->bodies().joint_gap(), 1e-11 * spacing);
+    EXPECT_LT(step->bodies().constraint_error(), 1e-11 * spacing);
 }
 
 TEST(Bodies, MoveTheSameOnAnyNumberOfRanksAcrossTheirBorders) {
@@ -202,7 +202,7 @@ void expect_symmetric_and_positive(const Sample& sample) {
         const Bodies bodies(setup.rigid, {}, setup.first_body, setup.bodies, setup.domain);
         parts.set_by_id(parts.liquid.role(), [](std::int64_t) { return int(Role::poisson); });
         parts.assemble();
-        BodyResponse response;
+        RigidCouplingTerm response;
         response.build(parts.step(), bodies);
         const auto term = response.addition(comm, parts.liquid, parts.system);
         // Vectors that depend on the ids alone.
@@ -233,17 +233,17 @@ void expect_symmetric_and_positive(const Sample& sample) {
 }
 } // namespace
 
-TEST(BodyResponse, IsSymmetricPositiveAndTheSameOnAnyNumberOfRanks) {
+TEST(RigidCouplingTerm, IsSymmetricPositiveAndTheSameOnAnyNumberOfRanks) {
     expect_symmetric_and_positive(brick_in_liquid({0, 0, 0}, 0.5));
 }
 
-TEST(BodyResponse, IsSymmetricPositiveAndTheSameOnAnyNumberOfRanksWithJoints) {
+TEST(RigidCouplingTerm, IsSymmetricPositiveAndTheSameOnAnyNumberOfRanksWithJoints) {
     expect_symmetric_and_positive(linked_bricks(Held::by_each_other));
     expect_symmetric_and_positive(linked_bricks(Held::by_a_hinge_too));
 }
 
 // A ball let go in liquid at rest under gravity: what holds back a light body is the liquid that it moves.
-TEST(BodyResponse, LetsALightBodyRiseWithoutOvershooting) {
+TEST(RigidCouplingTerm, LetsALightBodyRiseWithoutOvershooting) {
     auto sample = brick_in_liquid({0, 0, 0}, 0.1);
     sample.setup.rigid.bodies[0].angular_velocity = {0, 0, 0};
     const double pull = 10;
@@ -261,7 +261,7 @@ TEST(BodyResponse, LetsALightBodyRiseWithoutOvershooting) {
 
 // A drop at a body, with one neighbour at the rim of its support: the body's response must not count for it many
 // times over, or it is thrown off.
-TEST(BodyResponse, CountsForNoParticleMoreThanASourceMay) {
+TEST(RigidCouplingTerm, CountsForNoParticleMoreThanASourceMay) {
     auto sample = brick_in_liquid({0, 0, 0}, 0.3);
     const double right = 8 * spacing; // of the brick's last layer
     std::erase_if(sample.liquid, [&](const auto& point) { return point.x[0] > 6 * spacing; });
@@ -272,7 +272,7 @@ TEST(BodyResponse, CountsForNoParticleMoreThanASourceMay) {
     const double answered = -1000; // [Pa/m2]
     const auto source_with = [&](double value) {
         parts.set_by_id(parts.liquid.response(), [&](std::int64_t) { return value; });
-        predict(parts.step(), LastPressures::known, dt, Answer::bodies);
+        predict(parts.step(), LastPressures::known, dt, BodyCoupling::strong);
         const auto source = test::on_host(parts.liquid.source());
         return std::vector<double>(source.data(), source.data() + parts.liquid.store.owned());
     };

@@ -19,7 +19,7 @@ SphOptions exact(double residual, PressurePreconditioner preconditioner = Pressu
 Sample block(const SphOptions& options, const std::array<int, 3>& count, std::uint64_t seed) {
     const int dimensions = count[2] > 1 ? 3 : 2;
     const Vec3 size{count[0] * spacing, 2 * count[1] * spacing, count[2] * spacing};
-    Sample sample{make_setup(make_domain(dimensions, {0, 0, 0}, size, {scene::FaceKind::open, {}}), options), {}, {}};
+    Sample sample{make_setup(make_domain(dimensions, {0, 0, 0}, size, {scene::BoundaryKind::open, {}}), options), {}, {}};
     add_block(sample, {{spacing / 2, spacing / 2, dimensions == 3 ? spacing / 2 : 0}, count, spacing, 0.2, seed});
     for (int i = 0; i < count[0]; ++i) {
         for (int k = 0; k < count[2]; ++k) {
@@ -110,7 +110,7 @@ TEST_P(EachCut, FindsWhatTryingEverySetFinds) {
         const auto solved = step_once(Comm::self(), block(exact(1e-12, GetParam()), {4, 3, 1}, seed));
         const auto problem = problem_of(*solved.step);
         ASSERT_EQ(problem.source.size(), 12); // every particle has a row
-        ASSERT_EQ(solved.report.anchored, 0);
+        ASSERT_EQ(solved.report.pinned, 0);
         const auto wanted = search(problem);
         EXPECT_LT((problem.pressure - wanted).cwiseAbs().maxCoeff(), 1e-9 * wanted.cwiseAbs().maxCoeff());
         for (const double p : wanted) pressed += static_cast<int>(p > 0);
@@ -150,7 +150,7 @@ TEST(Complementarity, ABlobThatNothingAnchorsIsHeldAtOneParticle) {
     const auto comm = Comm::world();
     auto options = exact(1e-10);
     Sample sample{make_setup(make_domain(3, {0, 0, 0}, {32 * spacing, 14 * spacing, 14 * spacing},
-                                         {scene::FaceKind::open, {}}), options), {}, {}};
+                                         {scene::BoundaryKind::open, {}}), options), {}, {}};
     add_block(sample, {{6 * spacing, 6 * spacing, 6 * spacing}, {4, 4, 4}, 0.85 * spacing, 0.05});
     const std::size_t first = sample.liquid.size();
     add_block(sample, {{22 * spacing, 5 * spacing, 5 * spacing}, {4, 4, 4}, spacing, 0.05});
@@ -161,7 +161,7 @@ TEST(Complementarity, ABlobThatNothingAnchorsIsHeldAtOneParticle) {
         point.p = 1000; // predicts pressures where there are none
     }
     const auto solved = step_once(comm, sample);
-    EXPECT_EQ(solved.report.anchored, 1);
+    EXPECT_EQ(solved.report.pinned, 1);
     EXPECT_EQ(solved.report.roles.poisson, 63);
     double most = 0;
     for (std::size_t k = 0; k < sample.liquid.size(); ++k) {
@@ -189,7 +189,7 @@ Sample plane(DirichletRule rule) {
     setup.reference_speed = std::sqrt(9.81 * n * spacing);
     setup.forces.artificial = 0.2 * setup.constants.support * setup.reference_speed;
     add_block(sample, {{spacing / 2, spacing / 2, 0}, {n, n, 1}, spacing, 0.1});
-    const double gap = rest_gap({options.kernel, 2, setup.constants.support, spacing, spacing}, options.density);
+    const double gap = equilibrium_wall_distance({options.kernel, 2, setup.constants.support, spacing, spacing}, options.density);
     const double out = gap - spacing / 2;
     for (int i = -2; i < 2 * n + 2; ++i) sample.solid.push_back({{(i + 0.5) * spacing, -out, 0}, 0});
     for (int k = 0; k < 3 * n / 2; ++k) {

@@ -30,7 +30,7 @@ struct Point {
 Sample make_square(const Arrangement& arrangement) {
     const SphOptions options;
     const double edge = cells * options.support_ratio * spacing, step = arrangement.step * spacing;
-    Sample sample{make_setup(make_domain(2, {0, 0, 0}, {edge, edge, spacing}, {scene::FaceKind::open, {}}), options),
+    Sample sample{make_setup(make_domain(2, {0, 0, 0}, {edge, edge, spacing}, {scene::BoundaryKind::open, {}}), options),
                   {}, {}};
     const int count = static_cast<int>(std::lround(edge / step));
     add_block(sample, {{step / 2, step / 2, 0}, {count, count, 1}, step, arrangement.jitter});
@@ -87,7 +87,7 @@ std::map<std::int64_t, double> solve_grid(Parts& parts, const std::map<std::int6
     options.cycle = solve::Cycle::v;
     options.smoother = solve::Smoother::jacobi;
     options.jacobi_weight = 1e-14; // below the rounding of the pressures
-    options.dense_rows = cells * cells;
+    options.max_coarse_size = cells * cells;
     options.grid_coupling = 1 / (spacing * spacing); // lambda = 1: (H / d)^2 rows in a cell, over H^2
     solve::Multilevel multilevel(parts.comm, options);
     const auto host = system.to_host();

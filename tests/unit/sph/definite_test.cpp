@@ -61,7 +61,7 @@ TEST(PressureMatrix, WithoutAnchorsHasOneNullVectorPerComponent) {
     EXPECT_GT(values(3), 1e-3 * most);
     EXPECT_EQ(parts.anchor(), 3);
     parts.assemble();
-    expect_positive_definite(parts, "anchored");
+    expect_positive_definite(parts, "pinned");
 }
 
 TEST(PressureMatrix, OfCompressedBlobsInFreeFlightIsPositiveDefinite) {
@@ -101,12 +101,12 @@ TEST(PressureMatrix, OfLiquidAroundAFloatingBodyIsPositiveDefiniteWithEverySolid
             Parts parts(Comm::self(), sample);
             const auto roles = parts.predict_roles(LastPressures::known, dt);
             ASSERT_EQ(roles.poisson, std::int64_t(sample.liquid.size())) << "all sources are positive";
-            const auto anchored = parts.anchor();
+            const auto pinned = parts.anchor();
             if (term == SolidTerm::none) {
-                EXPECT_EQ(anchored, 1) << "nothing else holds the pressure";
+                EXPECT_EQ(pinned, 1) << "nothing else holds the pressure";
             }
             if (term == SolidTerm::unified) {
-                EXPECT_EQ(anchored, 0) << "the wall term anchors";
+                EXPECT_EQ(pinned, 0) << "the wall term anchors";
             }
             parts.assemble();
             expect_positive_definite(parts, "liquid around a body");
@@ -146,9 +146,9 @@ TEST(PressureMatrix, ATankWithoutAFreeSurfaceIsPositiveDefinite) {
         for (auto& point : sample.liquid) point.p = 1e9; // by its last pressures all of it is under pressure
         Parts parts(Comm::self(), sample);
         ASSERT_EQ(parts.predict_roles(LastPressures::known, dt).poisson, 125);
-        const auto anchored = parts.anchor();
+        const auto pinned = parts.anchor();
         if (term == SolidTerm::none) {
-            EXPECT_EQ(anchored, 1);
+            EXPECT_EQ(pinned, 1);
         }
         parts.assemble();
         expect_positive_definite(parts, "closed tank");

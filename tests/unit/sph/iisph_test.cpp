@@ -26,7 +26,7 @@ Sample make_sample(const Case& c) {
     const int nz = c.dimensions == 3 ? 6 : 1;
     const Vec3 size{8 * spacing, 6 * spacing, nz * spacing};
     Sample sample{
-        make_setup(make_domain(c.dimensions, {0, 0, 0}, size, {scene::FaceKind::open, c.periodic}), options), {}, {}};
+        make_setup(make_domain(c.dimensions, {0, 0, 0}, size, {scene::BoundaryKind::open, c.periodic}), options), {}, {}};
     add_block(sample, {{spacing / 2, spacing / 2, spacing / 2}, {8, 6, nz}, spacing, 0.25});
     std::erase_if(sample.liquid, [](const auto& point) {
         return point.x[0] > 3.9 * spacing && point.x[0] < 6.1 * spacing && point.x[1] < 2.1 * spacing;
@@ -51,7 +51,7 @@ struct Operator {
         reserve(q, std::size_t(parts.liquid.store.owned()));
         iisph.prepare(views(), dt);
     }
-    StepParts views() {
+    StepContext views() {
         return {parts.setup.options, parts.setup.constants, parts.comm, parts.liquid, parts.solid, parts.neighbours,
                 parts.halo, parts.liquid_cells};
     }
@@ -125,7 +125,7 @@ void expect_the_force_to_take_the_product_off_the_source(const Sample& sample) {
     Operator op(Comm::world(), sample);
     auto& parts = op.parts;
     const auto before = by_id(parts.comm, parts.liquid, parts.liquid.source());
-    compute_loads(parts.setup.constants, parts.liquid);
+    compute_pressure_over_density2(parts.setup.constants, parts.liquid);
     const auto product = op.product(by_id(parts.comm, parts.liquid, parts.liquid.load()));
     parts.push(dt);
     parts.halo.gather(parts.liquid.store, {parts.liquid.velocity_field()});
@@ -140,7 +140,7 @@ void expect_the_force_to_take_the_product_off_the_source(const Sample& sample) {
 TEST_P(IisphCase, ThePressureForceTakesTheProductOffTheSource) { expect_the_force_to_take_the_product_off_the_source(sample); }
 
 TEST_P(IisphCase, WithSeveralLiquidsForcesDoTheWorkOfTheirCompression) {
-    sample.setup.constants.mixture = make_mixture(std::vector<LiquidMaterial>{{rest_density, 0}, {rest_density / 8, 0}}, Loads::adjoint);
+    sample.setup.constants.immiscible = make_immiscible_liquids(std::vector<LiquidMaterial>{{rest_density, 0}, {rest_density / 8, 0}}, Loads::adjoint);
     for (std::size_t k = 0; k < sample.liquid.size(); ++k) sample.liquid[k].liquid = int(k % 2);
     expect_the_force_to_take_the_product_off_the_source(sample);
     Operator op(Comm::world(), sample);
@@ -163,7 +163,7 @@ SphOptions with(PressureSolver solver, double residual) {
 // A block that a flow presses together, out of order, between walls across.
 Sample pressed(const SphOptions& options, double rate) {
     const Vec3 size{8 * spacing, 6 * spacing, 6 * spacing};
-    Sample sample{make_setup(make_domain(3, {0, 0, 0}, size, {scene::FaceKind::open, {false, true, true}}), options),
+    Sample sample{make_setup(make_domain(3, {0, 0, 0}, size, {scene::BoundaryKind::open, {false, true, true}}), options),
                   {}, {}};
     add_block(sample, {{spacing / 2, spacing / 2, spacing / 2}, {8, 6, 6}, spacing, 0.2});
     converge(sample, {4 * spacing, 3 * spacing, 3 * spacing}, rate);
@@ -212,7 +212,7 @@ Sample column(const SphOptions& options, int height) {
     sample.setup.reference_speed = std::sqrt(9.81 * height * spacing);
     sample.setup.forces.artificial = 0.2 * c.support * sample.setup.reference_speed;
     add_block(sample, {{spacing / 2, spacing / 2, spacing / 2}, {6, 6, height}});
-    const double gap = rest_gap({options.kernel, 3, c.support, spacing, spacing}, options.density);
+    const double gap = equilibrium_wall_distance({options.kernel, 3, c.support, spacing, spacing}, options.density);
     for (int j = 0; j < 6; ++j) {
         for (int i = 0; i < 6; ++i) {
             sample.solid.push_back({{(i + 0.5) * spacing, (j + 0.5) * spacing, spacing / 2 - gap}, 0});

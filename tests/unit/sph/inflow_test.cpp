@@ -35,7 +35,7 @@ Sample jet() {
     options.pressure.stop = StoppingRule::residual;
     options.pressure.residual = 1e-12;
     Sample sample{
-        make_setup(make_domain(3, {0, 0, 0}, {size, size, size}, {.kind = scene::FaceKind::open}), options),
+        make_setup(make_domain(3, {0, 0, 0}, {size, size, size}, {.kind = scene::BoundaryKind::open}), options),
         {},
         {}};
     sample.setup.inflow.inlets = {square_inlet({8 * spacing, size / 2, size / 2}, {1, 0, 0}, 4, 3)};
@@ -52,7 +52,7 @@ TEST(Inflow, LayersFollowFromTheTimeAlone) {
     auto setup = jet().setup;
     auto inlet = setup.inflow.inlets.front();
     inlet.start = 1;
-    const int held = held_layers(setup.constants);
+    const int held = buffer_layers(setup.constants);
     const auto passed = [&](double layers) {
         return inlet.start + layers * spacing / speed;
     }; // half of them and a half
@@ -102,7 +102,7 @@ TEST(Inflow, ItsVolumeInTheLongRunIsTheFlowRate) {
     const double rate = inlet.speed * double(inlet.points.size()) * c.rest_volume / c.spacing;
     const double time = 1234.567;
     const double passed =
-        double(layers_until(inlet, layers_of(c), time) - held_layers(c)) * double(inlet.points.size()) * c.rest_volume;
+        double(layers_until(inlet, layers_of(c), time) - buffer_layers(c)) * double(inlet.points.size()) * c.rest_volume;
     // Half a layer at each end.
     EXPECT_NEAR(passed, rate * time, double(inlet.points.size()) * c.rest_volume);
 }
@@ -118,7 +118,7 @@ TEST(Inflow, HeldParticlesCarryAStiffRope) {
         options.viscosity.residual = 1e-10;
         options.viscosity.preconditioner = preconditioner;
         Sample sample{
-            make_setup(make_domain(2, {0, 0, 0}, {size, size, 0}, {.kind = scene::FaceKind::open}), options),
+            make_setup(make_domain(2, {0, 0, 0}, {size, size, 0}, {.kind = scene::BoundaryKind::open}), options),
             {},
             {}};
         sample.setup.inflow.inlets = {square_inlet({size / 2, 18 * spacing, 0}, {0, -1, 0}, 6, 2)};

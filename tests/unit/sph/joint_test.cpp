@@ -11,7 +11,7 @@ Sample make_sample(const std::array<bool, 3>& periodic, int dimensions = 3) {
     options.pressure.solid_term = SolidTerm::unknowns;
     const int nz = dimensions == 3 ? 8 : 1;
     const Vec3 size{12 * spacing, 9 * spacing, nz * spacing};
-    Sample sample{make_setup(make_domain(dimensions, {0, 0, 0}, size, {scene::FaceKind::open, periodic}), options), {}, {}};
+    Sample sample{make_setup(make_domain(dimensions, {0, 0, 0}, size, {scene::BoundaryKind::open, periodic}), options), {}, {}};
     add_block(sample, {{spacing / 2, 1.5 * spacing, spacing / 2}, {12, 6, nz}, spacing, 0.2});
     std::erase_if(sample.liquid, [](const auto& point) {
         return point.x[0] > 5.9 * spacing && point.x[0] < 8.1 * spacing && point.x[1] > 2.6 * spacing &&
@@ -34,7 +34,7 @@ Sample make_sample(const std::array<bool, 3>& periodic, int dimensions = 3) {
 // The steps of a pressure solve, up to the joint matrix.
 struct Joint : Parts {
     SolidRows around;
-    std::int64_t unknown_solids = 0, anchored = 0;
+    std::int64_t unknown_solids = 0, pinned = 0;
 
     Joint(const Comm& group, const Sample& sample) : Parts(group, sample) {
         const double support = setup.constants.support;
@@ -45,8 +45,8 @@ struct Joint : Parts {
         predict_roles(pressures, dt);
         unknown_solids = comm.sum(
             around.predict(setup.options, setup.constants, liquid, solid, neighbours, solid_halo));
-        anchored = anchor();
-        system.assemble_joint(setup.options, setup.constants, comm,
+        pinned = anchor();
+        system.assemble_with_solids(setup.options, setup.constants, comm,
                               {liquid, solid, neighbours, around, halo, solid_halo});
     }
     // Rows by the ids of liquid particles; those of solids lie far behind.
@@ -100,13 +100,13 @@ TEST(JointRows, AClosedTankUnderPressureIsAnchoredByOneParticle) {
     SphOptions options;
     options.pressure.solid_term = SolidTerm::unknowns;
     const double far = 10 * spacing;
-    Sample sample{make_setup(make_domain(3, {-far, -far, -far}, {far, far, far}, {scene::FaceKind::open, {}}), options), {}, {}};
+    Sample sample{make_setup(make_domain(3, {-far, -far, -far}, {far, far, far}, {scene::BoundaryKind::open, {}}), options), {}, {}};
     add_block(sample, {{spacing, spacing, spacing}, {5, 5, 5}, spacing, 0.1});
     add_shell(sample, {0, 0, 0}, {7, 7, 7}, 0);
     for (auto& point : sample.liquid) point.p = 1e9; // by its last pressures all of it is under pressure
     Joint parts(Comm::world(), sample);
     parts.solve_up_to_matrix();
-    EXPECT_EQ(parts.anchored, 1);
+    EXPECT_EQ(parts.pinned, 1);
     EXPECT_EQ(parts.unknown_solids, 7 * 7 * 7 - 5 * 5 * 5) << "no wall is dry";
     expect_positive_definite(parts.gathered());
 }
@@ -115,7 +115,7 @@ TEST(JointRows, ADropOnADryFloorHangsOnTheFloorsDryParticles) {
     SphOptions options;
     options.pressure.solid_term = SolidTerm::unknowns;
     const double far = 10 * spacing;
-    Sample sample{make_setup(make_domain(3, {-far, -far, -far}, {far, far, far}, {scene::FaceKind::open, {}}), options), {}, {}};
+    Sample sample{make_setup(make_domain(3, {-far, -far, -far}, {far, far, far}, {scene::BoundaryKind::open, {}}), options), {}, {}};
     add_block(sample, {{0, 0, 0}, {4, 4, 4}, spacing, 0.1});
     converge(sample, {1.5 * spacing, 1.5 * spacing, 1.5 * spacing}, 1e3);
     for (int k = -8; k < 9; ++k) {
@@ -123,7 +123,7 @@ TEST(JointRows, ADropOnADryFloorHangsOnTheFloorsDryParticles) {
     }
     Joint parts(Comm::world(), sample);
     parts.solve_up_to_matrix();
-    EXPECT_EQ(parts.anchored, 0);
+    EXPECT_EQ(parts.pinned, 0);
     expect_positive_definite(parts.gathered());
 }
 

@@ -29,7 +29,7 @@ const Golden goldens[] = {
 
 TEST(Lattice, SumsAreTheGoldenNumbers) {
     for (const auto& golden : goldens) {
-        const auto lattice = measure_lattice(golden.kind, golden.dimensions, golden.support, 1);
+        const auto lattice = compute_lattice_sums(golden.kind, golden.dimensions, golden.support, 1);
         EXPECT_EQ(lattice.neighbours, golden.neighbours) << golden.support;
         EXPECT_NEAR(lattice.kernel_sum, golden.kernel_sum, 0.51e-4);
         EXPECT_NEAR(lattice.gradient_factor, golden.gradient_factor, 0.51e-4);
@@ -40,14 +40,14 @@ TEST(Lattice, SumsAreTheGoldenNumbers) {
 }
 
 TEST(Lattice, DiagonalsOfTheLaplacianAreTheGoldenNumbers) {
-    EXPECT_NEAR(measure_lattice(KernelKind::mueller, 3, 2, 1).laplacian_diagonal, 3.9679, 0.51e-4);
-    EXPECT_NEAR(measure_lattice(KernelKind::cubic_spline, 3, 2, 1).laplacian_diagonal, 4.2739, 0.51e-4);
+    EXPECT_NEAR(compute_lattice_sums(KernelKind::mueller, 3, 2, 1).laplacian_diagonal, 3.9679, 0.51e-4);
+    EXPECT_NEAR(compute_lattice_sums(KernelKind::cubic_spline, 3, 2, 1).laplacian_diagonal, 4.2739, 0.51e-4);
 }
 
 TEST(Lattice, ScalesWithTheSpacing) {
     const double d = 0.013;
-    const auto unit = measure_lattice(KernelKind::cubic_spline, 3, 2.5, 1);
-    const auto small = measure_lattice(KernelKind::cubic_spline, 3, 2.5 * d, d);
+    const auto unit = compute_lattice_sums(KernelKind::cubic_spline, 3, 2.5, 1);
+    const auto small = compute_lattice_sums(KernelKind::cubic_spline, 3, 2.5 * d, d);
     // Round-off of some hundred terms.
     EXPECT_NEAR(small.kernel_sum * d * d * d, unit.kernel_sum, 1e-13);
     EXPECT_NEAR(small.gradient_factor, unit.gradient_factor, 1e-13);
@@ -64,7 +64,7 @@ TEST(PlanarWall, SumsAreTheGoldenNumbers) {
         {1.2, .975, .994, .223, .460},   {1.4, .876, .880, .068, .228},
     };
     for (const auto& row : golden) {
-        const auto wall = measure_wall(setup, row[0]);
+        const auto wall = compute_wall_sums(setup, row[0]);
         EXPECT_NEAR(wall.wall_volume, 1.60199, 0.51e-5);
         EXPECT_NEAR(wall.density_ratio, row[1], 0.51e-3) << "gap " << row[0];
         EXPECT_NEAR(wall.number_ratio, row[2], 0.51e-3) << "gap " << row[0];
@@ -72,18 +72,18 @@ TEST(PlanarWall, SumsAreTheGoldenNumbers) {
         EXPECT_NEAR(wall.wall_term / (row[1] * row[1]), row[3], 2e-3) << "gap " << row[0];
         EXPECT_NEAR(wall.wall_vector, row[4], 0.51e-3) << "gap " << row[0];
     }
-    EXPECT_NEAR(measure_wall({KernelKind::mueller, 3, 2, 1, 0.5}, 1).wall_volume, .40616, 0.51e-5);
+    EXPECT_NEAR(compute_wall_sums({KernelKind::mueller, 3, 2, 1, 0.5}, 1).wall_volume, .40616, 0.51e-5);
 }
 
 TEST(PlanarWall, VolumeInThePlaneIsTheGoldenNumber) {
-    const double volume = measure_lattice(KernelKind::mueller, 2, 2, 1).volume;
-    EXPECT_NEAR(measure_wall({KernelKind::mueller, 2, 2, 1, 1}, 1).wall_volume / volume, 1.7288, 0.51e-4);
+    const double volume = compute_lattice_sums(KernelKind::mueller, 2, 2, 1).volume;
+    EXPECT_NEAR(compute_wall_sums({KernelKind::mueller, 2, 2, 1, 1}, 1).wall_volume / volume, 1.7288, 0.51e-4);
 }
 
 TEST(PlanarWall, RestGapIsWiderThanASpacing) {
     for (const auto kind : {KernelKind::mueller, KernelKind::cubic_spline}) {
         const WallSetup setup{kind, 3, 2, 1, 1};
-        const double smooth = rest_gap(setup, DensityOptions{});
+        const double smooth = equilibrium_wall_distance(setup, DensityOptions{});
         EXPECT_GT(smooth, 1.0) << "at one spacing the wall compresses the liquid";
         EXPECT_LT(smooth, 1.4);
     }

@@ -12,7 +12,7 @@ constexpr double dt = 0.01; // [s]
 Sample scattered() {
     auto domain = make_domain(3, {0, 0, 0}, {24 * spacing, 24 * spacing, 24 * spacing},
                               {.periodic = {false, true, false}});
-    domain.faces[1].kind = scene::FaceKind::open;
+    domain.faces[1].kind = scene::BoundaryKind::open;
     domain.faces[1].outflow = true;
     Sample sample{make_setup(domain), {}, {}};
     for (int i = 0; i < 6; ++i) {
@@ -79,7 +79,7 @@ TEST(LostParticles, AreTakenOutAndCountedByCause) {
 TEST(LostParticles, WhatLeavesThroughAnOpenSideThatLetsNothingGoIsLost) {
     auto sample = scattered();
     auto domain = make_domain(3, {0, 0, 0}, {24 * spacing, 24 * spacing, 24 * spacing}, {.periodic = {false, true, false}});
-    domain.faces[1].kind = scene::FaceKind::open;
+    domain.faces[1].kind = scene::BoundaryKind::open;
     sample.setup = make_setup(domain);
     sample.liquid[95].u = sample.liquid[94].u = {4 * spacing / dt, 0, 0};
     auto outcome = advance(sample);

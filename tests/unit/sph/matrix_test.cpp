@@ -27,7 +27,7 @@ Sample make_sample(const Case& c) {
     const int nz = c.dimensions == 3 ? 7 : 1;
     const Vec3 size{12 * spacing, 8 * spacing, nz * spacing};
     Sample sample{
-        make_setup(make_domain(c.dimensions, {0, 0, 0}, size, {scene::FaceKind::open, c.periodic}), options),
+        make_setup(make_domain(c.dimensions, {0, 0, 0}, size, {scene::BoundaryKind::open, c.periodic}), options),
         {},
         {}};
     add_block(sample, {{spacing / 2, spacing / 2, spacing / 2}, {12, 8, nz}, spacing, 0.25});

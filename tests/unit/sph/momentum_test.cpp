@@ -10,7 +10,7 @@ Sample blob(int dimensions, std::array<bool, 3> periodic) {
     const int nz = dimensions == 3 ? 7 : 1;
     const Vec3 size{10 * spacing, 8 * spacing, nz * spacing};
     Sample sample{
-        make_setup(make_domain(dimensions, {0, 0, 0}, size, {scene::FaceKind::open, periodic})), {}, {}};
+        make_setup(make_domain(dimensions, {0, 0, 0}, size, {scene::BoundaryKind::open, periodic})), {}, {}};
     add_block(sample, {{spacing / 2, spacing / 2, spacing / 2}, {10, 8, nz}, spacing, 0.3});
     test::Random random(4);
     for (auto& point : sample.liquid) {

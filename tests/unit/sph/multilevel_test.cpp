@@ -57,7 +57,7 @@ protected:
     const Comm comm = Comm::world();
 };
 INSTANTIATE_TEST_SUITE_P(all, EachHierarchy,
-                         testing::Values(PressurePreconditioner::multilevel, PressurePreconditioner::multilevel_grids),
+                         testing::Values(PressurePreconditioner::multilevel, PressurePreconditioner::multilevel_rediscretised),
                          [](const auto& info) {
                              return std::string(info.param == PressurePreconditioner::multilevel ? "galerkin"
                                                                                                  : "grids");
@@ -88,7 +88,7 @@ TEST_P(EachHierarchy, takes_few_iterations_on_any_number_of_ranks) {
 
 TEST_P(EachHierarchy, takes_few_iterations_with_a_heavy_liquid_on_a_light_one) {
     auto sample = tank(20, 3, with(GetParam(), 1e-6));
-    sample.setup.constants.mixture = make_mixture(std::vector<LiquidMaterial>{{rest_density, 0}, {rest_density / 10, 0}});
+    sample.setup.constants.immiscible = make_immiscible_liquids(std::vector<LiquidMaterial>{{rest_density, 0}, {rest_density / 10, 0}});
     for (auto& point : sample.liquid) point.liquid = point.x[2] < 7 * spacing ? 1 : 0;
     StepReport report;
     const auto step = stepped(comm, sample, report);

@@ -29,7 +29,7 @@ struct Parts {
             const auto cell = test::cell_of(setup.grid, point);
             cells.insert(cells.end(), cell.begin(), cell.end());
         }
-        decomposition.recut(cells, std::vector<double>(cells.size() / 3, 1.0));
+        decomposition.repartition(cells, std::vector<double>(cells.size() / 3, 1.0));
         place(liquid.store, halo, liquid_cells);
         place(solid.store, solid_halo, solid_cells);
         const double support = setup.constants.support;
@@ -45,20 +45,20 @@ struct Parts {
                                    liquid.liquid_field()});
     }
 
-    StepParts step() { return {setup.options, setup.constants, comm, liquid, solid, neighbours, halo, liquid_cells}; }
+    StepContext step() { return {setup.options, setup.constants, comm, liquid, solid, neighbours, halo, liquid_cells}; }
     RoleCounts predict_roles(LastPressures pressures, double dt) {
         const auto counts = predict(step(), pressures, dt);
         halo.gather(liquid.store, {liquid.role_field()});
         return counts;
     }
     std::int64_t anchor() {
-        Anchoring anchoring;
-        return comm.sum(anchoring.anchor(setup.options, setup.constants, comm, liquid, neighbours, halo));
+        PressurePinning pinning;
+        return comm.sum(pinning.anchor(setup.options, setup.constants, comm, liquid, neighbours, halo));
     }
     void assemble() { system.assemble(setup.options, setup.constants, comm, liquid, neighbours, halo); }
     // The velocities change by the pressures that the liquid has.
     BodyLoads push(double dt) {
-        compute_loads(setup.constants, liquid);
+        compute_pressure_over_density2(setup.constants, liquid);
         halo.gather(liquid.store, {liquid.load_field()});
         auto loads = apply_pressure(step(), setup.bodies, dt);
         comm.sum(std::span(loads));

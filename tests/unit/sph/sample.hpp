@@ -35,7 +35,7 @@ struct Sample {
 };
 
 struct Sides {
-    scene::FaceKind kind = scene::FaceKind::wall;
+    scene::BoundaryKind kind = scene::BoundaryKind::wall;
     std::array<bool, 3> periodic{false, false, false};
 };
 
@@ -46,7 +46,7 @@ inline scene::Domain make_domain(int dimensions, const Vec3& min, const Vec3& ma
     domain.max = max;
     domain.spacing = spacing;
     for (std::size_t f = 0; f < 6; ++f) {
-        domain.faces[f].kind = sides.periodic[f / 2] ? scene::FaceKind::periodic : sides.kind;
+        domain.faces[f].kind = sides.periodic[f / 2] ? scene::BoundaryKind::periodic : sides.kind;
     }
     return domain;
 }
@@ -58,13 +58,13 @@ inline IsphSetup make_setup(const scene::Domain& domain, const SphOptions& optio
     c.dimensions = domain.dimensions;
     c.spacing = domain.spacing;
     c.support = options.support_ratio * domain.spacing;
-    const auto lattice = measure_lattice(options.kernel, domain.dimensions, c.support, domain.spacing);
+    const auto lattice = compute_lattice_sums(options.kernel, domain.dimensions, c.support, domain.spacing);
     c.rest_density = rest_density;
     c.rest_volume = lattice.volume;
     c.mass = rest_density * lattice.volume;
     c.number_density = lattice.number_density;
     c.laplacian_diagonal = lattice.laplacian_diagonal;
-    c.wall_cover = wall_cover({options.kernel, c.dimensions, c.support, c.spacing, c.spacing}, options.density);
+    c.wall_laplacian_factor = wall_laplacian_factor({options.kernel, c.dimensions, c.support, c.spacing, c.spacing}, options.density);
     setup.domain = make_domain_box(domain, 1.5 * domain.spacing);
     setup.grid = make_cell_grid(domain, c.support);
     setup.forces.gravity = {0, 0, 0};

@@ -13,7 +13,7 @@ Parts slide(const Vec3& velocity, double coefficient, double dt, BodyLoads& load
     }
     Parts parts(Comm::self(), sample);
     const std::vector<double> coefficients{0, coefficient};
-    apply_skin_friction(parts.step(), {coefficients, LoadPoints(2), dt}, loads);
+    apply_skin_friction(parts.step(), {coefficients, MomentReferencePoints(2), dt}, loads);
     return parts;
 }
 

@@ -17,12 +17,12 @@ void add_plane(Sample& sample, double z, int half) {
 
 // Liquid on its lattice above a wall, all at one pressure; what the pressure force gives the particle in the middle of
 // the first layer [m/s].
-double push_of_wall(double wall_push) {
+double push_of_wall(double wall_pressure_factor) {
     constexpr int half = 4;
     auto sample = space();
     const auto& c = sample.setup.constants;
-    const double gap = rest_gap({KernelKind::cubic_spline, 3, c.support, spacing, spacing}, {});
-    sample.setup.constants.wall_push = wall_push;
+    const double gap = equilibrium_wall_distance({KernelKind::cubic_spline, 3, c.support, spacing, spacing}, {});
+    sample.setup.constants.wall_pressure_factor = wall_pressure_factor;
     for (int k = 0; k < half; ++k) {
         for (int j = -half; j <= half; ++j) {
             for (int i = -half; i <= half; ++i) {
@@ -140,7 +140,7 @@ TEST(Densities, OfALatticeBesideAWallAreThoseOfTheWallMeasurement) {
         auto sample = space(options);
         const WallSetup wall{options.kernel, 3, 2 * spacing * (1 - 1e-10), spacing, spacing};
         sample.setup.constants.support *= 1 - 1e-10; // neighbours at exactly two spacings have no weight
-        const double gap = rest_gap(wall, options.density);
+        const double gap = equilibrium_wall_distance(wall, options.density);
         add_block(sample, {{-3 * spacing, -3 * spacing, gap}, {7, 7, 4}});
         add_plane(sample, 0, 6);
         Parts parts(Comm::self(), sample);
@@ -193,7 +193,7 @@ TEST(SolidVolumes, OfAPlaneAreThoseOfTheWallMeasurement) {
     const auto id = test::on_host(parts.solid.id());
     const double h = parts.setup.constants.support;
     const double plane =
-        measure_wall({KernelKind::cubic_spline, 3, h, spacing, spacing}, spacing).wall_volume;
+        compute_wall_sums({KernelKind::cubic_spline, 3, h, spacing, spacing}, spacing).wall_volume;
     int seen = 0;
     for (int i = 0; i < parts.solid.store.owned(); ++i) {
         if (id(i) == id_of(5 + 11 * 5)) {
@@ -210,7 +210,7 @@ TEST(SolidVolumes, OfAPlaneAreThoseOfTheWallMeasurement) {
 
 TEST(WallForce, BalancedKeepsTheFirstLayerOfALatticeAtRestAndOneSidedDoesNot) {
     const auto defaults = make_setup(make_domain(3, {-1, -1, -1}, {1, 1, 1}), {}).constants;
-    const double balanced = wall_push({KernelKind::cubic_spline, 3, defaults.support, spacing, spacing}, {});
+    const double balanced = wall_pressure_factor({KernelKind::cubic_spline, 3, defaults.support, spacing, spacing}, {});
     EXPECT_NEAR(balanced, 1.588, 1e-3); // summed by hand over the two lattices at 2.5 d
     const double sinking = push_of_wall(1);
     EXPECT_LT(sinking, 0);

@@ -17,11 +17,11 @@ Sample make_square(SolidTerm term) {
     options.pressure.solid_term = term;
     options.pressure.amplification_limit = 5; // the dissertation's
     const double far = (width + 8) * spacing;
-    Sample sample{make_setup(make_domain(2, {-far, -far, 0}, {2 * far, 2 * far, spacing}, {scene::FaceKind::open, {}}),
+    Sample sample{make_setup(make_domain(2, {-far, -far, 0}, {2 * far, 2 * far, spacing}, {scene::BoundaryKind::open, {}}),
                              options), {}, {}};
     add_block(sample, {{0, 0, 0}, {width, width, 1}});
     const auto& c = sample.setup.constants;
-    const double gap = rest_gap({options.kernel, 2, c.support, spacing, spacing}, options.density);
+    const double gap = equilibrium_wall_distance({options.kernel, 2, c.support, spacing, spacing}, options.density);
     const double last = (width - 1) * spacing;
     for (int k = 0; k < width; ++k) sample.solid.push_back({{k * spacing, -gap, 0}, 0});
     for (int k = -1; k < width + 6; ++k) { // the walls go on above the liquid, dry
@@ -53,7 +53,7 @@ Pressures solve_square(SolidTerm term, const Pressures& last = {}) {
         around.solid.build(parts.solid.store, parts.solid.store, parts.setup.grid, parts.solid_cells, support);
         around.predict(parts.setup.options, parts.setup.constants, parts.liquid, parts.solid, parts.neighbours,
                        parts.solid_halo);
-        parts.system.assemble_joint(parts.setup.options, parts.setup.constants, parts.comm,
+        parts.system.assemble_with_solids(parts.setup.options, parts.setup.constants, parts.comm,
                                     {parts.liquid, parts.solid, parts.neighbours, around, parts.halo, parts.solid_halo});
         rows.push_back({&parts.solid.store, parts.solid.row(), 1 << 24});
     } else {

@@ -30,7 +30,7 @@ Sample dam_break() {
     sample.setup.forces.gravity = {0, 0, -9.81};
     sample.setup.forces.artificial = 0.1 * c.support * 1.9; // sqrt(g H) is 1.9 m/s
     add_block(sample, {{spacing / 2, spacing / 2, spacing / 2}, {6, 6, 6}});
-    const double gap = rest_gap({sample.setup.options.kernel, 3, c.support, spacing, spacing}, sample.setup.options.density);
+    const double gap = equilibrium_wall_distance({sample.setup.options.kernel, 3, c.support, spacing, spacing}, sample.setup.options.density);
     const double out = gap - spacing / 2;
     for (int j = 0; j < 6; ++j) {
         const double y = (j + 0.5) * spacing;
@@ -187,7 +187,7 @@ TEST(IsphStep, ReportsRolesCompressionAndLoadsOfAllRanks) {
                   std::int64_t(sample.liquid.size()));
         EXPECT_EQ(a.roles.poisson, b.roles.poisson);
         EXPECT_GT(a.roles.poisson, 0);
-        EXPECT_EQ(a.anchored, b.anchored);
+        EXPECT_EQ(a.pinned, b.pinned);
         EXPECT_NEAR(a.mean_compression, b.mean_compression, 1e-9);
         EXPECT_NEAR(a.max_compression, b.max_compression, 1e-9);
         ASSERT_EQ(a.loads.size(), 12u);

@@ -33,7 +33,7 @@ Sample drop(const DropSetup& shape) {
     SphOptions options;
     options.surface_tension.model = shape.model;
     const Vec3 size{2 * half, 2 * half, plane ? spacing : 2 * half};
-    Sample sample{make_setup(make_domain(shape.dimensions, {0, 0, 0}, size, {scene::FaceKind::open}), options), {}, {}};
+    Sample sample{make_setup(make_domain(shape.dimensions, {0, 0, 0}, size, {scene::BoundaryKind::open}), options), {}, {}};
     sample.setup.forces.surface_tension = tension;
     const double a = r * (1 + shape.stretch), b = plane ? r / (1 + shape.stretch) : r / std::sqrt(1 + shape.stretch);
     const int n = static_cast<int>(std::ceil(1.5 * shape.radius));
@@ -58,7 +58,7 @@ struct TensionCase {
     explicit TensionCase(const Comm& comm, const Sample& sample)
         : parts(comm, sample),
           forces(parts.liquid, parts.setup.options, parts.setup.constants, parts.setup.domain, tension) {}
-    StepParts views() {
+    StepContext views() {
         return {parts.setup.options, parts.setup.constants, parts.comm, parts.liquid, parts.solid, parts.neighbours,
                 parts.halo, parts.liquid_cells};
     }

@@ -9,12 +9,12 @@ constexpr int edge = 9;
 // A block of lattice liquid on a floor, with disorder as a share of the spacing.
 Sample make_block(const SphOptions& options, double jitter, int dimensions = 3) {
     const double far = 20 * spacing;
-    Sample sample{make_setup(make_domain(dimensions, {-far, -far, -far}, {far, far, far}, {scene::FaceKind::open, {}}),
+    Sample sample{make_setup(make_domain(dimensions, {-far, -far, -far}, {far, far, far}, {scene::BoundaryKind::open, {}}),
                              options), {}, {}};
     const int nz = dimensions == 3 ? edge : 1;
     add_block(sample, {{0, 0, 0}, {edge, edge, nz}, spacing, jitter});
     const auto& c = sample.setup.constants;
-    const double gap = rest_gap({options.kernel, dimensions, c.support, spacing, spacing}, options.density);
+    const double gap = equilibrium_wall_distance({options.kernel, dimensions, c.support, spacing, spacing}, options.density);
     for (int k = dimensions == 3 ? -4 : 0; k < (dimensions == 3 ? edge + 4 : 1); ++k) {
         for (int i = -4; i < edge + 4; ++i) sample.solid.push_back({{i * spacing, -gap, k * spacing}, 0});
     }
@@ -86,7 +86,7 @@ TEST(FreeSurface, GhostsMakeUpForWhatTheLatticeLacksAndLeaveNoneDirichlet) {
     const auto place = places(sample);
     const auto ghosts = by_id(parts.comm, parts.liquid, parts.liquid.wall_term());
     const auto& c = sample.setup.constants;
-    const double half = measure_wall({KernelKind::cubic_spline, 3, c.support, spacing, spacing}, spacing).missing;
+    const double half = compute_wall_sums({KernelKind::cubic_spline, 3, c.support, spacing, spacing}, spacing).missing;
     const double full = sample.setup.constants.laplacian_diagonal;
     for (const auto& [id, k] : place) {
         const auto x = int(k % edge), y = int(k / edge % edge), z = int(k / edge / edge);

@@ -99,7 +99,7 @@ double shear_rate(double jitter) {
     const double size = n * spacing, k = 2 * math::pi / size;
     SphOptions options;
     options.viscosity.residual = 1e-10;
-    Sample sample{make_setup(make_domain(2, {0, 0, 0}, {size, size, spacing}, {scene::FaceKind::wall, {true, true, false}}),
+    Sample sample{make_setup(make_domain(2, {0, 0, 0}, {size, size, spacing}, {scene::BoundaryKind::wall, {true, true, false}}),
                              options), {}, {}};
     sample.setup.forces.viscosity = viscosity;
     add_block(sample, {{spacing / 2, spacing / 2, 0}, {n, n, 1}, spacing, jitter});
@@ -173,7 +173,7 @@ TEST(ImplicitViscosity, ProductsInSinglePrecisionAreThoseInDoubleNearly) {
         for (const auto walls : {ViscousOperator::Walls::resting, ViscousOperator::Walls::moving}) {
             matrix.multiply(all, x, walls, right);
             const auto wanted = matrix.loads(all);
-            matrix.multiply_nearly(all, x, walls, near);
+            matrix.multiply_single_precision(all, x, walls, near);
             double largest = 0, apart = 0;
             for (int i = 0; i < parts.liquid.store.owned(); ++i) {
                 for (int k = 0; k < 3; ++k) {

@@ -6,7 +6,7 @@ namespace treacle::sph::viscous_interface_test {
 namespace {
 
 void set_viscosities(Sample& sample, double first, double second) {
-    sample.setup.constants.mixture = make_mixture(std::vector<LiquidMaterial>{{rest_density, first}, {rest_density, second}});
+    sample.setup.constants.immiscible = make_immiscible_liquids(std::vector<LiquidMaterial>{{rest_density, first}, {rest_density, second}});
 }
 
 // A disc or ball, one side of which, cut obliquely, has `ratio` times the viscosity; turning.
@@ -32,7 +32,7 @@ double error_of_layers(const Layers& layers) {
     const double height = layers.rows * spacing, width = 8 * spacing;
     SphOptions options;
     options.viscosity.residual = 1e-9;
-    Sample sample{make_setup(make_domain(2, {0, 0, 0}, {width, 2 * height, spacing}, {scene::FaceKind::wall, {true, true, false}}), options), {}, {}};
+    Sample sample{make_setup(make_domain(2, {0, 0, 0}, {width, 2 * height, spacing}, {scene::BoundaryKind::wall, {true, true, false}}), options), {}, {}};
     sample.setup.forces.viscosity = viscosity;
     set_viscosities(sample, layers.first, layers.second);
     add_block(sample, {{spacing / 2, spacing / 2, 0}, {8, 2 * layers.rows, 1}, spacing, layers.jitter});

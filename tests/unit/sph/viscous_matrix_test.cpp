@@ -5,7 +5,7 @@ namespace {
 
 constexpr ViscosityForm all_forms[] = {ViscosityForm::corrected, ViscosityForm::adjoint,
                                        ViscosityForm::pairwise, ViscosityForm::laplacian,
-                                       ViscosityForm::printed};
+                                       ViscosityForm::as_published};
 
 // A square without a border, out of order.
 Sample periodic_square(ViscosityForm form) {
@@ -14,7 +14,7 @@ Sample periodic_square(ViscosityForm form) {
     options.viscosity.form = form;
     const double size = n * spacing;
     Sample sample{make_setup(make_domain(2, {0, 0, 0}, {size, size, spacing},
-                                         {scene::FaceKind::wall, {true, true, false}}),
+                                         {scene::BoundaryKind::wall, {true, true, false}}),
                              options),
                   {},
                   {}};
@@ -104,7 +104,7 @@ TEST(ViscousMatrix, SymmetricFormsAreTheirTransposes) {
 }
 
 TEST(ViscousMatrix, ThePrintedFormIsNotSymmetric) {
-    const double printed = asymmetry(two_liquids_on_a_wall(ViscosityForm::printed));
+    const double printed = asymmetry(two_liquids_on_a_wall(ViscosityForm::as_published));
     RecordProperty("printed", std::to_string(printed));
     EXPECT_GT(printed, 0.01);
 }
@@ -155,7 +155,7 @@ TEST(ViscousMatrix, GivesTheSameVelocitiesWithEveryPreconditioner) {
 
 TEST(ViscousMatrix, BicgstabSolvesThePrintedFormAndConjugateGradientsSayThatTheyCannot) {
     ViscosityOptions options;
-    options.form = ViscosityForm::printed;
+    options.form = ViscosityForm::as_published;
     options.assembled = true;
     options.preconditioner = ViscosityPreconditioner::jacobi;
     options.residual = 1e-6;

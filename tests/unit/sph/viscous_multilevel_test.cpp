@@ -51,7 +51,7 @@ struct Preconditioned {
     ViscousTest test;
     NearPairs near;
     ViscousScene scene;
-    ViscousParts parts;
+    ViscousContext parts;
     ViscousOperator of;
     ViscousMultilevel multilevel;
 
@@ -82,7 +82,7 @@ Sample blob_or_all(int dimensions, bool periodic) {
     const bool space = dimensions == 3;
     const double size = (space ? 11 : 21) * spacing;
     Sample sample{make_setup(make_domain(dimensions, {0, 0, 0}, {size, size, space ? size : spacing},
-                                         {scene::FaceKind::open, {true, true, space}}), turning_blob(blob).setup.options), {}, {}};
+                                         {scene::BoundaryKind::open, {true, true, space}}), turning_blob(blob).setup.options), {}, {}};
     sample.setup.forces.viscosity = viscosity;
     const int n = space ? 11 : 21;
     add_block(sample, {{spacing / 2, spacing / 2, spacing / 2}, {n, n, space ? n : 1}, spacing, 0.2});
@@ -147,8 +147,8 @@ TEST(ViscousMultilevel, KeepsIterationsFewWhereAThinLiquidMeetsAThickOne) {
         for (const double thin : {0.0, 1e-6}) {
             auto sample = blob_or_all(dimensions, false);
             sample.setup.options.viscosity.residual = 1e-6;
-            sample.setup.constants.mixture =
-                make_mixture(std::vector<LiquidMaterial>{{rest_density, thin * viscosity}, {rest_density, viscosity}});
+            sample.setup.constants.immiscible =
+                make_immiscible_liquids(std::vector<LiquidMaterial>{{rest_density, thin * viscosity}, {rest_density, viscosity}});
             for (auto& point : sample.liquid) point.liquid = point.x[0] > (dimensions == 2 ? 11 : 6) * spacing ? 1 : 0; // the middle
             ViscousCase one(sample);
             fill_within(sample, one.parts.liquid, one.parts.liquid.velocity_field(), 0);

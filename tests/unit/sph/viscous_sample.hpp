@@ -26,7 +26,7 @@ inline Sample turning_blob(const BlobSetup& blob) {
     options.viscosity.residual = 1e-12;
     const Vec3 far{size, size, space ? size : spacing};
     Sample sample{
-        make_setup(make_domain(blob.dimensions, {0, 0, 0}, far, {scene::FaceKind::open}), options), {}, {}};
+        make_setup(make_domain(blob.dimensions, {0, 0, 0}, far, {scene::BoundaryKind::open}), options), {}, {}};
     sample.setup.forces.viscosity = viscosity;
     const int n = static_cast<int>(2 * blob.radius + 4);
     add_block(sample, {{spacing / 2, spacing / 2, spacing / 2}, {n, n, space ? n : 1}, spacing, blob.jitter});
@@ -72,8 +72,8 @@ inline double step_of(double number, const BlobSetup& blob) {
 inline Sample two_liquids_on_a_wall(ViscosityForm form) {
     const BlobSetup blob{3, 4, 0.3, form};
     auto sample = turning_blob(blob);
-    sample.setup.constants.mixture =
-        make_mixture(std::vector<LiquidMaterial>{{rest_density, viscosity}, {300, 1e4 * viscosity}});
+    sample.setup.constants.immiscible =
+        make_immiscible_liquids(std::vector<LiquidMaterial>{{rest_density, viscosity}, {300, 1e4 * viscosity}});
     for (auto& point : sample.liquid) point.liquid = point.x[0] > 6 * spacing ? 1 : 0;
     const int n = 8;
     for (int k = 0; k < n * n; ++k) {
@@ -87,10 +87,10 @@ inline Sample two_liquids_on_a_wall(ViscosityForm form) {
 struct ViscousTest {
     Parts parts;
     Array<double> friction = upload({1, 1}), motion = upload(std::vector<double>(12, 0.0));
-    LoadPoints points{2};
+    MomentReferencePoints points{2};
 
     explicit ViscousTest(const Sample& sample) : parts(Comm::world(), sample) {}
-    ViscousParts all() {
+    ViscousContext all() {
         return {viscous_scene(parts), points, friction, motion};
     }
 };

@@ -42,9 +42,9 @@ void measure_walls(Sample& sample) {
     auto& c = sample.setup.constants;
     const auto& options = sample.setup.options;
     const WallSetup wall{options.kernel, c.dimensions, c.support, c.spacing, c.spacing};
-    c.wall_depth = rest_gap(wall, options.density) - 0.5 * spacing;
+    c.wall_depth = equilibrium_wall_distance(wall, options.density) - 0.5 * spacing;
     const double viscous = viscous_support(options, c.spacing);
-    c.wall_grip = wall_grip(wall, options.density, viscous);
+    c.wall_viscous_factor = wall_viscous_factor(wall, options.density, viscous);
     measure_slip(wall, options.density, viscous, c);
 }
 
@@ -58,7 +58,7 @@ Sample channel(int dimensions, double slip) {
     const int across = 8;
     const Vec3 far{across * spacing, (layers + 4) * spacing, across * spacing};
     Sample sample{make_setup(make_domain(dimensions, {0, -4 * spacing, 0}, far,
-                                         {scene::FaceKind::open, {true, false, space}}),
+                                         {scene::BoundaryKind::open, {true, false, space}}),
                              options),
                   {},
                   {}};
@@ -139,7 +139,7 @@ Sample disc_in_liquid(Surface surface, double density_ratio) {
     options.viscosity.residual = 1e-13;
     const double size = 32 * spacing, middle = size / 2, radius = 5 * spacing;
     Sample sample{
-        make_setup(make_domain(2, {0, 0, 0}, {size, size, spacing}, {scene::FaceKind::open}), options),
+        make_setup(make_domain(2, {0, 0, 0}, {size, size, spacing}, {scene::BoundaryKind::open}), options),
         {},
         {}};
     measure_walls(sample);
@@ -244,7 +244,7 @@ TEST(ViscousBodies, ThatAreHeldFeelTheForceAndStay) {
 
 TEST(ViscousBodies, LightOnesAreShakenWhenTheyFeelTheForceAfterwards) {
     auto sample = disc_in_liquid(Surface::no_slip, 0.1);
-    sample.setup.options.viscosity.body_coupling = BodyCoupling::one_step_late;
+    sample.setup.options.viscosity.coupling = BodyCoupling::weak;
     ViscousCase one(Comm::world(), sample);
     const double energy = kinetic_energy(one), dt = step_of(1e4);
     const auto result = one.solve(dt);

@@ -33,7 +33,7 @@ Outcome meet(const Approach& approach) {
     }
     Parts parts(Comm::self(), sample);
     Outcome out{{}, {}, BodyLoads(12, 0.0), 0, parts.setup.constants.mass};
-    out.stopped = stop_at_walls(parts.step(), {LoadPoints(2), dt}, out.loads);
+    out.stopped = stop_at_walls(parts.step(), {MomentReferencePoints(2), dt}, out.loads);
     const auto u = test::on_host(parts.liquid.velocity());
     for (std::size_t k = 0; k < 3; ++k) {
         out.u[k] = u(0, k);

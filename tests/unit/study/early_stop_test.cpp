@@ -105,7 +105,7 @@ protected:
     const test::OwnFolder folder_;
     const std::filesystem::path program_ = folder_.path() / "program";
     Study study_;
-    Log log_{Voice::silent};
+    Log log_{LogOutput::disabled};
 };
 
 TEST_F(EarlyStop, ABoundIsThatOfTheFirstFrameAboveTheCutAndStandsInJournalAndTable) {

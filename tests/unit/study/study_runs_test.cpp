@@ -67,7 +67,7 @@ protected:
     const test::OwnFolder folder_;
     const std::filesystem::path program_ = folder_.path() / "program", out_ = folder_.path() / "out";
     Study study_;
-    Log log_{Voice::silent};
+    Log log_{LogOutput::disabled};
 };
 
 TEST_F(StudyRunsTest, FailuresAreRecordedWithTheirReasonsAndTheOthersAreRight) {

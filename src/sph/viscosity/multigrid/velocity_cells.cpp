@@ -13,11 +13,11 @@ struct CellForces {
     Array<float> stiffness, u, force;
 
     KOKKOS_INLINE_FUNCTION void operator()(int e) const {
-        Four at[corners<D>];
+        Float4 at[corners<D>];
         const int* corner_of = corner.data() + corners<D> * std::int64_t(e);
-        for (int a = 0; a < corners<D>; ++a) at[a] = Four::load(u.data() + 4 * std::int64_t(corner_of[a]));
+        for (int a = 0; a < corners<D>; ++a) at[a] = Float4::load(u.data() + 4 * std::int64_t(corner_of[a]));
         element.apply(at);
-        const Four c = stiffness(e);
+        const Float4 c = stiffness(e);
         float* to = force.data() + 4 * corners<D> * std::int64_t(e);
         for (int a = 0; a < corners<D>; ++a) (c * at[a]).store(to + 4 * a);
     }
@@ -32,10 +32,10 @@ struct NodeSums {
     Array<float> mass, u, out;
 
     KOKKOS_INLINE_FUNCTION void operator()(int v) const {
-        Four sum = massive ? Four(mass(v)) * Four::load(u.data() + 4 * std::int64_t(v)) : Four(0.0f);
+        Float4 sum = massive ? Float4(mass(v)) * Float4::load(u.data() + 4 * std::int64_t(v)) : Float4(0.0f);
         for (int c = 0; c < corners<D>; ++c) {
             const int place = around(corners<D> * v + c);
-            if (place >= 0) sum = sum + Four::load(force.data() + 4 * std::int64_t(place));
+            if (place >= 0) sum = sum + Float4::load(force.data() + 4 * std::int64_t(place));
         }
         sum.store(out.data() + 4 * std::int64_t(v));
     }
@@ -49,19 +49,19 @@ struct Smooth {
 
     KOKKOS_INLINE_FUNCTION void operator()(int v) const {
         const std::int64_t at = 4 * std::int64_t(v);
-        Four left = Four::load(r.data() + at);
+        Float4 left = Float4::load(r.data() + at);
         if (!first) {
-            left = left - Four::load(q.data() + at);
+            left = left - Float4::load(q.data() + at);
             left.store(r.data() + at);
         }
         const float* b = block.data() + 3 * at;
-        Four turned = left.all<0>() * Four::load(b);
-        turned.add(left.all<1>(), Four::load(b + 4));
-        turned.add(left.all<2>(), Four::load(b + 8));
-        Four step = Four(fresh) * turned;
-        if (!first) step.add(Four(old), Four::load(d.data() + at));
+        Float4 turned = left.all<0>() * Float4::load(b);
+        turned.add(left.all<1>(), Float4::load(b + 4));
+        turned.add(left.all<2>(), Float4::load(b + 8));
+        Float4 step = Float4(fresh) * turned;
+        if (!first) step.add(Float4(old), Float4::load(d.data() + at));
         step.store(d.data() + at);
-        if (!first) step = step + Four::load(z.data() + at);
+        if (!first) step = step + Float4::load(z.data() + at);
         step.store(z.data() + at);
     }
 };

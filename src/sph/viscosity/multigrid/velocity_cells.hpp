@@ -1,8 +1,8 @@
 #pragma once
 // Inside viscous_multilevel: one level of cells with a velocity at each corner, linear along each axis between them.
-#include "base/key_numbers.hpp"
+#include "base/key_index_map.hpp"
 #include "kokkos/cells.hpp"
-#include "mpi/shared_rows.hpp"
+#include "mpi/shared_node_sum.hpp"
 #include "sph/viscosity/multigrid/velocity_element.hpp"
 
 #include <vector>
@@ -29,13 +29,13 @@ struct VelocityCells {
     LatticeShape shape;
     int cells = 0, nodes = 0;
     std::vector<std::int64_t> cell_keys;
-    KeyNumbers node_numbers;
+    KeyIndexMap node_numbers;
     std::vector<float> host_stiffness, host_mass; // [cells], [nodes]
     std::vector<int> host_corner;                 // [cells][corners] nodes
     Element<D> element;
     double largest = 1; // bound on the eigenvalues of the diagonal blocks' inverses times the matrix
 
-    SharedRows shared;                                     // nodes that several ranks have
+    SharedNodeSum shared;                                     // nodes that several ranks have
     Array<int> corner{"treacle::velocity_corners", 0};     // [cells][corners] nodes
     Array<int> around{"treacle::velocity_around", 0};      // [nodes][corners] cell * corners + corner, -1: none
     Array<float> stiffness{"treacle::velocity_stiffness", 0}, mass{"treacle::velocity_mass", 0}; // [cells], [nodes]

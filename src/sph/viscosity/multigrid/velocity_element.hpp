@@ -1,6 +1,6 @@
 #pragma once
 // Inside viscous_multilevel: what a cell with a velocity at each corner, linear along each axis between them, resists with.
-#include "kokkos/quad.hpp"
+#include "kokkos/float4.hpp"
 
 #include <Eigen/Dense>
 
@@ -45,31 +45,31 @@ public:
     }
 
     // u, the corners' velocities, becomes the forces that hold them.
-    KOKKOS_INLINE_FUNCTION void apply(Four u[corners<D>]) const {
-        butterflies(u, [](Four& low, Four& high) { // to the modes
-            const Four difference = high - low;
+    KOKKOS_INLINE_FUNCTION void apply(Float4 u[corners<D>]) const {
+        walsh_hadamard(u, [](Float4& low, Float4& high) { // to the modes
+            const Float4 difference = high - low;
             low = low + high;
             high = difference;
         });
         float c[corners<D>][4];
         for (int m = 0; m < corners<D>; ++m) {
             u[m].store(c[m]);
-            u[m] = u[m] * Four::load(diagonal_[m]);
+            u[m] = u[m] * Float4::load(diagonal_[m]);
         }
         if constexpr (D == 2) {
-            u[1] = u[1] + Four::of(0, cross_[0][1] * c[2][0], 0);
-            u[2] = u[2] + Four::of(cross_[1][0] * c[1][1], 0, 0);
+            u[1] = u[1] + Float4::of(0, cross_[0][1] * c[2][0], 0);
+            u[2] = u[2] + Float4::of(cross_[1][0] * c[1][1], 0, 0);
         } else {
-            u[1] = u[1] + Four::of(0, cross_[0][1] * c[2][0], cross_[0][2] * c[4][0]);
-            u[2] = u[2] + Four::of(cross_[1][0] * c[1][1], 0, cross_[1][2] * c[4][1]);
-            u[4] = u[4] + Four::of(cross_[2][0] * c[1][2], cross_[2][1] * c[2][2], 0);
+            u[1] = u[1] + Float4::of(0, cross_[0][1] * c[2][0], cross_[0][2] * c[4][0]);
+            u[2] = u[2] + Float4::of(cross_[1][0] * c[1][1], 0, cross_[1][2] * c[4][1]);
+            u[4] = u[4] + Float4::of(cross_[2][0] * c[1][2], cross_[2][1] * c[2][2], 0);
             constexpr float third = 1.0f / 3;
-            u[6] = u[6] + Four::of(third * (cross_[1][0] * c[5][1] + cross_[2][0] * c[3][2]), 0, 0);
-            u[5] = u[5] + Four::of(0, third * (cross_[2][1] * c[3][2] + cross_[0][1] * c[6][0]), 0);
-            u[3] = u[3] + Four::of(0, 0, third * (cross_[0][2] * c[6][0] + cross_[1][2] * c[5][1]));
+            u[6] = u[6] + Float4::of(third * (cross_[1][0] * c[5][1] + cross_[2][0] * c[3][2]), 0, 0);
+            u[5] = u[5] + Float4::of(0, third * (cross_[2][1] * c[3][2] + cross_[0][1] * c[6][0]), 0);
+            u[3] = u[3] + Float4::of(0, 0, third * (cross_[0][2] * c[6][0] + cross_[1][2] * c[5][1]));
         }
-        butterflies(u, [](Four& without, Four& with) { // and back to the corners
-            const Four sum = without + with;
+        walsh_hadamard(u, [](Float4& without, Float4& with) { // and back to the corners
+            const Float4 sum = without + with;
             without = without - with;
             with = sum;
         });
@@ -81,10 +81,10 @@ public:
     Matrix matrix() const {
         Matrix out;
         for (int b = 0; b < unknowns; ++b) {
-            Four u[corners<D>];
+            Float4 u[corners<D>];
             for (int a = 0; a < corners<D>; ++a) {
                 const auto unit = [&](int k) { return b == D * a + k ? 1.0f : 0.0f; };
-                u[a] = Four::of(unit(0), unit(1), D > 2 ? unit(2) : 0.0f);
+                u[a] = Float4::of(unit(0), unit(1), D > 2 ? unit(2) : 0.0f);
             }
             apply(u);
             for (int a = 0; a < corners<D>; ++a) {
@@ -99,7 +99,7 @@ public:
 private:
     // combine(lower, upper) of all pairs along one axis after the other.
     template <class Combine>
-    KOKKOS_INLINE_FUNCTION static void butterflies(Four u[corners<D>], const Combine& combine) {
+    KOKKOS_INLINE_FUNCTION static void walsh_hadamard(Float4 u[corners<D>], const Combine& combine) {
         for (int k = 0; k < D; ++k) {
             for (int a = 0; a < corners<D>; ++a) {
                 if (!(a >> k & 1)) combine(u[a], u[a | 1 << k]);

@@ -18,13 +18,13 @@ struct Restrict {
 
     KOKKOS_INLINE_FUNCTION void operator()(int v) const {
         constexpr int family = power_of_3(D);
-        Four sum = 0.0f;
+        Float4 sum = 0.0f;
         for (int c = 0; c < family; ++c) {
             const int child = children(family * v + c);
             if (child < 0) continue;
             float weight = first(child);
             for (int rest = c, k = 0; k < D; ++k, rest /= 3) weight *= rest % 3 == 1 ? 1.0f : 0.5f;
-            sum.add(Four(weight), Four::load(fine.data() + 4 * std::int64_t(child)));
+            sum.add(Float4(weight), Float4::load(fine.data() + 4 * std::int64_t(child)));
         }
         sum.store(coarse.data() + 4 * std::int64_t(v));
     }
@@ -38,19 +38,19 @@ struct Prolong {
 
     KOKKOS_INLINE_FUNCTION void operator()(int v) const {
         const std::int64_t at = 4 * std::int64_t(v);
-        Four sum = 0.0f;
+        Float4 sum = 0.0f;
         for (int c = 0; c < corners<D>; ++c) {
             const int parent = parents(corners<D> * v + c);
-            if (parent >= 0) sum = sum + Four::load(coarse.data() + 4 * std::int64_t(parent));
+            if (parent >= 0) sum = sum + Float4::load(coarse.data() + 4 * std::int64_t(parent));
         }
-        sum = Four(weight(v)) * sum;
+        sum = Float4(weight(v)) * sum;
         sum.store(d.data() + at);
-        (sum + Four::load(z.data() + at)).store(z.data() + at);
+        (sum + Float4::load(z.data() + at)).store(z.data() + at);
     }
 };
 
 // The particles of each cell, one cell after the other, with the shares that its corners have in their velocities.
-struct Members {
+struct CellParticles {
     // Indices [cells + 1]; [particles].
     Array<int> begin{"treacle::velocity_begin", 0}, particle{"treacle::velocity_particles", 0};
     Array<float> share{"treacle::velocity_shares", 0}; // [particles][corners]
@@ -58,7 +58,7 @@ struct Members {
 
 // Shares of a cell's corners at a position in the cell, from 0 to 1 along each axis.
 template <int D>
-void corner_shares(const double at[3], float share[corners<D>]) {
+void trilinear_weights(const double at[3], float share[corners<D>]) {
     share[0] = 1;
     for (int k = 0; k < D; ++k) {
         for (int a = 0; a < 1 << k; ++a) {
@@ -71,18 +71,18 @@ void corner_shares(const double at[3], float share[corners<D>]) {
 // Forces on the corners of each cell that stand for those on its particles.
 template <int D>
 struct ParticleForces {
-    Members members;
+    CellParticles members;
     Array3 r;           // [owned][3] residual of the particles
     Array<float> force; // [cells][corners][4]
 
     KOKKOS_INLINE_FUNCTION void operator()(int e) const {
-        Four sum[corners<D>];
+        Float4 sum[corners<D>];
         for (int a = 0; a < corners<D>; ++a) sum[a] = 0.0f;
         for (int m = members.begin(e); m < members.begin(e + 1); ++m) {
             const float* share = members.share.data() + corners<D> * std::int64_t(m);
             const int i = members.particle(m);
-            const Four on = Four::of(static_cast<float>(r(i, 0)), static_cast<float>(r(i, 1)), static_cast<float>(r(i, 2)));
-            for (int a = 0; a < corners<D>; ++a) sum[a].add(Four(share[a]), on);
+            const Float4 on = Float4::of(static_cast<float>(r(i, 0)), static_cast<float>(r(i, 1)), static_cast<float>(r(i, 2)));
+            for (int a = 0; a < corners<D>; ++a) sum[a].add(Float4(share[a]), on);
         }
         float* to = force.data() + 4 * corners<D> * std::int64_t(e);
         for (int a = 0; a < corners<D>; ++a) sum[a].store(to + 4 * a);
@@ -92,26 +92,26 @@ struct ParticleForces {
 // z = B r + what the corners' velocities are at each particle; r.z.
 template <int D>
 struct ParticleVelocities {
-    Members members;
+    CellParticles members;
     Array<int> corner; // [cells][corners] nodes
     Array<float> u;    // [nodes][4]
     ViscousOperator::Blocks block;
     Array3 r, z; // [owned][3]
 
     KOKKOS_INLINE_FUNCTION void operator()(int e, double& sum) const {
-        Four around[corners<D>];
+        Float4 around[corners<D>];
         double product = 0;
-        for (int a = 0; a < corners<D>; ++a) around[a] = Four::load(u.data() + 4 * std::int64_t(corner(corners<D> * e + a)));
+        for (int a = 0; a < corners<D>; ++a) around[a] = Float4::load(u.data() + 4 * std::int64_t(corner(corners<D> * e + a)));
         for (int m = members.begin(e); m < members.begin(e + 1); ++m) {
             const float* share = members.share.data() + corners<D> * std::int64_t(m);
             const int i = members.particle(m);
-            Four even = 0.0f, odd = 0.0f; // two, since each addition depends on the one before
+            Float4 even = 0.0f, odd = 0.0f; // two, since each addition depends on the one before
             for (int a = 0; a < corners<D>; a += 2) {
-                even.add(Four(share[a]), around[a]);
-                odd.add(Four(share[a + 1]), around[a + 1]);
+                even.add(Float4(share[a]), around[a]);
+                odd.add(Float4(share[a + 1]), around[a + 1]);
             }
             float mean[4];
-            (Four(cycle_share) * (even + odd)).store(mean);
+            (Float4(cycle_share) * (even + odd)).store(mean);
             const double from[3] = {r(i, 0), r(i, 1), r(i, 2)};
             double to[3];
             read_symmetric(block, i).times(from, to);

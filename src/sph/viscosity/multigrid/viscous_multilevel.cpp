@@ -13,7 +13,7 @@ namespace {
 constexpr double spacings_across = 1.7; // of the finest cells
 // Where the viscosity reaches less far than that in a step, in squares of a cell's width, coarser cells have no
 // benefit.
-constexpr double mild = 2;
+constexpr double coarsening_limit = 2;
 constexpr std::int64_t dense_nodes = 60; // of all ranks, for which the coarsest level is solved directly
 // Chebyshev's polynomials of the smoothers, on this share of the eigenvalues and above.
 constexpr int smoother_steps = 2, last_steps = 4;
@@ -22,7 +22,7 @@ constexpr double smoothed_share = 0.15, last_share = 0.06;
 
 struct ViscousMultilevel::Levels {
     virtual ~Levels() = default;
-    virtual void set_up(const ViscousParts& parts, const ViscousOperator& of) = 0;
+    virtual void set_up(const ViscousContext& parts, const ViscousOperator& of) = 0;
     virtual double apply(const ViscousOperator& of, const Array3& r, const Array3& z) = 0;
     virtual std::size_t bytes() const = 0;
 };
@@ -45,25 +45,25 @@ public:
             origin_[k] = grid.origin[k];
             finest_.width[k] = spacings_across * spacing;
             if (!grid.periodic(k)) continue;
-            // Two or three cells on the coarsest level that all halvings lead to.
-            int halvings = 0;
+            // Two or three cells on the coarsest of all levels.
+            int coarsening_levels = 0;
             const double fitting = grid.period[k] / finest_.width[k];
-            while (fitting > 3.5 * (1 << halvings)) ++halvings;
-            const int coarsest = std::max(1, static_cast<int>(std::lround(fitting / (1 << halvings))));
-            finest_.period[k] = coarsest << halvings;
+            while (fitting > 3.5 * (1 << coarsening_levels)) ++coarsening_levels;
+            const int coarsest = std::max(1, static_cast<int>(std::lround(fitting / (1 << coarsening_levels))));
+            finest_.period[k] = coarsest << coarsening_levels;
             finest_.width[k] = grid.period[k] / finest_.period[k];
         }
     }
 
-    void set_up(const ViscousParts& parts, const ViscousOperator& of) override;
+    void set_up(const ViscousContext& parts, const ViscousOperator& of) override;
     double apply(const ViscousOperator& of, const Array3& r, const Array3& z) override;
     std::size_t bytes() const override;
 
 private:
     using Level = VelocityCells<D>;
-    void sort_particles(const ViscousParts& parts, const ViscousOperator& of, Level& level);
+    void sort_particles(const ViscousContext& parts, const ViscousOperator& of, Level& level);
     bool coarsen(Level& fine, Level& coarse) const;
-    void hand_down(Level& fine, Level& coarse) const;
+    void coarsen_masses(Level& fine, Level& coarse) const;
     void finish(Level& level);
     void factorise(const Level& level);
     void solve_densely(Level& level);
@@ -76,7 +76,7 @@ private:
     std::deque<Level> levels_;
     std::size_t used_ = 0;
     bool dense_ = false;
-    Members members_;
+    CellParticles members_;
     double aspect_[3]{0, 0, 0}; // of the last element
     typename Element<D>::Matrix matrix_;
     Element<D> element_;
@@ -87,15 +87,15 @@ private:
 
 // Cells of the owned particles, with their stiffness and the nodes' masses.
 template <int D>
-void CellLevels<D>::sort_particles(const ViscousParts& parts, const ViscousOperator& of, Level& level) {
+void CellLevels<D>::sort_particles(const ViscousContext& parts, const ViscousOperator& of, Level& level) {
     const auto& store = parts.liquid.store;
     const auto n = static_cast<std::size_t>(store.owned());
     const auto x = on_host(store.position());
-    const auto share = on_host(of.smeared_share());
-    const auto ground = on_host(of.ground());
+    const auto share = on_host(of.smoothed_viscous_coefficient());
+    const auto inertia_and_wall_diagonal = on_host(of.inertia_and_wall_diagonal());
     std::vector<int> cell_of(n);
     std::vector<float> shares(corners<D> * n);
-    KeyNumbers numbers;
+    KeyIndexMap numbers;
     numbers.clear(n / 4);
     std::int64_t last = -1;
     int number = -1;
@@ -107,7 +107,7 @@ void CellLevels<D>::sort_particles(const ViscousParts& parts, const ViscousOpera
             place[k] = static_cast<int>(below);
             at[k] = along - below;
         }
-        corner_shares<D>(at, &shares[corners<D> * i]);
+        trilinear_weights<D>(at, &shares[corners<D> * i]);
         finest_.wrap(place);
         const auto key = LatticeKey::pack(place);
         if (key != last) number = numbers.number(key);
@@ -135,7 +135,7 @@ void CellLevels<D>::sort_particles(const ViscousParts& parts, const ViscousOpera
         level.host_stiffness[e] += static_cast<float>(share(i) / square);
         for (std::size_t a = 0; a < corners<D>; ++a) {
             const float one = sorted[corners<D> * m + a] = shares[corners<D> * i + a];
-            level.host_mass[static_cast<std::size_t>(level.host_corner[corners<D> * e + a])] += one * ground(i);
+            level.host_mass[static_cast<std::size_t>(level.host_corner[corners<D> * e + a])] += one * inertia_and_wall_diagonal(i);
         }
     }
     assign(members_.begin, begin);
@@ -156,7 +156,7 @@ bool CellLevels<D>::coarsen(Level& fine, Level& coarse) const {
         coarse.shape.period[k] /= 2;
     }
     if (!halved[0] && !halved[1] && !halved[2]) return false;
-    KeyNumbers numbers;
+    KeyIndexMap numbers;
     numbers.clear(fine.cell_keys.size() / 4);
     std::vector<int> of(fine.cell_keys.size());
     for (std::size_t e = 0; e < fine.cell_keys.size(); ++e) {
@@ -172,13 +172,13 @@ bool CellLevels<D>::coarsen(Level& fine, Level& coarse) const {
         coarse.host_stiffness[static_cast<std::size_t>(of[e])] += static_cast<float>(widths * widths) * fine.host_stiffness[e];
     }
     coarse.connect(comm_);
-    hand_down(fine, coarse);
+    coarsen_masses(fine, coarse);
     return true;
 }
 
 // Which nodes a finer one lies between, and the masses. Along an axis that is not halved a node lies on one.
 template <int D>
-void CellLevels<D>::hand_down(Level& fine, Level& coarse) const {
+void CellLevels<D>::coarsen_masses(Level& fine, Level& coarse) const {
     constexpr int family = power_of_3(D);
     const auto& keys = fine.node_numbers.keys();
     const auto coarse_nodes = static_cast<std::size_t>(coarse.nodes);
@@ -234,7 +234,7 @@ void CellLevels<D>::finish(Level& level) {
 }
 
 template <int D>
-void CellLevels<D>::set_up(const ViscousParts& parts, const ViscousOperator& of) {
+void CellLevels<D>::set_up(const ViscousContext& parts, const ViscousOperator& of) {
     used_ = 0;
     dense_ = false;
     for (;;) {
@@ -249,7 +249,7 @@ void CellLevels<D>::set_up(const ViscousParts& parts, const ViscousOperator& of)
             factorise(level);
             return;
         }
-        if (of.largest_share() <= mild * level.shape.width[0] * level.shape.width[0]) return;
+        if (of.largest_share() <= coarsening_limit * level.shape.width[0] * level.shape.width[0]) return;
     }
 }
 
@@ -257,7 +257,7 @@ void CellLevels<D>::set_up(const ViscousParts& parts, const ViscousOperator& of)
 template <int D>
 void CellLevels<D>::factorise(const Level& level) {
     const auto& keys = level.node_numbers.keys();
-    KeyNumbers numbers;
+    KeyIndexMap numbers;
     for (const auto key : comm_.all_gather(std::span<const std::int64_t>(keys))) numbers.number(key);
     const auto n = static_cast<std::size_t>(D * numbers.size());
     std::vector<double> entries(n * n, 0.0);
@@ -337,7 +337,7 @@ std::size_t CellLevels<D>::bytes() const {
     return out;
 }
 
-std::unique_ptr<ViscousMultilevel::Levels> make_levels(const ViscousParts& parts, const CellGrid& grid) {
+std::unique_ptr<ViscousMultilevel::Levels> make_levels(const ViscousContext& parts, const CellGrid& grid) {
     const auto energy = energy_of(parts.options.viscosity.form);
     if (grid.dimensions == 2) return std::make_unique<CellLevels<2>>(parts.comm, grid, parts.constants.spacing, energy);
     return std::make_unique<CellLevels<3>>(parts.comm, grid, parts.constants.spacing, energy);
@@ -347,7 +347,7 @@ std::unique_ptr<ViscousMultilevel::Levels> make_levels(const ViscousParts& parts
 ViscousMultilevel::ViscousMultilevel(const CellGrid& grid) : grid_(grid) {}
 ViscousMultilevel::~ViscousMultilevel() = default;
 
-void ViscousMultilevel::set_up(const ViscousParts& parts, const ViscousOperator& of) {
+void ViscousMultilevel::set_up(const ViscousContext& parts, const ViscousOperator& of) {
     if (!levels_) levels_ = make_levels(parts, grid_);
     levels_->set_up(parts, of);
 }

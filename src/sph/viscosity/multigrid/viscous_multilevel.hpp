@@ -16,7 +16,7 @@ public:
     ~ViscousMultilevel();
 
     // Collective: cells of the present particles, for the operator as it was prepared.
-    void set_up(const ViscousParts& parts, const ViscousOperator& of);
+    void set_up(const ViscousContext& parts, const ViscousOperator& of);
 
     // Collective: z = M r on the owned particles; returns this rank's r.z.
     double apply(const ViscousOperator& of, const Array3& r, const Array3& z);

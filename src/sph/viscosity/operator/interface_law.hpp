@@ -121,7 +121,7 @@ struct InterfaceLaw {
     KOKKOS_INLINE_FUNCTION void operator()(const InterfaceSums& sums, double s[3][3], InterfaceStress& out) const {
         double t[3][3], inside[3][3], shear[3]; // T, the gradient as if the liquids were one; the derivative by G
         for (int k = 0; k < 3; ++k) fit.times(sums.n[k], t[k]);
-        strain(range_of(fit), t, s);
+        strain(range_projector(fit), t, s);
         find_shear(sums, t, s, shear);
         for (int k = 0; k < 3; ++k) {
             for (int l = 0; l < 3; ++l) inside[k][l] = 2 * s[k][l];

@@ -20,7 +20,7 @@ struct NearLiquid {
         std::uint8_t* mask = masks_of(i);
         int out = 0;
         for (int k = 0; k < row.count; k += lanes, ++mask) {
-            const unsigned bits = bits_of(row.near(k).r2 < Lanes(square)) & first_bits(row.count - k);
+            const unsigned bits = to_bitmask(row.near(k).r2 < SimdDouble(square)) & first_bits(row.count - k);
             *mask = static_cast<std::uint8_t>(bits);
             out += count_bits(bits);
         }
@@ -29,7 +29,7 @@ struct NearLiquid {
     KOKKOS_INLINE_FUNCTION void write(int i, int* to) const {
         const Row row = from.row(i, place);
         const std::uint8_t* mask = masks_of(i);
-        for (int k = 0; k < row.count; k += lanes, ++mask) to += write_ints(*mask, load_ints(row.index + k), to);
+        for (int k = 0; k < row.count; k += lanes, ++mask) to += compress_store(*mask, load_ints(row.index + k), to);
     }
     // Rows begin with masks of their own.
     static std::int64_t count_masks(std::int64_t pairs, int rows) { return pairs / lanes + rows; }
@@ -61,11 +61,11 @@ void keep(const Near& from, int n, NeighbourList& near) {
     const auto offset = near.offset;
     Kokkos::parallel_for("treacle::count_near_pairs", n, KOKKOS_LAMBDA(int i) { offset(i) = from.count(i); });
     near.size = counts_to_offsets(offset, n);
-    reserve(near.index, static_cast<std::size_t>(near.size) + NeighbourList::spare);
+    reserve(near.index, static_cast<std::size_t>(near.size) + NeighbourList::padding);
     const auto index = near.index;
     Kokkos::parallel_for("treacle::write_near_pairs", n, KOKKOS_LAMBDA(int i) { from.write(i, index.data() + offset(i)); });
     const auto entries = near.size;
-    Kokkos::parallel_for("treacle::spare_near_pairs", NeighbourList::spare, KOKKOS_LAMBDA(int k) { index(entries + k) = 0; });
+    Kokkos::parallel_for("treacle::pad_near_pairs", NeighbourList::padding, KOKKOS_LAMBDA(int k) { index(entries + k) = 0; });
 }
 } // namespace
 
@@ -83,7 +83,7 @@ ViscousScene NearPairs::among(const ViscousScene& scene) {
     constants_.support = support;
     const auto& liquid = scene.liquid.store;
     const int n = liquid.owned();
-    write_places(scene.liquid, scene.liquid.volume());
+    pack_positions(scene.liquid, scene.liquid.volume());
     reserve(masks_, static_cast<std::size_t>(NearLiquid::count_masks(scene.neighbours.liquid.size, n)));
     keep(NearLiquid{pairs(scene.neighbours.liquid, liquid, liquid), scene.liquid.place, support * support, masks_}, n, near_.liquid);
     keep(NearSolids{pairs(scene.neighbours.solid, liquid, scene.solid.store), support * support}, n, near_.solid);

@@ -7,9 +7,9 @@ namespace treacle::sph {
 
 void ViscousBodies::prepare(const Bodies& bodies, const ViscousScene& scene) {
     columns_.clear();
-    if (!bodies.any_dynamic() || scene.options.viscosity.body_coupling != BodyCoupling::implicit) return;
+    if (!bodies.any_dynamic() || scene.options.viscosity.coupling != BodyCoupling::strong) return;
     first_ = static_cast<std::size_t>(bodies.first());
-    count_ = static_cast<std::size_t>(bodies.load_points().count);
+    count_ = static_cast<std::size_t>(bodies.moment_reference_points().count);
     columns_ = bodies.rigid.mobility().columns();
     for (auto& column : columns_) {
         for (double& entry : column) entry *= std::sqrt(scene.constants.mass);

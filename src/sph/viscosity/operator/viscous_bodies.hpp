@@ -15,7 +15,7 @@ namespace treacle::sph {
 // and does the same arithmetic on it.
 class ViscousBodies {
 public:
-    // For the poses of the bodies. Without dynamic ones, or with `body_coupling: explicit`, there is no
+    // For the poses of the bodies. Without dynamic ones, or with `coupling: weak`, there is no
     // unknown.
     void prepare(const Bodies& bodies, const ViscousScene& scene);
 

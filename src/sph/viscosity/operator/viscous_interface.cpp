@@ -38,7 +38,7 @@ struct InterfaceShapeLoop : ViscousLoop<Kernel> {
         const int i = rows(row);
         InterfaceShape shape;
         weigh(i, shape);
-        const Symmetric fit = invert_above(shape.spread, least_side), span = range_of(fit);
+        const Symmetric fit = truncated_pseudo_inverse(shape.spread, least_side), span = range_projector(fit);
         if (span.xx + span.yy + span.zz > Kernel::dimensions - 0.5) find_normal(i, shape);
         if (shape.has_normal()) {
             add_skew(i, shape);
@@ -95,7 +95,7 @@ struct InterfaceBlockLoop : ViscousLoop<Kernel> {
     Array3 normal;
     Array6 correction;
     ViscousOperator::Blocks block;
-    Array<float> ground, smeared_share;
+    Array<float> inertia_and_wall_diagonal, smoothed_viscous_coefficient;
 
     KOKKOS_INLINE_FUNCTION void operator()(int row) const {
         const int i = rows(row);
@@ -112,8 +112,8 @@ struct InterfaceBlockLoop : ViscousLoop<Kernel> {
         d.xx += both, d.yy += both, d.zz += both;
         write_symmetric(inverse(d), block, i);
         const bool prescribed = has_inlets && inlet(i) > 0;
-        smeared_share(i) = static_cast<float>(0.5 * (c + sums.around / sums.weights));
-        ground(i) = static_cast<float>(prescribed ? (d.xx + d.yy + d.zz) / 3 : inertia + 2 * c * sums.held);
+        smoothed_viscous_coefficient(i) = static_cast<float>(0.5 * (c + sums.around / sums.weights));
+        inertia_and_wall_diagonal(i) = static_cast<float>(prescribed ? (d.xx + d.yy + d.zz) / 3 : inertia + 2 * c * sums.held);
     }
 
 private:
@@ -282,13 +282,13 @@ InterfaceFields fields(const ParticleStore& store, const ViscousInterface& of, i
 }
 } // namespace
 
-void ViscousOperator::prepare_interface(const ViscousParts& parts) {
+void ViscousOperator::prepare_interface(const ViscousContext& parts) {
     const auto& constants = parts.constants;
     auto& liquid = parts.liquid;
     interface_.any = false;
     interface_.count = 0;
     interface_.contrast = {};
-    if (!constants.mixture.several() || parts.options.viscosity.form != ViscosityForm::corrected) return;
+    if (!constants.immiscible.several() || parts.options.viscosity.form != ViscosityForm::corrected) return;
     const int n = liquid.store.owned();
     interface_.contrast = {true, liquid.store.get<Array<double>>(share_), liquid.liquid()};
     reserve(interface_.rows, static_cast<std::size_t>(n));
@@ -299,7 +299,7 @@ void ViscousOperator::prepare_interface(const ViscousParts& parts) {
     reserve(interface_.shapes, static_cast<std::size_t>(interface_.count));
     const auto inlet = liquid.has_inlets() ? liquid.inlet() : Array<int>();
     const auto normal = liquid.store.get<Array3>(interface_.normal);
-    const auto fluid = gather_fluid(constants, liquid, parts.solid, parts.neighbours);
+    const auto fluid = make_views(constants, liquid, parts.solid, parts.neighbours);
     with_kernel(parts.options.kernel, constants.dimensions, constants.support, [&](const auto& kernel) {
         using Kernel = std::decay_t<decltype(kernel)>;
         const ViscousLoop<Kernel> base{kernel, fluid, walls(parts, Walls::resting), weights_, wall_sums_};
@@ -309,7 +309,7 @@ void ViscousOperator::prepare_interface(const ViscousParts& parts) {
         Kokkos::parallel_for("treacle::interface_blocks", interface_.count,
                              InterfaceBlockLoop<Kernel>{base, damping_, relative_density(constants, liquid), interface_.contrast, slip_.any(),
                                                         slip_.drag(), liquid.has_inlets(), inlet, interface_.rows, normal, correction_,
-                                                        block_, ground_, smeared_share_});
+                                                        block_, inertia_and_wall_diagonal_, smoothed_viscous_coefficient_});
     });
     if (tension_ < 0) return;
     const auto rows = interface_.rows;
@@ -319,11 +319,11 @@ void ViscousOperator::prepare_interface(const ViscousParts& parts) {
 
 // Both loops, in between the ghosts' fields are gathered.
 template <class Stress>
-void ViscousOperator::stress_interface(const ViscousParts& parts, Walls which, int u_field, const Stress& stress) {
+void ViscousOperator::stress_interface(const ViscousContext& parts, Walls which, int u_field, const Stress& stress) {
     if (!interface_.any) return;
     const auto& constants = parts.constants;
     const auto& store = parts.liquid.store;
-    const auto fluid = gather_fluid(constants, parts.liquid, parts.solid, parts.neighbours);
+    const auto fluid = make_views(constants, parts.liquid, parts.solid, parts.neighbours);
     with_kernel(parts.options.kernel, constants.dimensions, constants.support, [&](const auto& kernel) {
         using Kernel = std::decay_t<decltype(kernel)>;
         const ViscousLoop<Kernel> base{kernel, fluid, walls(parts, which), weights_, wall_sums_};
@@ -336,10 +336,10 @@ void ViscousOperator::stress_interface(const ViscousParts& parts, Walls which, i
 }
 
 template <class Stress>
-void ViscousOperator::force_interface(const ViscousParts& parts, Walls which, int u_field, const Stress& stress, const Array3& product) {
+void ViscousOperator::force_interface(const ViscousContext& parts, Walls which, int u_field, const Stress& stress, const Array3& product) {
     if (!interface_.any) return;
     const auto& constants = parts.constants;
-    const auto fluid = gather_fluid(constants, parts.liquid, parts.solid, parts.neighbours);
+    const auto fluid = make_views(constants, parts.liquid, parts.solid, parts.neighbours);
     with_kernel(parts.options.kernel, constants.dimensions, constants.support, [&](const auto& kernel) {
         using Kernel = std::decay_t<decltype(kernel)>;
         const ViscousLoop<Kernel> base{kernel, fluid, walls(parts, which), weights_, wall_sums_};
@@ -350,9 +350,9 @@ void ViscousOperator::force_interface(const ViscousParts& parts, Walls which, in
     });
 }
 
-template void ViscousOperator::stress_interface(const ViscousParts&, Walls, int, const Stresses&);
-template void ViscousOperator::stress_interface(const ViscousParts&, Walls, int, const TileStresses&);
-template void ViscousOperator::force_interface(const ViscousParts&, Walls, int, const Stresses&, const Array3&);
-template void ViscousOperator::force_interface(const ViscousParts&, Walls, int, const TileStresses&, const Array3&);
+template void ViscousOperator::stress_interface(const ViscousContext&, Walls, int, const Stresses&);
+template void ViscousOperator::stress_interface(const ViscousContext&, Walls, int, const TileStresses&);
+template void ViscousOperator::force_interface(const ViscousContext&, Walls, int, const Stresses&, const Array3&);
+template void ViscousOperator::force_interface(const ViscousContext&, Walls, int, const TileStresses&, const Array3&);
 
 } // namespace treacle::sph

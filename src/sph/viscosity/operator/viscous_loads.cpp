@@ -5,7 +5,7 @@
 namespace treacle::sph {
 
 namespace {
-// The reaction of the grips, per solid.
+// The reaction of the no-slip stresses, per solid.
 template <class Kernel, class Grip>
 struct ViscousLoadLoop : ViscousLoop<Kernel>, LoadReduction {
     using Base = ViscousLoop<Kernel>;
@@ -26,7 +26,7 @@ struct ViscousLoadLoop : ViscousLoop<Kernel>, LoadReduction {
     }
 };
 
-// How hard the grips hold each solid, to precondition.
+// How hard the no-slip stresses hold each solid, to precondition.
 template <class Kernel>
 struct StiffnessLoop : ViscousLoop<Kernel>, LoadReduction {
     using Base = ViscousLoop<Kernel>;
@@ -39,16 +39,16 @@ struct StiffnessLoop : ViscousLoop<Kernel>, LoadReduction {
     }
 };
 
-bool any_grips(const ViscousParts& parts) {
+bool any_grips(const ViscousContext& parts) {
     const auto& friction = parts.forces.friction;
     return parts.neighbours.solid.size > 0 && std::ranges::any_of(friction, [](double f) { return f > 0; });
 }
 } // namespace
 
-BodyLoads ViscousOperator::loads(const ViscousParts& parts) const {
+BodyLoads ViscousOperator::loads(const ViscousContext& parts) const {
     const auto& constants = parts.constants;
     BodyLoads out(static_cast<std::size_t>(6 * parts.points.count), 0.0);
-    const auto fluid = gather_fluid(constants, parts.liquid, parts.solid, parts.neighbours);
+    const auto fluid = make_views(constants, parts.liquid, parts.solid, parts.neighbours);
     const double scale = constants.mass / dt_;
     if (slip_.any()) slip_.add_loads(parts, parts.motion, scale, out);
     if (!any_grips(parts)) return out;
@@ -73,11 +73,11 @@ BodyLoads ViscousOperator::loads(const ViscousParts& parts) const {
     return out;
 }
 
-std::vector<double> ViscousOperator::stiffness(const ViscousParts& parts) const {
+std::vector<double> ViscousOperator::stiffness(const ViscousContext& parts) const {
     const auto& constants = parts.constants;
     std::vector<double> out(static_cast<std::size_t>(36 * parts.points.count), 0.0);
     const auto share = parts.liquid.store.get<Array<double>>(share_);
-    const auto fluid = gather_fluid(constants, parts.liquid, parts.solid, parts.neighbours);
+    const auto fluid = make_views(constants, parts.liquid, parts.solid, parts.neighbours);
     if (any_grips(parts)) {
         with_kernel(parts.options.kernel, constants.dimensions, constants.support, [&](const auto& kernel) {
             using Kernel = std::decay_t<decltype(kernel)>;

@@ -7,11 +7,11 @@ namespace treacle::sph {
 
 // True for the forms with gradients, whose stresses a product leaves for the neighbours.
 KOKKOS_INLINE_FUNCTION bool by_gradients(ViscosityForm form) {
-    return form == ViscosityForm::corrected || form == ViscosityForm::adjoint || form == ViscosityForm::printed;
+    return form == ViscosityForm::corrected || form == ViscosityForm::adjoint || form == ViscosityForm::as_published;
 }
 
 // Copies the velocities of a field, ghosts included, and volumes over the lattice's, to where the loops read them.
-void pack_motion(LiquidParticles& liquid, int u_field, const Constants& constants);
+void pack_velocity(LiquidParticles& liquid, int u_field, const Constants& constants);
 
 // Particles that sum over their neighbours one after the other, and then make of their sums what they are for: a long chain of
 // operations each, of which the processor then has several going at once.
@@ -76,7 +76,7 @@ struct ViscousLoop {
     template <class Visit>
     KOKKOS_INLINE_FUNCTION void each_wall(int i, const Visit& visit) const {
         walls.pairs.each(i, [&](int s, double dx, double dy, double dz, double r2) {
-            if (!walls.grips(s)) return;
+            if (!walls.no_slip(s)) return;
             visit(s, weight(walls.grip * walls.volume(s), r2), dx, dy, dz, walls.touch(s, dx, dy, dz));
         });
     }
@@ -170,7 +170,7 @@ struct PairGrip {
 };
 
 // Pull of the form that the options name.
-inline PairGrip pair_grip(const ViscousParts& parts, const Array<double>& share) {
+inline PairGrip pair_grip(const ViscousContext& parts, const Array<double>& share) {
     const double line = parts.options.viscosity.form == ViscosityForm::pairwise ? parts.constants.dimensions + 2 : 0;
     return {share, pair_softening(parts.constants.support), line};
 }

@@ -90,7 +90,7 @@ private:
 
 // On the host.
 struct ViscousMatrix::Assembly {
-    const ViscousParts& parts;
+    const ViscousContext& parts;
     const ViscousOperator& of;
     ViscosityForm form;
     Pairs liquid;
@@ -155,7 +155,7 @@ void ViscousMatrix::Assembly::find_members(const Kernel& kernel) {
             members.push_back({particle, e, apply(fit, e), apply(fit, n)});
         };
         each_pair(i, [&](double w, int j, double dx, double dy, double dz) {
-            const double share_of = form == ViscosityForm::printed ? volume(j) / rest : 1;
+            const double share_of = form == ViscosityForm::as_published ? volume(j) / rest : 1;
             const Vec3 e{w * dx, w * dy, w * dz};
             Vec3 to_other, slope_of_other;
             for (std::size_t k = 0; k < 3; ++k) {
@@ -167,7 +167,7 @@ void ViscousMatrix::Assembly::find_members(const Kernel& kernel) {
             enter(j, to_other, slope_of_other);
         });
         walls.pairs.each(i, [&](int s, double dx, double dy, double dz, double r2) {
-            if (!walls.grips(s)) return;
+            if (!walls.no_slip(s)) return;
             const double w = -walls.grip * walls.volume(s) * kernel.gradient(std::sqrt(r2)) *
                              walls.touch(s, dx, dy, dz).reach;
             const Vec3 x{dx, dy, dz};
@@ -260,7 +260,7 @@ void ViscousMatrix::Assembly::add_pairs(const Kernel& kernel, int i, RowStorage&
         add(one, -1, storage.at(j));
     });
     walls.pairs.each(i, [&](int s, double dx, double dy, double dz, double r2) {
-        if (!walls.grips(s)) return;
+        if (!walls.no_slip(s)) return;
         const double w = -walls.grip * walls.volume(s) * kernel.gradient(std::sqrt(r2));
         const double reach = walls.touch(s, dx, dy, dz).reach;
         const bool squared = by_gradients(form);
@@ -284,7 +284,7 @@ void ViscousMatrix::Assembly::add_stresses(int i, RowStorage& storage) const {
             continue;
         }
         const Member& at = members[begin + static_cast<std::size_t>(which)];
-        const Symmetric p = range_of(read_symmetric(correction, j));
+        const Symmetric p = range_projector(read_symmetric(correction, j));
         const Block projector{p.xx, p.xy, p.xz, p.xy, p.yy, p.yz, p.xz, p.yz, p.zz};
         const double c = share(j), damping = 0.5 * of.damping();
         for (auto k = begin; k < end; ++k) {
@@ -427,7 +427,7 @@ ViscousMatrix::ViscousMatrix(const Comm& comm, LiquidParticles& liquid, const Vi
     : comm_(comm), row_field_(liquid.store.add<Array<int>>("viscous_row", "", FieldRole::work)),
       options_(krylov_options(options)) {}
 
-void ViscousMatrix::assemble(const ViscousParts& parts, const ViscousOperator& of) {
+void ViscousMatrix::assemble(const ViscousContext& parts, const ViscousOperator& of) {
     const auto& store = parts.liquid.store;
     const auto numbers = store.get<Array<int>>(row_field_);
     const int first = static_cast<int>(comm_.exclusive_sum(std::int64_t(store.owned())));
@@ -458,7 +458,7 @@ void ViscousMatrix::assemble(const ViscousParts& parts, const ViscousOperator& o
     with_kernel(parts.options.kernel, parts.constants.dimensions, parts.constants.support,
                 [&](const auto& kernel) { matrix_.build(comm_, assembly.rows(kernel)); });
     auto& matrix = *matrix_.matrix();
-    if (parts.options.viscosity.form == ViscosityForm::printed) matrix.set_unsymmetric();
+    if (parts.options.viscosity.form == ViscosityForm::as_published) matrix.set_unsymmetric();
     if (takes_the_matrix(parts.options.viscosity))
         matrix.set_blocks(3, rigid_motions(store, parts.constants.dimensions));
 }

@@ -16,7 +16,7 @@ public:
     ViscousMatrix(const Comm& comm, LiquidParticles& liquid, const ViscosityOptions& options);
 
     // Collective: the matrix of an operator that is prepared.
-    void assemble(const ViscousParts& parts, const ViscousOperator& of);
+    void assemble(const ViscousContext& parts, const ViscousOperator& of);
 
     // z = M r of the operator's own preconditioners, for those that take no matrix.
     using Preconditioner = std::function<void(const Array3& r, const Array3& z)>;

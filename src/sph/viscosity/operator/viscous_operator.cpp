@@ -1,6 +1,6 @@
 #include "sph/viscosity/operator/viscous_operator.hpp"
 
-#include "kokkos/quad.hpp"
+#include "kokkos/float4.hpp"
 #include "sph/viscosity/operator/viscous_loops.hpp"
 #include "sph/viscosity/operator/viscous_prepare.hpp"
 
@@ -21,7 +21,7 @@ template <class Kernel>
 struct StressLoop : ViscousLoop<Kernel> {
     using Base = ViscousLoop<Kernel>;
     double damping;
-    bool by_volumes; // of the neighbours, as the printed form has it
+    bool by_volumes; // of the neighbours, as the published form has it
     Array<double> share;
     Array6 correction;
     Array3 stress[3]; // columns
@@ -37,7 +37,7 @@ struct StressLoop : ViscousLoop<Kernel> {
 
 private:
     struct Columns {
-        Quad column[3];
+        Double4 column[3];
     };
     KOKKOS_INLINE_FUNCTION void finish(int i, const Columns& pairs) const {
         double n[3][3];
@@ -49,7 +49,7 @@ private:
         double u[3];
         Base::read_velocity(i, u);
         Base::add_wall_gradients(i, u, n);
-        const Symmetric fit = read_symmetric(correction, i), spanned = range_of(fit);
+        const Symmetric fit = read_symmetric(correction, i), spanned = range_projector(fit);
         double g[3][3];
         for (int k = 0; k < 3; ++k) fit.times(n[k], g[k]);
         double s[3][3];
@@ -85,13 +85,13 @@ private:
     }
     KOKKOS_INLINE_FUNCTION Columns sum_pairs(int i) const {
         const double *place = Base::fluid.place.data(), *motion = Base::fluid.motion.data();
-        const Quad x = Quad::load(place + 4 * std::int64_t(i)), u = Quad::load(motion + 4 * std::int64_t(i));
-        Quad even[3] = {0.0, 0.0, 0.0}, odd[3] = {0.0, 0.0, 0.0};
-        Base::each_entry(i, even, odd, [&](Quad columns[3], std::int64_t k) {
+        const Double4 x = Double4::load(place + 4 * std::int64_t(i)), u = Double4::load(motion + 4 * std::int64_t(i));
+        Double4 even[3] = {0.0, 0.0, 0.0}, odd[3] = {0.0, 0.0, 0.0};
+        Base::each_entry(i, even, odd, [&](Double4 columns[3], std::int64_t k) {
             const double* other = motion + 4 * std::int64_t(Base::fluid.liquid.index(k));
             const double w = by_volumes ? Base::weights(k) * other[3] : Base::weights(k);
-            const Quad along = Quad(w) * (x - Quad::load(place + 4 * std::int64_t(Base::fluid.liquid.index(k))));
-            const Quad apart = u - Quad::load(other);
+            const Double4 along = Double4(w) * (x - Double4::load(place + 4 * std::int64_t(Base::fluid.liquid.index(k))));
+            const Double4 apart = u - Double4::load(other);
             columns[0].add(along.all<0>(), apart);
             columns[1].add(along.all<1>(), apart);
             columns[2].add(along.all<2>(), apart);
@@ -111,11 +111,11 @@ struct StressForceLoop : ViscousLoop<Kernel> {
     Array3 product;
 
     KOKKOS_INLINE_FUNCTION void operator()(int block) const {
-        each_row<Quad>(block, Base::fluid.count, [&](int i) { return sum_pairs(i); }, [&](int i, const Quad& pairs) { finish(i, pairs); });
+        each_row<Double4>(block, Base::fluid.count, [&](int i) { return sum_pairs(i); }, [&](int i, const Double4& pairs) { finish(i, pairs); });
     }
 
 private:
-    KOKKOS_INLINE_FUNCTION void finish(int i, const Quad& pairs) const {
+    KOKKOS_INLINE_FUNCTION void finish(int i, const Double4& pairs) const {
         double u[3], f[4];
         Base::read_velocity(i, u);
         pairs.store(f);
@@ -124,27 +124,27 @@ private:
         for (int k = 0; k < 3; ++k) product(i, k) = inertia * u[k] + f[k];
     }
     // The fourth ones of `place` are the shares dt/m V mu, of which `damping` acts on differences of velocities.
-    KOKKOS_INLINE_FUNCTION Quad sum_pairs(int i) const {
+    KOKKOS_INLINE_FUNCTION Double4 sum_pairs(int i) const {
         const double *place = Base::fluid.place.data(), *motion = Base::fluid.motion.data();
-        const auto read = [](const double* rows, int row) { return Quad::load(rows + 4 * std::int64_t(row)); };
-        const Quad x = read(place, i), u = read(motion, i);
-        const Quad twice = 2 * Base::fluid.place(i, 3), factor = damping;
-        const Quad own[3] = {Quad::load(stress[0], i), Quad::load(stress[1], i), Quad::load(stress[2], i)};
+        const auto read = [](const double* rows, int row) { return Double4::load(rows + 4 * std::int64_t(row)); };
+        const Double4 x = read(place, i), u = read(motion, i);
+        const Double4 twice = 2 * Base::fluid.place(i, 3), factor = damping;
+        const Double4 own[3] = {Double4::load(stress[0], i), Double4::load(stress[1], i), Double4::load(stress[2], i)};
         struct Sums {
-            Quad pull[3] = {0.0, 0.0, 0.0}, slide = 0.0, spread = 0.0;
+            Double4 pull[3] = {0.0, 0.0, 0.0}, slide = 0.0, spread = 0.0;
         } even, odd;
         Base::each_entry(i, even, odd, [&](Sums& sums, std::int64_t k) {
             const int j = Base::fluid.liquid.index(k);
-            const Quad w = static_cast<double>(Base::weights(k)), apart = x - read(place, j);
-            const Quad along = w * apart;
+            const Double4 w = static_cast<double>(Base::weights(k)), apart = x - read(place, j);
+            const Double4 along = w * apart;
             sums.spread.add(w, apart);
-            sums.pull[0].add(along.all<0>(), Quad::load(stress[0], j));
-            sums.pull[1].add(along.all<1>(), Quad::load(stress[1], j));
-            sums.pull[2].add(along.all<2>(), Quad::load(stress[2], j));
+            sums.pull[0].add(along.all<0>(), Double4::load(stress[0], j));
+            sums.pull[1].add(along.all<1>(), Double4::load(stress[1], j));
+            sums.pull[2].add(along.all<2>(), Double4::load(stress[2], j));
             sums.slide.add(w * twice - along.all<3>(), u - read(motion, j));
         });
-        const Quad spread = even.spread + odd.spread;
-        Quad sum = factor * (even.slide + odd.slide);
+        const Double4 spread = even.spread + odd.spread;
+        Double4 sum = factor * (even.slide + odd.slide);
         for (int l = 0; l < 3; ++l) sum = sum + even.pull[l] + odd.pull[l];
         sum.add(spread.all<0>(), own[0]);
         sum.add(spread.all<1>(), own[1]);
@@ -167,15 +167,15 @@ struct PairForceLoop : ViscousLoop<Kernel> {
         const double soft = grip.soft, line = grip.line, own = grip.share(i);
         const Row row = Base::fluid.row(i);
         const std::int64_t first = Base::fluid.liquid.offset(i);
-        Lanes fx = 0.0, fy = 0.0, fz = 0.0;
+        SimdDouble fx = 0.0, fy = 0.0, fz = 0.0;
         for (int k = 0; k < row.count; k += lanes) {
             const auto d = row.near(k);
             const auto v = Base::fluid.motions(row, k);
-            const Lanes w = row.within(k, load_lanes(&Base::weights(first + k)));
-            const Lanes c = w * (own + d.number) * treacle::inverse(d.r2 + soft);
-            const Lanes ax = u[0] - v.x, ay = u[1] - v.y, az = u[2] - v.z;
+            const SimdDouble w = row.within(k, load_lanes(&Base::weights(first + k)));
+            const SimdDouble c = w * (own + d.number) * treacle::inverse(d.r2 + soft);
+            const SimdDouble ax = u[0] - v.x, ay = u[1] - v.y, az = u[2] - v.z;
             if (line > 0) {
-                const Lanes pull = line * c * (ax * d.x + ay * d.y + az * d.z);
+                const SimdDouble pull = line * c * (ax * d.x + ay * d.y + az * d.z);
                 fx = fx + pull * d.x;
                 fy = fy + pull * d.y;
                 fz = fz + pull * d.z;
@@ -230,7 +230,7 @@ bool at_rest(const Array<double>& motion) {
 
 } // namespace
 
-void pack_motion(LiquidParticles& liquid, int u_field, const Constants& constants) {
+void pack_velocity(LiquidParticles& liquid, int u_field, const Constants& constants) {
     const int n = liquid.store.total();
     reserve(liquid.motion, static_cast<std::size_t>(n));
     const auto to = liquid.motion;
@@ -250,7 +250,7 @@ ViscousOperator::ViscousOperator(LiquidParticles& liquid, const std::vector<doub
     if (bulk > 0) tension_ = liquid.store.add<Array<double>>("tension_rate", "1/s", FieldRole::state);
 }
 
-ViscousWalls ViscousOperator::walls(const ViscousParts& parts, Walls which) const {
+ViscousWalls ViscousOperator::walls(const ViscousContext& parts, Walls which) const {
     return {pairs(parts.neighbours.solid, parts.liquid.store, parts.solid.store),
             parts.solid.volume(),
             parts.solid.body(),
@@ -258,53 +258,53 @@ ViscousWalls ViscousOperator::walls(const ViscousParts& parts, Walls which) cons
             parts.friction,
             parts.motion,
             parts.points,
-            parts.constants.wall_grip,
+            parts.constants.wall_viscous_factor,
             parts.constants.wall_depth,
             least_height * parts.constants.spacing,
             which == Walls::resting || at_rest(parts.motion)};
 }
 
-double ViscousOperator::prepare(const ViscousParts& parts, double dt) {
+double ViscousOperator::prepare(const ViscousContext& parts, double dt) {
     dt_ = dt;
     const auto& constants = parts.constants;
     const auto& viscosity = parts.options.viscosity;
     auto& liquid = parts.liquid;
     const int n = liquid.store.owned();
-    damping_ = viscosity.form == ViscosityForm::corrected ? viscosity.checkerboard_damping : 0;
+    damping_ = viscosity.form == ViscosityForm::corrected ? viscosity.hourglass_coefficient : 0;
     const auto share = liquid.store.get<Array<double>>(share_);
     const double scale = dt / constants.mass * constants.rest_volume;
     double most = 0;
     if (parts.forces.by_particle) {
         most = write_own_shares(liquid.viscosity(), scale, n, share);
     } else {
-        with_liquids(constants.mixture, liquid.liquid(), parts.forces.viscosity,
+        with_liquids(constants.immiscible, liquid.liquid(), parts.forces.viscosity,
                      [&](const auto& liquids) { most = write_shares(liquids, scale, n, share); });
     }
     most = parts.comm.max(most);
     largest_share_ = most;
     if (most == 0) return 0;
     tiles_are_placed_ = false;
-    if (viscosity.form == ViscosityForm::printed) scale_by_volumes(liquid.volume(), constants.rest_volume, n, share);
+    if (viscosity.form == ViscosityForm::as_published) scale_by_volumes(liquid.volume(), constants.rest_volume, n, share);
     if (slip_.any()) slip_.prepare(parts, parts.points, share);
     parts.halo.gather(liquid.store, {share_});
     if (!parts.forces.rheology.empty() || tension_ >= 0) reserve(rate_, static_cast<std::size_t>(n));
     reserve(correction_, static_cast<std::size_t>(n));
     reserve(block_, static_cast<std::size_t>(n));
-    for (auto* array : {&ground_, &smeared_share_}) reserve(*array, static_cast<std::size_t>(n));
+    for (auto* array : {&inertia_and_wall_diagonal_, &smoothed_viscous_coefficient_}) reserve(*array, static_cast<std::size_t>(n));
     if (by_gradients(viscosity.form)) reserve(wall_sums_, static_cast<std::size_t>(n));
     const auto inlet = liquid.has_inlets() ? liquid.inlet() : Array<int>();
     if (tension_ >= 0) find_stretched(liquid, viscosity.bulk);
-    write_places(liquid, share);
-    const auto fluid = gather_fluid(constants, liquid, parts.solid, parts.neighbours);
+    pack_positions(liquid, share);
+    const auto fluid = make_views(constants, liquid, parts.solid, parts.neighbours);
     // Rows are read several entries at a time, beyond their ends.
-    reserve(weights_, static_cast<std::size_t>(parts.neighbours.liquid.size + NeighbourList::spare));
+    reserve(weights_, static_cast<std::size_t>(parts.neighbours.liquid.size + NeighbourList::padding));
     with_kernel(parts.options.kernel, constants.dimensions, constants.support, [&](const auto& kernel) {
         using Kernel = std::decay_t<decltype(kernel)>;
         const ViscousLoop<Kernel> base{kernel, fluid, walls(parts, Walls::resting), weights_, wall_sums_};
         Kokkos::parallel_for("treacle::viscous_prepare", n,
                              PrepareLoop<Kernel>{base, viscosity.form, constants.rest_volume, damping_,
                                                  relative_density(constants, liquid), share, slip_.any(), slip_.drag(),
-                                                 liquid.has_inlets(), inlet, bulk_, correction_, block_, ground_, smeared_share_});
+                                                 liquid.has_inlets(), inlet, bulk_, correction_, block_, inertia_and_wall_diagonal_, smoothed_viscous_coefficient_});
     });
     prepare_interface(parts);
     return most;
@@ -340,14 +340,14 @@ Array<double> ViscousOperator::tension(const LiquidParticles& liquid) const {
     return tension_acts_ ? liquid.store.get<Array<double>>(tension_) : Array<double>();
 }
 
-void ViscousOperator::multiply(const ViscousParts& parts, int u_field, Walls which, const Array3& product) {
+void ViscousOperator::multiply(const ViscousContext& parts, int u_field, Walls which, const Array3& product) {
     auto& liquid = parts.liquid;
     const auto& constants = parts.constants;
     const ViscosityForm form = parts.options.viscosity.form;
     const auto share = liquid.store.get<Array<double>>(share_);
     parts.halo.gather(liquid.store, {u_field});
-    pack_motion(liquid, u_field, constants);
-    const auto fluid = gather_fluid(constants, liquid, parts.solid, parts.neighbours);
+    pack_velocity(liquid, u_field, constants);
+    const auto fluid = make_views(constants, liquid, parts.solid, parts.neighbours);
     const auto relative = relative_density(constants, liquid);
     with_kernel(parts.options.kernel, constants.dimensions, constants.support, [&](const auto& kernel) {
         using Kernel = std::decay_t<decltype(kernel)>;
@@ -360,7 +360,7 @@ void ViscousOperator::multiply(const ViscousParts& parts, int u_field, Walls whi
         const auto& store = liquid.store;
         const Array3 rows[3] = {store.get<Array3>(stress_[0]), store.get<Array3>(stress_[1]), store.get<Array3>(stress_[2])};
         Kokkos::parallel_for("treacle::viscous_stress", row_blocks(fluid.count),
-                             StressLoop<Kernel>{base, damping_, form == ViscosityForm::printed, share, correction_,
+                             StressLoop<Kernel>{base, damping_, form == ViscosityForm::as_published, share, correction_,
                                                 {rows[0], rows[1], rows[2]}, !parts.forces.rheology.empty(), rate_, bulk_, tension(liquid), trace_});
         const Stresses stress{{rows[0], rows[1], rows[2]}};
         stress_interface(parts, which, u_field, stress);
@@ -372,7 +372,7 @@ void ViscousOperator::multiply(const ViscousParts& parts, int u_field, Walls whi
     add_slip(parts, which, product);
 }
 
-void ViscousOperator::add_slip(const ViscousParts& parts, Walls which, const Array3& product) const {
+void ViscousOperator::add_slip(const ViscousContext& parts, Walls which, const Array3& product) const {
     if (!slip_.any()) return;
     if (which == Walls::resting) slip_.add(parts, product);
     else slip_.add(parts, parts.motion, product);
@@ -388,18 +388,18 @@ void ViscousOperator::precondition(const LiquidParticles& liquid, const Array3& 
     });
 }
 
-void ViscousOperator::thin(const ViscousParts& parts, const Array<flow::FlowCurve>& curves) const {
+void ViscousOperator::thin(const ViscousContext& parts, const Array<flow::ViscosityModel>& curves) const {
     const auto rate = rate_, viscosity = parts.liquid.viscosity();
     const auto liquid = parts.liquid.liquid();
     Kokkos::parallel_for("treacle::thin_by_shear", parts.liquid.store.owned(), KOKKOS_LAMBDA(int i) {
-        const flow::FlowCurve& curve = curves(liquid(i));
-        if (curve.law != scene::ShearLaw::newtonian) viscosity(i) = curve(rate(i));
+        const flow::ViscosityModel& curve = curves(liquid(i));
+        if (curve.law != scene::ViscosityModelKind::newtonian) viscosity(i) = curve(rate(i));
     });
 }
 
 std::size_t ViscousOperator::bytes() const {
     const std::size_t doubles = correction_.span() + rate_.span() + wall_sums_.span();
-    const std::size_t floats = weights_.span() + block_.span() + ground_.span() + smeared_share_.span() + tiles_.span() +
+    const std::size_t floats = weights_.span() + block_.span() + inertia_and_wall_diagonal_.span() + smoothed_viscous_coefficient_.span() + tiles_.span() +
                                rows_.span() + fits_.span();
     return sizeof(double) * doubles + sizeof(float) * floats + slip_.bytes() + interface_.bytes();
 }

@@ -1,5 +1,5 @@
 #pragma once
-#include "kokkos/tile.hpp"
+#include "kokkos/float4x4.hpp"
 #include "sph/model/symmetric.hpp"
 #include "sph/viscosity/operator/viscous_interface.hpp"
 #include "sph/viscosity/operator/viscous_walls.hpp"
@@ -8,7 +8,7 @@
 namespace treacle::sph {
 
 // C u = u - dt/m f(u) on the owned particles, f being the viscous force (dissertation, chapter 4) in the form that
-// `viscosity.form` names: matrix-free, and but for the printed form symmetric and positive definite (src/sph/theory.md,
+// `viscosity.form` names: matrix-free, and but for the published form symmetric and positive definite (src/sph/theory.md,
 // Implicit viscosity). Of several liquids the first term has the relative density as a factor.
 class ViscousOperator {
 public:
@@ -18,16 +18,16 @@ public:
 
     // Collective: viscosities, gradient corrections and diagonal blocks for the present places and a step of dt [s].
     // Returns the largest dt/m V mu of all ranks [m2]; 0: C is the identity.
-    double prepare(const ViscousParts& parts, double dt);
+    double prepare(const ViscousContext& parts, double dt);
 
     // Motion of the solids: by `motion`, or none.
     enum class Walls { moving, resting };
     // Collective: product = C u of the owned particles. Gathers the ghosts' u.
-    void multiply(const ViscousParts& parts, int u_field, Walls walls, const Array3& product);
+    void multiply(const ViscousContext& parts, int u_field, Walls walls, const Array3& product);
 
     // The same in single precision but for u itself: C u + O(1e-6) C u, in a third of the time. Of the symmetric
     // forms with gradients (`has_tiles`).
-    void multiply_nearly(const ViscousParts& parts, int u_field, Walls walls, const Array3& product);
+    void multiply_single_precision(const ViscousContext& parts, int u_field, Walls walls, const Array3& product);
     static bool has_tiles(ViscosityForm form) { return form == ViscosityForm::corrected || form == ViscosityForm::adjoint; }
 
     // z = D^-1 r with the diagonal blocks, nearly.
@@ -35,12 +35,12 @@ public:
 
     // This rank's share of the force and torque on each solid [N], [N m]. After a multiply with moving walls, whose u
     // it is for.
-    BodyLoads loads(const ViscousParts& parts) const;
+    BodyLoads loads(const ViscousContext& parts) const;
     // And of how the liquid would hold each solid if nothing else moved, times dt/m: 36 numbers each, roughly.
-    std::vector<double> stiffness(const ViscousParts& parts) const;
+    std::vector<double> stiffness(const ViscousContext& parts) const;
 
     // Viscosities of the particles at the shear rates of the last multiply; forms with gradients only.
-    void thin(const ViscousParts& parts, const Array<flow::FlowCurve>& curves) const;
+    void thin(const ViscousContext& parts, const Array<flow::ViscosityModel>& curves) const;
 
     // (S4e) Tension s of stretched liquid (augmented Lagrangian, Fortin & Glowinski 1983): s + zeta tr D of the last
     // multiply, never negative.
@@ -58,14 +58,14 @@ public:
     double damping() const { return damping_; }
     double largest_share() const { return largest_share_; } // of all ranks [m2]
     const Array<double>& share(const LiquidParticles& liquid) const { return liquid.store.get<Array<double>>(share_); }
-    ViscousWalls walls(const ViscousParts& parts, Walls which) const;
+    ViscousWalls walls(const ViscousContext& parts, Walls which) const;
     const WallSlip& slip() const { return slip_; }
     // Of the owned particles: what holds them but their neighbours, the mass and the solids, roughly; that of the diagonal block
     // where an inlet prescribes the velocity.
-    const Array<float>& ground() const { return ground_; }
+    const Array<float>& inertia_and_wall_diagonal() const { return inertia_and_wall_diagonal_; }
     // Half of their own share and half of the mean of their neighbours', whose stresses hold them as well: where viscosities jump, a
     // thin liquid follows a thick one as far as the support reaches.
-    const Array<float>& smeared_share() const { return smeared_share_; }
+    const Array<float>& smoothed_viscous_coefficient() const { return smoothed_viscous_coefficient_; }
     using Blocks = Kokkos::View<float* [6], Memory>;
     const Blocks& block() const { return block_; } // inverses of the diagonal blocks, nearly
 
@@ -77,14 +77,14 @@ public:
 private:
     void find_stretched(const LiquidParticles& liquid, double bulk);
     Array<double> tension(const LiquidParticles& liquid) const; // or empty
-    void prepare_interface(const ViscousParts& parts);
+    void prepare_interface(const ViscousContext& parts);
     template <class Stress>
-    void stress_interface(const ViscousParts& parts, Walls which, int u_field, const Stress& stress);
+    void stress_interface(const ViscousContext& parts, Walls which, int u_field, const Stress& stress);
     template <class Stress>
-    void force_interface(const ViscousParts& parts, Walls which, int u_field, const Stress& stress, const Array3& product);
+    void force_interface(const ViscousContext& parts, Walls which, int u_field, const Stress& stress, const Array3& product);
     void write_tiles(LiquidParticles& liquid, const Array<double>& share, int dimensions);
-    void exchange_tiles(const ViscousParts& parts, Walls which);
-    void add_slip(const ViscousParts& parts, Walls which, const Array3& product) const;
+    void exchange_tiles(const ViscousContext& parts, Walls which);
+    void add_slip(const ViscousContext& parts, Walls which, const Array3& product) const;
 
     double dt_ = 0;
     double largest_share_ = 0;
@@ -100,7 +100,7 @@ private:
     Array<float> weights_{"treacle::viscous_weights", 0};
     Array4 wall_sums_{"treacle::viscous_wall_sums", 0}; // see ViscousLoop
     Array6 correction_{"treacle::gradient_correction", 0}; // B_i^+
-    Array<float> ground_{"treacle::viscous_ground", 0}, smeared_share_{"treacle::smeared_viscous_share", 0};
+    Array<float> inertia_and_wall_diagonal_{"treacle::viscous_ground", 0}, smoothed_viscous_coefficient_{"treacle::smeared_viscous_share", 0};
     Blocks block_{"treacle::viscous_block", 0};
     Array16 tiles_{"treacle::viscous_tiles", 0}; // see viscous_tiles.cpp
     Array8 rows_{"treacle::viscous_rows", 0}, fits_{"treacle::viscous_fits", 0};

@@ -5,7 +5,7 @@ namespace treacle::sph {
 
 // Directions in which the neighbours spread less than that share of the lattice's spread carry no stress: a thread of
 // particles has a strain along it, a sheet in it.
-inline constexpr double least_spread = 0.02;
+inline constexpr double min_moment_eigenvalue = 0.02;
 
 // The weights, B_i = sum V w x x^T, its inverse, and the blocks that precondition.
 template <class Kernel>
@@ -23,7 +23,7 @@ struct PrepareLoop : ViscousLoop<Kernel> {
     Array<float> bulk; // over the viscosity, or empty
     Array6 correction;
     ViscousOperator::Blocks block;
-    Array<float> ground, smeared_share; // [owned] [1], [m2]
+    Array<float> inertia_and_wall_diagonal, smoothed_viscous_coefficient; // [owned] [1], [m2]
 
     KOKKOS_INLINE_FUNCTION void operator()(int i) const {
         Symmetric fit{1, 1, 1, 0, 0, 0};
@@ -35,8 +35,8 @@ struct PrepareLoop : ViscousLoop<Kernel> {
         d.xx += inertia, d.yy += inertia, d.zz += inertia;
         write_symmetric(inverse(d), block, i);
         const bool prescribed = has_inlets && inlet(i) > 0;
-        smeared_share(i) = static_cast<float>(0.5 * (share(i) + around));
-        ground(i) = static_cast<float>(prescribed ? (d.xx + d.yy + d.zz) / 3 : inertia + 2 * share(i) * held);
+        smoothed_viscous_coefficient(i) = static_cast<float>(0.5 * (share(i) + around));
+        inertia_and_wall_diagonal(i) = static_cast<float>(prescribed ? (d.xx + d.yy + d.zz) / 3 : inertia + 2 * share(i) * held);
     }
 
 private:
@@ -49,7 +49,7 @@ private:
         for (int k = 0; k < row.count; k += lanes) {
             const auto near = row.near(k);
             const auto along = distance(near.r2);
-            const Lanes weight = rounded(-volume * Base::kernel.gradient(along.r, along.inverse));
+            const SimdDouble weight = rounded(-volume * Base::kernel.gradient(along.r, along.inverse));
             store_floats(weight, row.count - k, w + k);
             visit(near, row.within(k, weight));
         }
@@ -62,11 +62,11 @@ private:
     };
     KOKKOS_INLINE_FUNCTION Sums sum_row(int i) const {
         const double own = share(i);
-        Lanes n[6] = {0.0, 0.0, 0.0, 0.0, 0.0, 0.0}, m[6] = {0.0, 0.0, 0.0, 0.0, 0.0, 0.0};
-        Lanes damped = 0.0, shares = 0.0, x = 0.0, y = 0.0, z = 0.0;
-        weigh(i, [&](const Row::Near& d, Lanes f) {
-            const Lanes g = d.number * f * f;
-            const Lanes squares[6] = {d.x * d.x, d.y * d.y, d.z * d.z, d.x * d.y, d.x * d.z, d.y * d.z};
+        SimdDouble n[6] = {0.0, 0.0, 0.0, 0.0, 0.0, 0.0}, m[6] = {0.0, 0.0, 0.0, 0.0, 0.0, 0.0};
+        SimdDouble damped = 0.0, shares = 0.0, x = 0.0, y = 0.0, z = 0.0;
+        weigh(i, [&](const Row::Near& d, SimdDouble f) {
+            const SimdDouble g = d.number * f * f;
+            const SimdDouble squares[6] = {d.x * d.x, d.y * d.y, d.z * d.z, d.x * d.y, d.x * d.z, d.y * d.z};
             for (int e = 0; e < 6; ++e) {
                 n[e] = n[e] + f * squares[e];
                 m[e] = m[e] + g * squares[e];
@@ -77,7 +77,7 @@ private:
             y = y + f * d.y;
             z = z + f * d.z;
         });
-        const auto symmetric = [](const Lanes e[6]) {
+        const auto symmetric = [](const SimdDouble e[6]) {
             return Symmetric{sum_lanes(e[0]), sum_lanes(e[1]), sum_lanes(e[2]), sum_lanes(e[3]), sum_lanes(e[4]), sum_lanes(e[5])};
         };
         return {symmetric(n), symmetric(m), sum_lanes(damped), {sum_lanes(x), sum_lanes(y), sum_lanes(z)}, sum_lanes(shares)};
@@ -99,7 +99,7 @@ private:
         for (int k = 0; k < 4; ++k) Base::wall_sums(i, k) = wall[k];
         for (int k = 0; k < 3; ++k) sums.pull[k] += wall[k];
         sums.damped += 2 * share(i) * wall[3];
-        if (form == ViscosityForm::corrected) fit = invert_above(sums.spread, least_spread);
+        if (form == ViscosityForm::corrected) fit = truncated_pseudo_inverse(sums.spread, min_moment_eigenvalue);
         double own[3];
         fit.times(sums.pull, own);
         Symmetric d = enclosed(fit, sums.strained);
@@ -124,7 +124,7 @@ private:
                 d.xx += along, d.yy += along, d.zz += along;
             }
         };
-        weigh(i, [](const Row::Near&, Lanes) {});
+        weigh(i, [](const Row::Near&, SimdDouble) {});
         Base::each_pair(i, [&](double w, int j, double dx, double dy, double dz, double r2) {
             pair(share(i) + share(j), w, dx, dy, dz, r2);
             weights += w * r2;

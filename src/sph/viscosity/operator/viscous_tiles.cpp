@@ -7,7 +7,7 @@
 namespace treacle::sph {
 
 namespace {
-void write_places(const Array3& x, const Array<double>& share, int n, const Array8& rows, const Array16& tiles) {
+void pack_positions(const Array3& x, const Array<double>& share, int n, const Array8& rows, const Array16& tiles) {
     Kokkos::parallel_for("treacle::place_tiles", n, KOKKOS_LAMBDA(int i) {
         for (int k = 0; k < 16; ++k) tiles(i, k) = 0;
         for (int l = 0; l < 3; ++l) rows(i, l) = tiles(i, 4 * l + 3) = static_cast<float>(x(i, l) - x(0, l));
@@ -21,7 +21,7 @@ void write_places(const Array3& x, const Array<double>& share, int n, const Arra
 void write_fits(const Array6& correction, const Array<float>& bulk, int dimensions, int n, const Array8& fits) {
     Kokkos::parallel_for("treacle::float_fits", n, KOKKOS_LAMBDA(int i) {
         for (int k = 0; k < 6; ++k) fits(i, k) = static_cast<float>(correction(i, k));
-        const Symmetric span = range_of(read_symmetric(correction, i));
+        const Symmetric span = range_projector(read_symmetric(correction, i));
         fits(i, 7) = bulk.size() > 0 ? bulk(i) : 0;
         fits(i, 6) = span.xx + span.yy + span.zz > dimensions - 0.5 ? 1 : 0;
     });
@@ -58,12 +58,12 @@ void write_stresses(const Stresses& from, int first, int last, const Array16& ti
 
 // The sum of what visit adds for each liquid particle around i, of its tile and of V0 |W'|/r.
 template <class Kernel, class Visit>
-KOKKOS_INLINE_FUNCTION Tile sum_tiles(const ViscousLoop<Kernel>& loop, const Array16& tiles, int i, const Visit& visit) {
+KOKKOS_INLINE_FUNCTION Float4x4 sum_tiles(const ViscousLoop<Kernel>& loop, const Array16& tiles, int i, const Visit& visit) {
     const float *rows = tiles.data(), *weights = loop.weights.data();
     const int* index = loop.fluid.liquid.index.data();
-    Tile even = 0.0f, odd = 0.0f;
-    loop.each_entry(i, even, odd, [&](Tile& sum, std::int64_t k) {
-        visit(sum, Tile(weights[k]), Tile::load(rows + 16 * std::int64_t(index[k])));
+    Float4x4 even = 0.0f, odd = 0.0f;
+    loop.each_entry(i, even, odd, [&](Float4x4& sum, std::int64_t k) {
+        visit(sum, Float4x4(weights[k]), Float4x4::load(rows + 16 * std::int64_t(index[k])));
     });
     return even + odd;
 }
@@ -80,61 +80,61 @@ struct TileStressLoop : ViscousLoop<Kernel> {
     Array<double> tension; // s / mu, or empty
 
     KOKKOS_INLINE_FUNCTION void operator()(int block) const {
-        each_row<Tile>(block, Base::fluid.count, [&](int i) { return sum(i); }, [&](int i, const Tile& n) { finish(i, n); });
+        each_row<Float4x4>(block, Base::fluid.count, [&](int i) { return sum(i); }, [&](int i, const Float4x4& n) { finish(i, n); });
     }
 
 private:
     // N_i, behind its columns sum w x, and sum w (s_i + s_j) (u_j - u_i).
-    KOKKOS_INLINE_FUNCTION Tile sum(int i) const {
+    KOKKOS_INLINE_FUNCTION Float4x4 sum(int i) const {
         const std::int64_t first = Base::fluid.liquid.offset(i);
         Base::read_ahead(i);
-        const Tile liquid = sum_pair_products(rows.data(), i, Base::fluid.liquid.index.data() + first, Base::weights.data() + first,
+        const Float4x4 liquid = sum_pair_products(rows.data(), i, Base::fluid.liquid.index.data() + first, Base::weights.data() + first,
                                               Base::fluid.liquid.count(i));
         return Base::walls.pairs.count(i) > 0 ? liquid + walls(i) : liquid;
     }
-    KOKKOS_INLINE_FUNCTION void finish(int i, const Tile& n) const {
+    KOKKOS_INLINE_FUNCTION void finish(int i, const Float4x4& n) const {
         float* tile = tiles.data() + 16 * std::int64_t(i);
-        const Tile q = stress(i, n);
+        const Float4x4 q = stress(i, n);
         q.store_vectors(tile);
-        const Tile own = q * n.all<3>() - Tile(damping) * n.only_last();
+        const Float4x4 own = q * n.all<3>() - Float4x4(damping) * n.keep_last_row();
         own.sum_quads().store(tile + 12);
     }
-    KOKKOS_INLINE_FUNCTION Tile stress(int i, const Tile& n) const {
+    KOKKOS_INLINE_FUNCTION Float4x4 stress(int i, const Float4x4& n) const {
         const float* fit = fits.data() + 8 * std::int64_t(i);
-        const Tile inverse[3] = {Tile::spread<0>(fit), Tile::spread<1>(fit), Tile::spread<2>(fit)};
-        const Tile g = times(n, inverse);
-        Tile half = g; // see StressLoop::strain
+        const Float4x4 inverse[3] = {Float4x4::broadcast_elements<0>(fit), Float4x4::broadcast_elements<1>(fit), Float4x4::broadcast_elements<2>(fit)};
+        const Float4x4 g = times(n, inverse);
+        Float4x4 half = g; // see StressLoop::strain
         if (fit[6] == 0) {
-            const Symmetric span = range_of(read_symmetric(correction, i));
+            const Symmetric span = range_projector(read_symmetric(correction, i));
             const double within[6] = {span.xx, span.yy, span.zz, span.xy, span.xz, span.yz};
-            half = Tile::repeat<0>(within) * g.all<0>();
-            half.add(Tile::repeat<1>(within), g.all<1>());
-            half.add(Tile::repeat<2>(within), g.all<2>());
+            half = Float4x4::broadcast_row<0>(within) * g.all<0>();
+            half.add(Float4x4::broadcast_row<1>(within), g.all<1>());
+            half.add(Float4x4::broadcast_row<2>(within), g.all<2>());
         }
-        Tile twice = half + half.transposed();
+        Float4x4 twice = half + half.transposed();
         if (fit[7] > 0) twice = resist_expansion(i, twice);
-        const Tile q = times(twice, inverse);
-        return Tile(rows(i, 3)) * (q - Tile(damping) * g);
+        const Float4x4 q = times(twice, inverse);
+        return Float4x4(rows(i, 3)) * (q - Float4x4(damping) * g);
     }
     // As StressLoop::resist_expansion, of 2 S.
-    KOKKOS_INLINE_FUNCTION Tile resist_expansion(int i, const Tile& twice) const {
-        const Symmetric span = range_of(read_symmetric(correction, i));
+    KOKKOS_INLINE_FUNCTION Float4x4 resist_expansion(int i, const Float4x4& twice) const {
+        const Symmetric span = range_projector(read_symmetric(correction, i));
         const double within[9] = {span.xx, span.xy, span.xz, span.xy, span.yy, span.yz, span.xz, span.yz, span.zz};
         float s[16];
         twice.store(s);
         const float held = tension.size() > 0 ? static_cast<float>(tension(i)) : 0;
         const float more = 0.5f * fits(i, 7) * (s[0] + s[5] + s[10]) + held;
         for (int k = 0; k < 9; ++k) s[4 * (k / 3) + k % 3] += more * static_cast<float>(within[k]);
-        return Tile::load(s);
+        return Float4x4::load(s);
     }
     // The matrix of columns a times the symmetric one of these rows.
-    KOKKOS_INLINE_FUNCTION static Tile times(const Tile& a, const Tile rows[3]) {
-        Tile out = a.quad<0>() * rows[0];
+    KOKKOS_INLINE_FUNCTION static Float4x4 times(const Float4x4& a, const Float4x4 rows[3]) {
+        Float4x4 out = a.quad<0>() * rows[0];
         out.add(a.quad<1>(), rows[1]);
         out.add(a.quad<2>(), rows[2]);
         return out;
     }
-    KOKKOS_INLINE_FUNCTION Tile walls(int i) const {
+    KOKKOS_INLINE_FUNCTION Float4x4 walls(int i) const {
         const double u[3] = {velocity(i, 0), velocity(i, 1), velocity(i, 2)};
         double n[3][3] = {};
         Base::add_wall_gradients(i, u, n);
@@ -142,7 +142,7 @@ private:
         for (int l = 0; l < 3; ++l) {
             for (int k = 0; k < 3; ++k) sum[4 * l + k] = static_cast<float>(n[k][l]);
         }
-        return Tile::load(sum);
+        return Float4x4::load(sum);
     }
 };
 
@@ -158,18 +158,18 @@ struct TileForceLoop : ViscousLoop<Kernel> {
     Array3 product;
 
     KOKKOS_INLINE_FUNCTION void operator()(int block) const {
-        each_row<Tile>(block, Base::fluid.count, [&](int i) { return sum(i); }, [&](int i, const Tile& pairs) { finish(i, pairs); });
+        each_row<Float4x4>(block, Base::fluid.count, [&](int i) { return sum(i); }, [&](int i, const Float4x4& pairs) { finish(i, pairs); });
     }
 
 private:
     // Over j: w Q_j x.
-    KOKKOS_INLINE_FUNCTION Tile sum(int i) const {
-        const Tile own = Tile::load(tiles.data() + 16 * std::int64_t(i));
-        return sum_tiles(*this, tiles, i, [&](Tile& to, const Tile& w, const Tile& other) {
+    KOKKOS_INLINE_FUNCTION Float4x4 sum(int i) const {
+        const Float4x4 own = Float4x4::load(tiles.data() + 16 * std::int64_t(i));
+        return sum_tiles(*this, tiles, i, [&](Float4x4& to, const Float4x4& w, const Float4x4& other) {
             to.add(w * (own - other).all<3>(), other);
         });
     }
-    KOKKOS_INLINE_FUNCTION void finish(int i, const Tile& sum) const {
+    KOKKOS_INLINE_FUNCTION void finish(int i, const Float4x4& sum) const {
         float s[16];
         sum.store(s);
         double f[3];
@@ -187,13 +187,13 @@ void ViscousOperator::write_tiles(LiquidParticles& liquid, const Array<double>& 
     reserve(rows_, static_cast<std::size_t>(n));
     reserve(tiles_, static_cast<std::size_t>(n));
     reserve(fits_, static_cast<std::size_t>(liquid.store.owned()));
-    write_places(liquid.store.position(), share, n, rows_, tiles_);
+    pack_positions(liquid.store.position(), share, n, rows_, tiles_);
     write_fits(correction_, bulk_, dimensions, liquid.store.owned(), fits_);
     tiles_are_placed_ = true;
 }
 
 // The ghosts' columns of Q go through the fields of the double products; beside moving walls loads() takes all from there.
-void ViscousOperator::exchange_tiles(const ViscousParts& parts, Walls which) {
+void ViscousOperator::exchange_tiles(const ViscousContext& parts, Walls which) {
     const auto& store = parts.liquid.store;
     const Stresses stresses{{store.get<Array3>(stress_[0]), store.get<Array3>(stress_[1]), store.get<Array3>(stress_[2])}};
     if (which == Walls::moving) read_stresses(tiles_, store.owned(), stresses);
@@ -202,7 +202,7 @@ void ViscousOperator::exchange_tiles(const ViscousParts& parts, Walls which) {
     write_stresses(stresses, store.owned(), store.total(), tiles_);
 }
 
-void ViscousOperator::multiply_nearly(const ViscousParts& parts, int u_field, Walls which, const Array3& product) {
+void ViscousOperator::multiply_single_precision(const ViscousContext& parts, int u_field, Walls which, const Array3& product) {
     auto& liquid = parts.liquid;
     const auto& store = liquid.store;
     const auto& constants = parts.constants;
@@ -210,9 +210,9 @@ void ViscousOperator::multiply_nearly(const ViscousParts& parts, int u_field, Wa
     if (!tiles_are_placed_) write_tiles(liquid, share, constants.dimensions);
     parts.halo.gather(store, {u_field});
     const auto velocity = store.get<Array3>(u_field);
-    if (slip_.any() || which == Walls::moving) pack_motion(liquid, u_field, constants); // slip and loads() read it there
+    if (slip_.any() || which == Walls::moving) pack_velocity(liquid, u_field, constants); // slip and loads() read it there
     write_velocities(velocity, store.total(), rows_);
-    const auto fluid = gather_fluid(constants, liquid, parts.solid, parts.neighbours);
+    const auto fluid = make_views(constants, liquid, parts.solid, parts.neighbours);
     const auto relative = relative_density(constants, liquid);
     with_kernel(parts.options.kernel, constants.dimensions, constants.support, [&](const auto& kernel) {
         using Kernel = std::decay_t<decltype(kernel)>;

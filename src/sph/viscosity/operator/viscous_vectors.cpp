@@ -1,6 +1,6 @@
 #include "sph/viscosity/operator/viscous_vectors.hpp"
 
-#include "kokkos/lanes.hpp"
+#include "kokkos/simd.hpp"
 
 namespace treacle::sph {
 

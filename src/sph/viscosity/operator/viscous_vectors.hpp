@@ -1,5 +1,5 @@
 #pragma once
-#include "sph/model/mixture.hpp"
+#include "sph/model/immiscible_liquids.hpp"
 #include "sph/model/particles.hpp"
 
 // Vectors of the viscous solve, [n][3], of the owned particles. Sums are this rank's.

@@ -1,5 +1,5 @@
 #pragma once
-#include "sph/model/load_points.hpp"
+#include "sph/model/moment_reference_points.hpp"
 #include "sph/model/neighbourhood.hpp"
 
 namespace treacle::sph {
@@ -14,8 +14,8 @@ struct ViscousWalls {
     Array3 normal;        // unit, out of the solid
     Array<double> friction; // [body] 0: free slip, nothing of it counts; 1: no slip
     Array<double> motion; // [body][6] velocity [m/s] and spin [rad/s]
-    LoadPoints points;
-    double grip;          // factor on V_s, Constants::wall_grip
+    MomentReferencePoints points;
+    double grip;          // factor on V_s, Constants::wall_viscous_factor
     double depth;         // of the layer below the surface [m]
     double least;         // distance from the surface below which particles are not taken to be [m]
     bool resting;         // as if no solid moved
@@ -28,7 +28,7 @@ struct ViscousWalls {
     };
 
     // True for a solid particle whose friction is not 0.
-    KOKKOS_INLINE_FUNCTION bool grips(int s) const { return friction(body(s)) > 0; }
+    KOKKOS_INLINE_FUNCTION bool no_slip(int s) const { return friction(body(s)) > 0; }
     // Contact of a liquid particle at the distance (dx, dy, dz) [m] from solid particle s.
     KOKKOS_INLINE_FUNCTION Contact touch(int s, double dx, double dy, double dz) const {
         const double height = math::max(normal(s, 0) * dx + normal(s, 1) * dy + normal(s, 2) * dz, depth + least);

@@ -17,7 +17,7 @@ template <class Kernel>
 struct SlipLoop {
     Kernel kernel;
     Pairs pairs;
-    LoadPoints points;
+    MomentReferencePoints points;
     Array<double> slip, share;
     Array<double> volume, wetting;
     Array<int> body;
@@ -119,7 +119,7 @@ struct SlipStiffnessLoop : SlipLoop<Kernel>, LoadReduction {
 
 // Calls work(loop) with the common part of the loops.
 template <class Work>
-void with_slip(const ViscousScene& scene, const LoadPoints& points, const Array<double>& slip,
+void with_slip(const ViscousScene& scene, const MomentReferencePoints& points, const Array<double>& slip,
                const Array<double>& share, const Work& work) {
     const auto& c = scene.constants;
     const auto& solid = scene.solid;
@@ -128,7 +128,7 @@ void with_slip(const ViscousScene& scene, const LoadPoints& points, const Array<
         using Kernel = std::decay_t<decltype(kernel)>;
         work(SlipLoop<Kernel>{kernel, pairs(scene.neighbours.solid, scene.liquid.store, solid.store), points,
                               slip, share, solid.volume(), solid.wetting(), solid.body(), solid.normal(),
-                              c.rest_volume, area, c.wall_packing, c.wall_depth, least_wetting * c.wall_wetting,
+                              c.rest_volume, area, c.wall_packing, c.wall_depth, least_wetting * c.wall_kernel_sum,
                               least_height * c.spacing});
     });
 }
@@ -137,7 +137,7 @@ void with_slip(const ViscousScene& scene, const LoadPoints& points, const Array<
 WallSlip::WallSlip(const std::vector<double>& lengths)
     : any_(std::ranges::any_of(lengths, [](double b) { return b > 0; })), slip_(upload(lengths)) {}
 
-void WallSlip::prepare(const ViscousScene& scene, const LoadPoints& points, const Array<double>& share) {
+void WallSlip::prepare(const ViscousScene& scene, const MomentReferencePoints& points, const Array<double>& share) {
     if (!any_) return;
     points_ = points;
     const int n = scene.liquid.store.owned();
@@ -148,7 +148,7 @@ void WallSlip::prepare(const ViscousScene& scene, const LoadPoints& points, cons
     Kokkos::deep_copy(scene.solid.wetting(), 0.0);
     with_slip(scene, points_, slip_, share_, [&](const auto& loop) {
         using Kernel = std::decay_t<decltype(loop.kernel)>;
-        Kokkos::parallel_for("treacle::wall_wetting", n, WettingLoop<Kernel>{loop});
+        Kokkos::parallel_for("treacle::wall_kernel_sum", n, WettingLoop<Kernel>{loop});
     });
     if (scene.solid_halo) {
         scene.solid_halo->scatter(store, {scene.solid.wetting_field()});

@@ -17,7 +17,7 @@ public:
 
     // Collective. `share` is dt/m V mu of the owned particles, which loses what the wall's traction stands
     // for.
-    void prepare(const ViscousScene& scene, const LoadPoints& points, const Array<double>& share);
+    void prepare(const ViscousScene& scene, const MomentReferencePoints& points, const Array<double>& share);
 
     bool any() const { return any_; } // some solid has a length
     // dt/m times the drag coefficient of each owned particle; when there is any.
@@ -36,7 +36,7 @@ public:
 
 private:
     bool any_ = false;
-    LoadPoints points_;
+    MomentReferencePoints points_;
     Array<double> slip_;
     Array<double> share_{"treacle::slip_share", 0}; // dt/m V mu, whole
     Array<double> drag_{"treacle::wall_drag", 0};

@@ -1,0 +1,86 @@
+#include "grid/geometry/density_relaxation.hpp"
+
+#include "grid/geometry/seeding.hpp"
+
+#include <cmath>
+
+namespace treacle::grid {
+
+namespace {
+constexpr double whole = 1 - 1e-9; // share of a cell from which no solid cuts it
+
+// Calls use(place, weight) for a cell and those around it, with weights 1, 2, 1 along each axis: by plain sums a lattice that
+// turns would seem to become sparse and dense by some percent as its rows pass the sides of cells.
+template <class Use>
+KOKKOS_INLINE_FUNCTION void each_around(const int c[3], int dimensions, const CellBox& window, const Use& use) {
+    const int deep = dimensions == 3 ? 1 : 0;
+    for (int z = -deep; z <= deep; ++z) {
+        for (int y = -1; y <= 1; ++y) {
+            for (int x = -1; x <= 1; ++x) {
+                use(window.index(c[0] + x, c[1] + y, c[2] + z), (2 - x * x) * (2 - y * y) * (2 - z * z));
+            }
+        }
+    }
+}
+
+// Number of particles in each whole cell that has liquid on all sides.
+struct WithinLoop {
+    CellBox cells, window;
+    int dimensions;
+    CellList particles;
+    Array<double> distance, fluid;
+    Array<int> within;
+
+    KOKKOS_INLINE_FUNCTION void operator()(int i) const {
+        int c[3];
+        cells.cell(i, c);
+        const int at = window.index(c[0], c[1], c[2]);
+        bool counts = fluid(at) >= whole;
+        each_around(c, dimensions, window, [&](int n, int) { counts = counts && distance(n) < 0; });
+        const int in_list = particles.window.index(c[0], c[1], c[2]);
+        within(at) = counts ? particles.end(in_list) - particles.begin(in_list) : -1;
+    }
+};
+
+struct InflowLoop {
+    CellBox owned, window;
+    int dimensions;
+    double full;        // particles in a cell at rest
+    double dead_band, rate; // [m/s] for a cell without particles
+    Array<int> within;
+    Array<double> inflow;
+
+    KOKKOS_INLINE_FUNCTION void operator()(int i) const {
+        int c[3];
+        owned.cell(i, c);
+        const int at = window.index(c[0], c[1], c[2]);
+        inflow(at) = 0;
+        if (within(at) < 0) return;
+        int particles = 0, cells = 0;
+        each_around(c, dimensions, window, [&](int n, int weight) {
+            if (within(n) < 0) return;
+            particles += weight * within(n);
+            cells += weight;
+        });
+        const double missing = 1 - particles / (full * cells);
+        inflow(at) = rate * (missing - math::max(-dead_band, math::min(dead_band, missing)));
+    }
+};
+} // namespace
+
+void DensityRelaxation::find(const DensityRelaxationOptions& options, const Scene& scene, double dt) {
+    const CellBox window = scene.halo.window(), owned = scene.halo.owned();
+    const int dimensions = scene.grid.dimensions;
+    reserve(within_, static_cast<std::size_t>(window.size()));
+    reserve(inflow_, static_cast<std::size_t>(window.size()));
+    if (owned.empty()) return;
+    const CellBox around = grown(owned, 1, dimensions);
+    Kokkos::parallel_for("treacle::within_liquid", static_cast<int>(around.size()),
+                         WithinLoop{around, window, dimensions, scene.cells, scene.distance, scene.fractions.cell_fluid, within_});
+    const double full = std::pow(particles_per_axis, dimensions);
+    const double rate = scene.grid.dx / (options.steps * dt);
+    Kokkos::parallel_for("treacle::density_relaxation", static_cast<int>(owned.size()),
+                         InflowLoop{owned, window, dimensions, full, options.dead_band, rate, within_, inflow_});
+}
+
+} // namespace treacle::grid

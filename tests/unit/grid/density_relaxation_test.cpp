@@ -1,0 +1,80 @@
+#include "grid/geometry/seeding.hpp"
+#include "grid/transport/inflow.hpp"
+#include "step_sample.hpp"
+
+#include <gtest/gtest.h>
+
+namespace treacle::grid::density_relaxation_test {
+namespace {
+
+class Contracting : public testing::Test {
+protected:
+    const Comm comm = Comm::world();
+
+    // In a plane tank of walls, 1 m wide.
+    static StepSample tank(double viscosity) {
+        auto sample = sample_of(16, 2);
+        sample.setup.viscosity = viscosity;
+        sample.liquid = [](const Vec3&) { return 1.0; };
+        return sample;
+    }
+    // Twice the height of the centre of mass [m].
+    static double level(const GridStep& step) {
+        const auto totals = step.totals();
+        return 2 * totals.potential_energy / (9.81 * totals.mass);
+    }
+    static double volume(const GridStep& step) { return step.totals().mass / 1000; } // [m2]
+
+    std::unique_ptr<GridStep> after(const StepSample& sample, double end, double longest) const {
+        auto step = started(comm, sample);
+        for (double time = 0; time < end;) {
+            const double dt = std::min(longest, step->stable_step(1));
+            step->advance(dt);
+            time += dt;
+        }
+        return step;
+    }
+};
+
+// Each fifth particle is missing, wherever it is; solved for one after the other and together.
+TEST_F(Contracting, SparseLiquidTakesItsVolumeAgain) {
+    for (const auto solve : {StokesSolve::split, StokesSolve::together}) {
+        auto sample = tank(50);
+        sample.liquid = [](const Vec3& x) {
+            const auto number = std::llround(1e6 * (x[0] + 31 * x[1]));
+            return scatter(number) > 0.6 ? 1.0 : x[1] - 0.6;
+        };
+        sample.setup.options.stokes.solve = solve;
+        const auto step = after(sample, 1, 0.01);
+        EXPECT_LT(volume(*step), 0.52); // it began with 0.6
+        EXPECT_NEAR(level(*step), volume(*step), 0.04 * volume(*step));
+        sample.setup.options.density_relaxation.steps = 0;
+        const auto without = after(sample, 0.2, 0.01);
+        EXPECT_GT(level(*without), 1.08 * volume(*without)); // or there would be nothing to measure
+    }
+}
+
+// A jet that falls by 13 cells is thinner than two of them below.
+TEST_F(Contracting, WhatIsPouredFromHighHasItsVolume) {
+    for (const double viscosity : {5.0, 50.0}) {
+        auto sample = tank(viscosity);
+        auto& inflow = sample.setup.inflow;
+        flow::InletSetup inlet;
+        inlet.centre = {0.3, 0.82, 0};
+        inlet.direction = {0, -1, 0};
+        inlet.along = {1, 0, 0};
+        inlet.speed = 1;
+        inlet.end = 3;
+        const double spacing = sample.setup.domain.spacing / particles_per_axis;
+        for (int i = 0; i < 6; ++i) inlet.points.push_back({(i - 2.5) * spacing, 0, 0});
+        inflow.inlets = {inlet};
+        inflow.first_id = 100000;
+        sample.setup.rigid.bodies = make_inlet_bodies(inflow, make_mac_grid(sample.setup.domain));
+        sample.setup.slip = {{scene::Slip::no_slip}, {0}};
+        const auto step = after(sample, 4, 0.02);
+        EXPECT_NEAR(level(*step), volume(*step), 0.05 * volume(*step)) << viscosity;
+    }
+}
+
+} // namespace
+} // namespace treacle::grid::density_relaxation_test
