@@ -3,6 +3,7 @@
 #include "base/options/options.hpp"
 #include "base/text/error.hpp"
 #include "base/text/text.hpp"
+#include "scene/renamed_keys.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -33,6 +34,7 @@ Input bench_scene(std::int64_t particles, int sections, const std::vector<std::s
                              "method: {pressure: {solver: isph}}\n"
                              "time: {end: 1 s}\n";
     auto document = Document::from_text(text, "treacle bench");
+    document.accept(scene::renamed_keys());
     for (const auto& assignment : overrides) document.set(assignment);
     Input input;
     parse(document, input);

@@ -3,6 +3,7 @@
 #include "app/input/camera_files.hpp"
 #include "base/options/options.hpp"
 #include "scene/data_files.hpp"
+#include "scene/renamed_keys.hpp"
 
 namespace treacle::app {
 
@@ -32,12 +33,14 @@ Input read(Document document, const InputSource& source) {
     for (const auto& change : source.changes) document.set(change.assignment, change.origin);
     Input input;
     parse(document, input);
+    input.notes = document.notes();
     return input;
 }
 } // namespace
 
 Input load_input(const InputSource& source) {
     auto document = Document::load(source.scene);
+    document.accept(scene::renamed_keys());
     if (source.materials.empty()) return read(document, source);
     // Materials go into liquids, whose names and number the scene itself states; overrides may be of keys that come
     // with a material.

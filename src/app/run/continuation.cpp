@@ -3,6 +3,7 @@
 #include "base/options/options.hpp"
 #include "base/text/error.hpp"
 #include "io/manifest.hpp"
+#include "scene/renamed_keys.hpp"
 
 namespace treacle::app {
 
@@ -33,6 +34,7 @@ std::string state_hash(Input input) {
 
 Input continued_input(const std::string& text, const std::string& name, const std::vector<Change>& changes) {
     auto document = Document::from_text(text, name);
+    document.accept(scene::renamed_keys());
     Input before, after;
     parse(document, before);
     for (const auto& change : changes) document.set(change.assignment, change.origin);
@@ -43,12 +45,13 @@ Input continued_input(const std::string& text, const std::string& name, const st
                            "change time.end, output, cameras or max_lost_fraction, or start anew with treacle run"});
     };
     for (const auto& change : changes) {
-        const auto reason = reason_against(change.assignment.substr(0, change.assignment.find('=')));
+        const auto reason = reason_against(present_path(change.assignment.substr(0, change.assignment.find('=')), scene::renamed_keys()));
         if (!reason.empty()) refuse(change, reason);
     }
     // A whole block may have been given.
     if (refused.empty() && state_hash(before) != state_hash(after)) refuse(changes.back(), reason_against("output.name"));
     if (!refused.empty()) throw InputError(refused);
+    after.notes = document.notes();
     return after;
 }
 

@@ -119,13 +119,17 @@ Node& find_or_make(Node& node, const std::string& word, const std::string& place
     return node.members.back().value;
 }
 
+void note_override(DocumentTree& tree, const std::string& given, const std::string& path, const std::string& place) {
+    if (given != path) tree.notes.push_back(place + ": " + given + " is now " + path);
+}
+
 } // namespace
 
 void Document::set(const std::string& assignment, const std::string& origin) {
     const std::string place = origin.empty() ? "--set " + assignment : origin;
     try {
         const auto equals = assignment.find('=');
-        const auto path = assignment.substr(0, equals);
+        const auto path = present_path(assignment.substr(0, equals), tree_->renamed);
         const auto parts = split(path, '.');
         const bool gap = std::ranges::find(parts, "") != parts.end();
         if (equals == std::string::npos || gap) {
@@ -137,6 +141,8 @@ void Document::set(const std::string& assignment, const std::string& origin) {
         for (const auto& part : parts) node = &find_or_make(*node, part, place);
         *node = std::move(value.root);
         std::ranges::move(value.problems, std::back_inserter(tree_->problems));
+        note_override(*tree_, assignment.substr(0, equals), path, place);
+        accept(tree_->renamed);
     } catch (const InputError& error) {
         std::ranges::copy(error.diagnostics(), std::back_inserter(tree_->problems));
     }

@@ -1,11 +1,23 @@
 #pragma once
 #include <filesystem>
 #include <memory>
+#include <span>
 #include <string>
+#include <vector>
 
 namespace treacle {
 
 struct DocumentTree; // private to base
+
+// A key of earlier versions and its present name; or, with a `word`, a word that was a value of the key.
+struct Renamed {
+    std::string path; // of the key; blocks around it by their present names, `*` for each item of a list
+    std::string now;  // the key's present name, or the present word
+    std::string word = {};
+};
+
+// An override's path "a.b.c" by present names.
+std::string present_path(const std::string& path, std::span<const Renamed> table);
 
 // A YAML file, read but not interpreted: blocks, lists and words, each with its place.
 class Document {
@@ -20,6 +32,12 @@ public:
     Document(Document&& other) noexcept;
     Document& operator=(Document other) noexcept;
     ~Document();
+
+    // Accepts earlier names in the document and in later calls of set(); entries apply in their order. `table` must outlive the
+    // document. A key that is given by both names is reported by parse().
+    void accept(std::span<const Renamed> table);
+    // A sentence for each earlier name found, with its place.
+    const std::vector<std::string>& notes() const;
 
     // Applies "a.b.c=value" before parsing; an item of a list is named by its number or its `name`.
     // Missing blocks are made. What does not fit is reported by parse(), at `origin`, or at "--set a.b.c=value".

@@ -1,6 +1,8 @@
 #pragma once
+#include "base/options/document.hpp"
 #include "base/text/error.hpp"
 
+#include <span>
 #include <string>
 #include <vector>
 
@@ -38,6 +40,8 @@ struct DocumentTree {
     std::string name;                 // path or "--set", for messages
     Node root;                        // null for an empty document
     std::vector<Diagnostic> problems; // found while reading, reported with those of the parsing
+    std::span<const Renamed> renamed;
+    std::vector<std::string> notes; // on earlier names
 };
 
 // Reads one YAML document; a key that stands twice becomes a problem of the tree. With a `place`, that is

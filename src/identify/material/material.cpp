@@ -2,6 +2,7 @@
 
 #include "base/options/parse_some.hpp"
 #include "base/text/error.hpp"
+#include "scene/renamed_keys.hpp"
 
 namespace treacle::identify {
 
@@ -31,7 +32,9 @@ std::string yaml(const std::vector<Material>& materials) { return materials.empt
 
 std::vector<Material> read_materials(const std::filesystem::path& path) {
     Materials out;
-    parse_some(Document::load(path), [&](Declaration& d) { out.declare(d); });
+    auto document = Document::load(path);
+    document.accept(scene::renamed_keys()); // of a study of an earlier version
+    parse_some(document, [&](Declaration& d) { out.declare(d); });
     if (out.all.empty()) {
         throw InputError({path.string(), "has no materials", "in its study no key of a liquid was identified, or it is no result of `treacle identify`",
                           "give report/result.yaml of a study whose parameters have keys such as liquids.honey.viscosity"});
