@@ -1,14 +1,10 @@
-"""Home-made names that the field has terms for, and those of them that the tree still uses.
-
-A name is retired once nothing in the sources has it; from then on tools/check_structure reports it. `IN_USE` are those still in the sources: a
-name that is renamed leaves that set.
-"""
+"""Home-made names that the field has terms for: tools/check_structure reports them in the sources."""
 
 import re
 
 from . import sources
 
-# The name: the term, and the folder that the rule is for where the word is a good one elsewhere.
+# The name: the term, and the folder or folders, or beginnings of paths, that the rule is for where the word is a good one elsewhere.
 RETIRED = {
     "find_rates": ("compute_rates", ""),
     "find_jumps": ("compute_jumps", ""),
@@ -22,13 +18,13 @@ RETIRED = {
     "ComplementarityParts": ("ComplementarityContext", ""),
     "PressureScene": ("PressureContext", ""),
     "StrainScene": ("StrainContext", ""),
-    "Departures": ("DeparturePoints", ""),
+    "Departures": ("DepartureCounts", ""),
     "gather_fluid": ("make_views", ""),
     "gather_sum": ("sparse_dot", ""),
     "Gathering": ("RankAgglomeration", ""),
     "Images": ("MirrorParticles", "src/grid"),
     "IntLanes": ("SimdInt", ""),
-    "Lanes": ("SimdDouble", ""),
+    "Lanes": ("SimdDouble", ("kokkos", "src/grid", "src/solve", "src/sph")),
     "Quad": ("Double4", ""),
     "Four": ("Float4", ""),
     "Tile": ("Float4x4", ""),
@@ -63,7 +59,7 @@ RETIRED = {
     "poured_particles": ("inflow_particles", ""),
     "poured_viscosity": ("inflow_viscosity", ""),
     "Settled": ("InsetPoint", ""),
-    "settle": ("project_to_inset", ""),
+    "settle": ("project_to_inset", "src/scene"),
     "EvenLayer": ("PoissonDiskLayer", ""),
     "Revolved": ("SurfaceOfRevolution", ""),
     "make_cut": ("make_cross_section", ""),
@@ -83,7 +79,7 @@ RETIRED = {
     "GridRule": ("Rediscretisation", ""),
     "multilevel_grids": ("multilevel_rediscretised", ""),
     "rows_per_rank": ("min_rows_per_rank", ""),
-    "secure_sweeps": ("l1_diagonal", ""),
+    "secure_sweeps": ("set_l1_diagonal", ""),
     "secured_": ("l1_diagonal_", ""),
     "border_sweeps": ("interface_sweeps", ""),
     "border_": ("interface_", ""),
@@ -91,11 +87,11 @@ RETIRED = {
     "sweep_down": ("sweep_forward", ""),
     "sweep_up": ("sweep_backward", ""),
     "RigidLinks": ("RigidBodyProlongation", ""),
-    "Separation": ("split_disconnected", "src/solve"),
+    "Separation": ("DisconnectedSplit", "src/solve"),
     "small_box": ("small_aggregate_width", ""),
     "dense_rows": ("max_coarse_size", ""),
     "CellKey": ("MortonKey", ""),
-    "halvings": ("levels", ""),
+    "halvings": ("coarsening_levels", ""),
     "ComponentSplit": ("FieldSplitPreconditioner", ""),
     "near_kernel": ("near_null_space", ""),
     "set_addition": ("set_matrix_free_term", ""),
@@ -114,7 +110,7 @@ RETIRED = {
     "least_opening": ("min_face_area_fraction", ""),
     "least_gap": ("min_fluid_fraction", ""),
     "normal_layer": ("no_penetration_layer", ""),
-    "solves_together": ("solve_monolithic", ""),
+    "solves_together": ("solves_monolithic", ""),
     "continue_changes": ("extrapolate_increment", ""),
     "Continued": ("Extrapolated", ""),
     "continue_velocity": ("extrapolate_velocity", ""),
@@ -133,11 +129,11 @@ RETIRED = {
     "unbalanced": ("incompatible_fraction", ""),
     "lifted": ("unpinned", ""),
     "Anchoring": ("PressurePinning", ""),
-    "anchored": ("pinned", ""),
+    "anchored": ("pinned", "src/sph"),
     "to_surface": ("dirichlet_diagonal", ""),
-    "idle_face": ("inactive", ""),
-    "free_face": ("unknown", ""),
-    "held_face": ("prescribed", ""),
+    "idle_face": ("inactive_face", ""),
+    "free_face": ("unknown_face", ""),
+    "held_face": ("prescribed_face", ""),
     "cast_roles": ("classify_faces", ""),
     "pulled_": ("stress_coupling_", ""),
     "slipped_": ("slip_coupling_", ""),
@@ -147,7 +143,7 @@ RETIRED = {
     "pushed": ("effective_area_fraction", "src/grid"),
     "softness": ("cfm_epsilon", ""),
     "compute_loads": ("compute_pressure_over_density2", ""),
-    "own_load": ("pressure_over_density2", ""),
+    "own_load": ("own_pressure_weight", ""),
     "write_places": ("pack_positions", ""),
     "write_motions": ("pack_velocities", ""),
     "pack_motion": ("pack_velocity", ""),
@@ -168,14 +164,14 @@ RETIRED = {
     "wall_wetting": ("wall_kernel_sum", ""),
     "rest_gap": ("equilibrium_wall_distance", ""),
     "solid_scale": ("boundary_volume_factor", ""),
-    "stirred": ("boundary_volume_factor", ""),
+    "stirred": ("disordered_volume_factor", ""),
     "measure_lattice": ("compute_lattice_sums", ""),
     "measure_wall": ("compute_wall_sums", ""),
     "Mixture": ("ImmiscibleLiquids", ""),
     "laminar": ("pair_viscosity", ""),
     "colliding": ("pair_artificial_viscosity", ""),
     "conductance": ("inverse_density", ""),
-    "recovery": ("relaxation_time", "src/sph"),
+    "recovery": ("relaxation_time", "src/sph/model/immiscible_liquids"),
     "checkerboard_damping": ("hourglass_coefficient", ""),
     "DensityCorrection": ("OrthominCorrection", ""),
     "printed": ("as_published", "src/sph"),
@@ -220,26 +216,8 @@ PHRASES = {
     "Chabat": "Chabard",
 }
 
-# Still in the sources.
-IN_USE = set("""
-    Anchoring Answer BenchFigures BodyResponse BoundedGoal CellKey ComplementarityParts ComponentSplit Continued Contraction
-    DensityCorrection Departures EvenLayer FaceKind FaceMarks Felt FlowCurve Four Gathering GridRule Images IntLanes JointParticles
-    JointRow KeyNumbers Lamp Lanes LayerSource LoadPoints MadeRows Members Mixture Mobility Movable Plumb PressureScene Probe Quad
-    Revolved RigidBorder RigidLinks Separation Settled SharedRows ShearLaw Slices StepFigures StepParts StrainScene Tile TriangleTree
-    ViscousParts ViscousSpread Voice WallGrip allow_plane_vectors anchored around_bodies assemble_joint bits_of body_coupling
-    body_notes border_ border_sweeps butterflies cast_roles cell_wet checkerboard_damping clarity colliding compute_loads conductance
-    continue_changes continue_velocity contracts conveys corner_shares crowding_ dense_rows end_together face_wet far_down feels_
-    find_jumps find_rates find_surface first_lanes follow_directions free_face gather_fluid gather_sum give_way
-    gripping_ grips ground halvings hand_down held_face held_layers idle_face infinite_viscosity invert_above joint_gap keep_change
-    laminar lean least_distance least_gap least_opening least_shear_rate least_spread least_wet lever lifted lost_limit make_cut
-    make_plugs mark_solved measure_lattice measure_wall mild most_vain_cycles movers_ multilevel_grids multiply_nearly near_kernel
-    normal_layer one_step_late only_last open_ledger over_half_a_cell own_load pack_motion patience plug_layers poured_particles
-    poured_viscosity pressed printed pulled_ pushed range_of rebalance_above recovery recut relaxed repeat rest_gap rheology_residual
-    rheology_solves rows_per_rank secure_sweeps secured_ set_addition settle shadows slack slipped_ small_box smeared_share softness
-    solid_scale solves_together spare spoiled spread standard stirred strike sweep_down sweep_up take_centres tense thinnest
-    to_surface turn_along_solids turns_ unbalanced wall_cover wall_grip wall_push wall_wetting wet_share worth_keeping worthwhile
-    write_ints write_lanes write_motions write_places
-""".split())
+# Names that scene files may still have, and their present ones.
+EARLIER_KEYS = "src/scene/renamed_keys.cpp"
 
 
 def pattern(names):
@@ -250,6 +228,8 @@ def pattern(names):
 
 def names_in(text, path, names):
     """Pairs (line, name) of those of the names that code or a string of a source has; path is relative to the tree's root."""
+    if path == EARLIER_KEYS:
+        return []
     found = pattern(names)
     hits = ((number, hit[0]) for number, line in enumerate(sources.code(text).splitlines(), 1) for hit in found.finditer(line))
     return [(number, name) for number, name in hits if path.startswith(RETIRED[name][1])]
